@@ -5,8 +5,6 @@
 #include <malloc.h>
 #include <pthread.h>
 #include <stdlib.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "http/internal/encoding.h"
 #include "http/internal/loop.h"
@@ -95,18 +93,9 @@ static enum outcome handle(struct request *request, struct pen_jobs *jobs)
     return outcome;
 }
 
-/* Work on large bodies leaves the processors to everybody else. */
-static void lower_priority(enum queue_id id)
-{
-    enum { NICER = 10 };
-    if (id == QUEUE_INTAKE)
-        setpriority(PRIO_PROCESS, (id_t)gettid(), getpriority(PRIO_PROCESS, 0) + NICER);
-}
-
 static void *work(void *arg)
 {
     struct thread *thread = arg;
-    lower_priority(thread->id);
     struct request *request;
     while ((request = next_request(thread->executor, thread->id)) != NULL) {
         bool large = request->body.bytes >= LARGE_BYTES;

@@ -11,6 +11,7 @@
 #include "io/builtin.h"
 
 static const int64_t probe_again_ns = INT64_C(1000000000);
+static const int64_t probe_late_ns = 5 * INT64_C(1000000000);
 
 static enum outcome answer_file(struct request *request, const struct static_file *file)
 {
@@ -87,20 +88,23 @@ enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *j
 }
 
 /* Whether a write reaches the disk. The store is probed at most once a second, so that a monitor
- * that polls often does not wear the disk. */
+ * that polls often does not wear the disk. While one thread probes, which may have to wait for a
+ * large job to be stored, others are told the result before, if that is not old. */
 static bool probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
 {
-    int64_t now = pen_clock_ns();
     pthread_mutex_lock(&http->ready_lock);
-    bool fresh = http->ready_ns && now - http->ready_ns < probe_again_ns;
+    int64_t age = http->ready_ns ? pen_clock_ns() - http->ready_ns : INT64_MAX;
+    bool known = age < probe_again_ns || (http->probing && age < probe_late_ns);
     *st = http->ready;
+    http->probing = http->probing || !known;
     pthread_mutex_unlock(&http->ready_lock);
-    if (fresh)
+    if (known)
         return st->code == PEN_OK;
     *st = (struct pen_status){.code = PEN_OK};
     pen_store_intake(pen_jobs_store(jobs), st);
     pthread_mutex_lock(&http->ready_lock);
-    http->ready_ns = now;
+    http->probing = false;
+    http->ready_ns = pen_clock_ns();
     http->ready = *st;
     pthread_mutex_unlock(&http->ready_lock);
     return st->code == PEN_OK;

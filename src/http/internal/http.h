@@ -40,6 +40,7 @@ struct pen_http {
 
     pthread_mutex_t ready_lock;
     int64_t ready_ns;        /* guarded by ready_lock: when the store was last probed; 0: never */
+    bool probing;            /* guarded by ready_lock: a thread is probing it */
     struct pen_status ready; /* guarded by ready_lock: the result of that probe */
     char not_ready_reason[PEN_MSG_BYTES]; /* guarded by ready_lock: see pen_http_set_not_ready */
 };
