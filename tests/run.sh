@@ -17,12 +17,13 @@ waiting='tests/cmd/crash_loop'
 
 # The others hold times against limits or against each other, and so would judge their neighbours.
 # They run when all of the above are done. Two at a time, since they need little of a processor:
-#   test_server            connections that must be closed within seconds, not before and not after
+#   test_server, test_connections
+#                          connections that must be closed within seconds, not before and not after
 #   quarantine, supervisor deadlines of seconds for what takes many processes
 #   connections            thousands of clients, who must be answered within seconds
 #   readme                 waits a minute for large pictures, as the README's text does
-paired='tests/http/test_server tests/cmd/quarantine tests/cmd/supervisor tests/e2e/connections
-tests/e2e/readme'
+paired='tests/http/test_server tests/http/test_connections tests/cmd/quarantine tests/cmd/supervisor
+tests/e2e/connections tests/e2e/readme'
 # And one at a time:
 #   test_events, events    when changes are told, in milliseconds
 #   test_traffic           how often a worker calls the store, which depends on how long work takes

@@ -143,8 +143,8 @@ static void *send_bad(void *arg)
     static const char *const bad[] = {"GET /nowhere HTTP/1.1\r\nHost: localhost\r\n\r\n",
                                       "GET / HTTP/1.1\r\nHost : localhost\r\n\r\n",
                                       "\x16\x03\x01\x02\r\n\r\n",
-                                      "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
-                                      "Content-Length: 2\r\n\r\n[]"};
+                                      ("POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
+                                       "Content-Length: 2\r\n\r\n[]")};
     struct clients *clients = arg;
     char answer[4096];
     int64_t begun = pen_clock_ns(), each_ns = INT64_C(1000000000) / clients->per_second;

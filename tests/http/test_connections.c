@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: MIT */
+/* Clients that hold connections without using them: they are sent away, or give way, or are found
+ * to be gone, and others are answered meanwhile. */
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "support/server.h"
+#include "support/suite.h"
+
+static void pause_ms(long ms)
+{
+    const struct timespec pause = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000};
+    nanosleep(&pause, NULL);
+}
+
+static int status_of(const struct server *server, const char *head, const char *body)
+{
+    struct answer answer;
+    server_ask(server, head, body, &answer);
+    int status = answer.status;
+    answer_release(&answer);
+    return status;
+}
+
+static void expect_alive(const struct server *server)
+{
+    ck_assert_int_eq(status_of(server, "GET /healthz HTTP/1.1", NULL), 200);
+    ck_assert_int_eq(status_of(server, "GET /v1/jobs HTTP/1.1", NULL), 200);
+}
+
+/* Opens `count` long polls on a job. */
+static void open_polls(const struct server *server, const char *path, const char *fields, int *fds,
+                       int count)
+{
+    char text[300];
+    snprintf(text, sizeof text, "GET %s?wait=50 HTTP/1.1\r\nHost: localhost\r\n%s\r\n", path,
+             fields);
+    for (int i = 0; i < count; i++) {
+        fds[i] = server_connect(server);
+        client_send(fds[i], text);
+    }
+}
+
+/* Descriptors for both ends of some hundred connections. */
+static void allow_many_files(void)
+{
+    struct rlimit files;
+    ck_assert_int_eq(getrlimit(RLIMIT_NOFILE, &files), 0);
+    files.rlim_cur = files.rlim_max < 4096 ? files.rlim_max : 4096;
+    ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &files), 0);
+}
+
+/* Waits until one of these connections can be read. */
+static int first_answered(const int *fds, int count)
+{
+    struct pollfd *list = calloc((size_t)count, sizeof *list);
+    ck_assert_ptr_nonnull(list);
+    for (int i = 0; i < count; i++)
+        list[i] = (struct pollfd){.fd = fds[i], .events = POLLIN};
+    ck_assert_int_ge(poll(list, (nfds_t)count, 40000), 1);
+    int first = 0;
+    while (!list[first].revents)
+        first++;
+    free(list);
+    return first;
+}
+
+/* A client that sends a little now and then is never idle, but has not longer for it. */
+START_TEST(test_connections__slow_requests_are_ended)
+{
+    static const char *const beginnings[] = {
+        "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: ",
+        ("POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n"),
+        ("POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: "
+         "chunked\r\n\r\nffff\r\n")};
+    struct server server;
+    server_start(&server, &(struct server_options){.idle_seconds = 2});
+    for (int i = 0; i < 3; i++) {
+        struct answer answer;
+        int fd = server_connect(&server);
+        client_send(fd, beginnings[i]);
+        struct pollfd readable = {.fd = fd, .events = POLLIN};
+        for (int parts = 0; parts < 200 && poll(&readable, 1, 100) == 0; parts++)
+            client_send(fd, "a");
+        client_read(fd, false, &answer);
+        ck_assert_msg(answer.status == 408, "%d: %d", i, answer.status);
+        answer_release(&answer);
+        ck_assert(client_sees_end(fd, 10));
+        close(fd);
+    }
+    expect_alive(&server);
+    server_stop(&server);
+}
+END_TEST
+
+START_TEST(test_connections__idle_connections_give_way)
+{
+    enum { OPEN = 20 };
+    struct server server;
+    server_start(&server, &(struct server_options){.connections = OPEN});
+    int fds[3 * OPEN];
+    for (int i = 0; i < 3 * OPEN; i++) {
+        fds[i] = server_connect(&server);
+        client_send(fds[i], i % 2 ? "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n" : "GET /");
+    }
+    for (int i = 0; i < 2 * OPEN; i++)
+        expect_alive(&server);
+    int open = 0;
+    for (int i = 0; i < 3 * OPEN; i++) {
+        open += !client_sees_end(fds[i], 0);
+        close(fds[i]);
+    }
+    ck_assert_int_le(open, OPEN);
+    server_stop(&server);
+}
+END_TEST
+
+/* When all connections are at work, some are kept for requests that are answered soon. */
+START_TEST(test_connections__short_requests_have_slots_of_their_own)
+{
+    enum { OPEN = 20 };
+    struct server server;
+    server_start(&server, &(struct server_options){.connections = OPEN});
+    char path[80], head[160];
+    server_submit(&server, path);
+    int fds[OPEN];
+    snprintf(head, sizeof head, "GET %s?wait=50 HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
+    for (int i = 0; i < OPEN; i++) {
+        fds[i] = server_connect(&server);
+        client_send(fds[i], head);
+    }
+    pause_ms(500);
+    snprintf(head, sizeof head, "GET %s HTTP/1.1", path);
+    for (int i = 0; i < OPEN; i++) {
+        expect_alive(&server);
+        ck_assert_int_eq(status_of(&server, "GET /readyz HTTP/1.1", NULL), 200);
+        ck_assert_int_eq(status_of(&server, head, NULL), 200);
+    }
+    ck_assert_int_eq(status_of(&server, "GET /openapi.yaml HTTP/1.1", NULL), 503);
+    for (int i = 0; i < OPEN; i++)
+        close(fds[i]);
+    server_stop(&server);
+}
+END_TEST
+
+/* The places of polls whose clients have gone are free soon, though the job does not change. */
+START_TEST(test_connections__abandoned_polls_are_forgotten)
+{
+    enum { WAITING = 530 }; /* more than there are places */
+    allow_many_files();
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char path[80], head[160];
+    server_submit(&server, path);
+    static int fds[WAITING];
+    open_polls(&server, path, "", fds, WAITING);
+    first_answered(fds, WAITING); /* one was refused: all places are taken */
+    const struct linger reset = {.l_onoff = 1};
+    for (int i = 0; i < WAITING; i++) {
+        if (i % 2)
+            setsockopt(fds[i], SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
+        close(fds[i]);
+    }
+    snprintf(head, sizeof head, "GET %s?wait=1 HTTP/1.1", path);
+    int status = 503;
+    for (int i = 0; i < 100 && status == 503; i++) {
+        status = status_of(&server, head, NULL);
+        pause_ms(50);
+    }
+    ck_assert_int_eq(status, 200);
+    server_stop(&server);
+}
+END_TEST
+
+/* Without a worker the explanation would wait for 10 s, and its job for a worker. */
+START_TEST(test_connections__abandoned_explanations_leave_no_job)
+{
+    static const char body[] = "{\"scene\": \"builtin:spheres\"}";
+    struct server server;
+    server_start(&server, &(struct server_options){0});
+    char text[300];
+    struct answer answer;
+    snprintf(text, sizeof text,
+             "POST /v1/explain HTTP/1.1\r\nHost: localhost\r\nContent-Length: %zu\r\n\r\n%s",
+             sizeof body - 1, body);
+    int fd = server_connect(&server);
+    client_send(fd, text);
+    bool listed = false;
+    for (int i = 0; i < 100 && !listed; i++) {
+        pause_ms(50);
+        server_ask(&server, "GET /v1/jobs?kind=explain HTTP/1.1", NULL, &answer);
+        listed = strstr(answer.body, "\"queued\"") != NULL;
+        answer_release(&answer);
+    }
+    ck_assert(listed);
+    close(fd);
+    for (int i = 0; i < 100 && listed; i++) {
+        pause_ms(50);
+        server_ask(&server, "GET /v1/jobs?kind=explain HTTP/1.1", NULL, &answer);
+        listed = strstr(answer.body, "\"id\"") != NULL;
+        answer_release(&answer);
+    }
+    ck_assert(!listed);
+    server_stop(&server);
+}
+END_TEST
+
+static int status_of_poll(const struct server *server, const char *path, const char *from,
+                          const char *what)
+{
+    char text[200];
+    struct answer answer;
+    int fd = server_connect_from(server, from);
+    snprintf(text, sizeof text, "GET %s%s HTTP/1.0\r\nHost: localhost\r\n\r\n", path, what);
+    client_send(fd, text);
+    client_read(fd, true, &answer);
+    int status = answer.status;
+    answer_release(&answer);
+    close(fd);
+    return status;
+}
+
+START_TEST(test_connections__one_address_cannot_take_all_places)
+{
+    enum { WAITING = 4 };
+    struct server server;
+    server_start(&server, &(struct server_options){.waiting_per_address = WAITING,
+                                                   .trusted_proxy = "127.0.0.3"});
+    char path[80];
+    server_submit(&server, path);
+    int fds[2 * WAITING];
+    open_polls(&server, path, "", fds, WAITING);
+    char text[200];
+    snprintf(text, sizeof text, "GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
+    for (int i = WAITING; i < 2 * WAITING; i++) {
+        fds[i] = server_connect(&server);
+        client_send(fds[i], text);
+    }
+    pause_ms(500);
+    ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.1", "?wait=1"), 429);
+    ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.1", "/events"), 429);
+    ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.1", ""), 200);
+    ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.2", "?wait=1"), 200);
+    ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.2", "/events"), 200);
+    int more[WAITING + 1];
+    for (int i = 0; i <= WAITING; i++) {
+        more[i] = server_connect_from(&server, "127.0.0.3");
+        client_send(more[i], text);
+    }
+    for (int i = 0; i <= WAITING; i++) {
+        struct answer answer;
+        client_read(more[i], true, &answer);
+        ck_assert_int_eq(answer.status, 200);
+        answer_release(&answer);
+        close(more[i]);
+    }
+    for (int i = 0; i < 2 * WAITING; i++)
+        close(fds[i]);
+    int status = 429;
+    for (int i = 0; i < 100 && status == 429; i++) {
+        pause_ms(100);
+        status = status_of_poll(&server, path, "127.0.0.1", "?wait=1");
+    }
+    ck_assert_int_eq(status, 200);
+    server_stop(&server);
+}
+END_TEST
+
+PEN_SUITE("connections", test_connections__slow_requests_are_ended,
+          test_connections__idle_connections_give_way,
+          test_connections__short_requests_have_slots_of_their_own,
+          test_connections__abandoned_polls_are_forgotten,
+          test_connections__abandoned_explanations_leave_no_job,
+          test_connections__one_address_cannot_take_all_places)
