@@ -100,8 +100,10 @@ bool pen_policy_purge_slice(struct pen_store *store, bool *more, struct pen_stat
     struct pen_job_key job;
     if (!driver->ops->removed_next(driver, &job, more, st))
         return false;
-    return *more ? pen_store_write(store, write_slice, NULL, st)
-                 : driver->ops->reclaim(driver, more, st);
+    if (*more ? !pen_store_write(store, write_slice, NULL, st)
+              : !driver->ops->reclaim(driver, more, st))
+        return false;
+    return driver->ops->keep_log_short(driver, st);
 }
 
 struct purge {

@@ -190,6 +190,12 @@ bool pen_store_settle(struct pen_store *store, struct pen_status *st)
            leave(store, NULL, store->driver->ops->settle(store->driver, st));
 }
 
+bool pen_store_check_start(struct pen_store *store, struct pen_status *st)
+{
+    return enter(store, PEN_NEED_CHECK, st) &&
+           leave(store, NULL, store->driver->ops->check_start(store->driver, st));
+}
+
 bool pen_store_probe(struct pen_store *store, struct pen_status *st)
 {
     return enter(store, PEN_NEED_SPACE, st) &&

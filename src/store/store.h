@@ -96,9 +96,13 @@ const char *pen_store_identity(const struct pen_store *store);
  * To be called before the last handle is closed. */
 bool pen_store_settle(struct pen_store *store, struct pen_status *st);
 
-/* Looks for damage in the whole store and its log. The daemon does so once at its start.
- * Fails: PEN_STORAGE with the first damage found. Cost: reads every page. */
+/* Looks for damage in the whole store and its log. Fails: PEN_STORAGE with the first damage found.
+ * Cost: reads every page. */
 bool pen_store_check(struct pen_store *store, struct pen_status *st);
+
+/* As the daemon does at its start: a store of more than 64 MiB is checked in part, its log, schema,
+ * length and the tables of jobs and batches, for a third of a second at most. */
+bool pen_store_check_start(struct pen_store *store, struct pen_status *st);
 
 /* Whether the store accepts new work: writes a little and syncs it. Fails: PEN_STORAGE_FULL,
  * PEN_STORAGE, PEN_UNAVAILABLE, with the reason. */

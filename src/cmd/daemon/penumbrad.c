@@ -40,7 +40,7 @@ static bool take_supervision(const struct pen_config *config, struct pen_store *
 static struct pen_store *open_store(struct pen_config *config, struct pen_status *st)
 {
     struct pen_store *store = pen_store_open(config->store_url, st);
-    if (store && take_supervision(config, store, st) && pen_store_check(store, st) &&
+    if (store && take_supervision(config, store, st) && pen_store_check_start(store, st) &&
         pen_config_know_store(config, pen_store_identity(store), st)) {
         config->store_identity = pen_store_identity(store);
         return store;

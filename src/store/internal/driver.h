@@ -174,6 +174,8 @@ struct pen_driver_ops {
     bool (*reopen)(struct pen_driver *driver, struct pen_status *st);
     /* Looks for damage; reads everything. */
     bool (*check)(struct pen_driver *driver, struct pen_status *st);
+    /* The same in a part that takes well below a second, however large the store is. */
+    bool (*check_start)(struct pen_driver *driver, struct pen_status *st);
     /* Writes a little in a transaction of its own, and syncs it. */
     bool (*probe)(struct pen_driver *driver, struct pen_status *st);
     /* Fails unless there is space for about a MiB, which is written and removed again. */
@@ -193,6 +195,9 @@ struct pen_driver_ops {
                      struct pen_status *st);
     /* Copies the log's changes to their place. PostgreSQL: does nothing. */
     bool (*checkpoint)(struct pen_driver *driver, struct pen_status *st);
+    /* The same once a fraction of the length has been reached at which commits do so: whoever can
+     * wait spares others the wait. PostgreSQL: does nothing. */
+    bool (*keep_log_short)(struct pen_driver *driver, struct pen_status *st);
     /* The store's identity. PostgreSQL: a row. */
     const char *(*identity)(struct pen_driver *driver);
     /* As pen_store_settle. PostgreSQL: does nothing. */

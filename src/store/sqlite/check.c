@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Looks for damage in a store. SQLite's own check reads every page of every table and index, and
+/* Looks for damage in a store, in the whole of it or in a part that takes about START_MS at most,
+ * however large it is. SQLite's own check reads every page of every table and index, and
  * compares each index with its table. It silently takes a log that was overwritten for an empty
  * one, so the log is checked first (wal.c). */
 #include <stdio.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "store/sqlite/sqlite.h"
 
-enum { NAME_BYTES = 64 };
+enum { NAME_BYTES = 64, START_MS = 300, STEPS = 10000 };
+static const int64_t small_bytes = INT64_C(64) << 20; /* a store up to this is checked whole */
 
 /* Finds the table or index of a tree; "" if there is none. */
 static void name_tree(struct pen_sqlite_store *store, int root, char name[NAME_BYTES])
@@ -36,12 +39,17 @@ static bool report(struct pen_sqlite_store *store, const char *verdict, struct p
                               name[0] ? ": " : "", what);
 }
 
-bool pen_sqlite_check_pages(struct pen_sqlite_store *store, struct pen_status *st)
+/* Runs SQLite's check. One that was interrupted has found nothing so far. */
+static bool run_check(struct pen_sqlite_store *store, const char *sql, struct pen_status *st)
 {
     sqlite3_stmt *stmt = NULL;
-    int rc = sqlite3_prepare_v2(store->db, "PRAGMA integrity_check(1)", -1, &stmt, NULL);
+    int rc = sqlite3_prepare_v2(store->db, sql, -1, &stmt, NULL);
     if (rc == SQLITE_OK)
         rc = sqlite3_step(stmt);
+    if (rc == SQLITE_INTERRUPT) {
+        sqlite3_finalize(stmt);
+        return true;
+    }
     bool ok = rc == SQLITE_ROW || pen_sqlite_error(store, rc, st);
     const char *verdict = ok ? (const char *)sqlite3_column_text(stmt, 0) : NULL;
     if (ok && (!verdict || strcmp(verdict, "ok") != 0))
@@ -50,6 +58,11 @@ bool pen_sqlite_check_pages(struct pen_sqlite_store *store, struct pen_status *s
                  : report(store, verdict ? verdict : "no verdict", st);
     sqlite3_finalize(stmt);
     return ok;
+}
+
+bool pen_sqlite_check_pages(struct pen_sqlite_store *store, struct pen_status *st)
+{
+    return run_check(store, "PRAGMA integrity_check(1)", st);
 }
 
 bool pen_sqlite_check_file(struct pen_sqlite_store *store, struct pen_status *st)
@@ -78,4 +91,64 @@ bool pen_sqlite_check(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     return pen_sqlite_check_file(store, st) && check_schema(store, st);
+}
+
+static int64_t file_bytes(const struct pen_sqlite_store *store)
+{
+    struct stat info;
+    return stat(store->path, &info) == 0 ? (int64_t)info.st_size : 0;
+}
+
+/* SQLite calls this every STEPS steps of a statement; a value other than 0 interrupts it. */
+static int is_late(void *until_ns)
+{
+    return pen_clock_ns() >= *(const int64_t *)until_ns;
+}
+
+/* The tables on which everything else depends, as far as the time allows. Values of many pages,
+ * which are most of a large store, are checked when they are read: they have checksums. */
+static bool check_tables(struct pen_sqlite_store *store, struct pen_status *st)
+{
+    static const char *const checks[] = {
+        "PRAGMA integrity_check(meta)", "PRAGMA integrity_check(worker)",
+        "PRAGMA integrity_check(job)", "PRAGMA integrity_check(view)",
+        "PRAGMA integrity_check(batch)"};
+    int64_t until_ns = pen_clock_ns() + (int64_t)START_MS * 1000000;
+    bool ok = true;
+    sqlite3_progress_handler(store->db, STEPS, is_late, &until_ns);
+    for (size_t i = 0; ok && i < sizeof checks / sizeof checks[0]; i++)
+        ok = run_check(store, checks[i], st);
+    sqlite3_progress_handler(store->db, 0, NULL, NULL);
+    return ok;
+}
+
+/* A file that was cut off is shorter than its header says. Pages that are in the log alone may lie
+ * behind its end, so the log is copied first. */
+static bool check_length(struct pen_sqlite_store *store, struct pen_status *st)
+{
+    sqlite3_stmt *stmt = NULL;
+    int64_t pages = 0, page_bytes = 4096;
+    if (!pen_sqlite_checkpoint(&store->base, st))
+        return false;
+    int rc = sqlite3_prepare_v2(store->db, "PRAGMA page_count", -1, &stmt, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(stmt);
+    if (rc == SQLITE_ROW)
+        pages = sqlite3_column_int64(stmt, 0);
+    sqlite3_finalize(stmt);
+    if (rc != SQLITE_ROW)
+        return pen_sqlite_error(store, rc, st);
+    return file_bytes(store) >= pages * page_bytes ||
+           pen_sqlite_damaged(
+               store, st, "the store %s is damaged (it has %lld bytes and should have %lld)",
+               store->path, (long long)file_bytes(store), (long long)(pages * page_bytes));
+}
+
+bool pen_sqlite_check_start(struct pen_driver *driver, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    if (file_bytes(store) <= small_bytes)
+        return pen_sqlite_check(driver, st);
+    return pen_sqlite_check_log(store, st) && check_schema(store, st) && check_tables(store, st) &&
+           check_length(store, st);
 }

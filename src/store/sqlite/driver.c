@@ -76,6 +76,19 @@ static bool count_free_pages(struct pen_sqlite_store *store, int64_t *count, str
     return true;
 }
 
+enum {
+    LOG_PAGES = 500
+}; /* of the log, from which housekeeping copies it, before a submit has to */
+
+bool pen_sqlite_keep_log_short(struct pen_driver *driver, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    if (store->wal_pages < LOG_PAGES)
+        return true;
+    store->wal_pages = 0;
+    return pen_sqlite_checkpoint(driver, st);
+}
+
 /* Moves pages from the end of the file into free pages: those of SQL_VACUUM, 1 MiB, so that writers
  * get their turn. The file shrinks when the log is copied into it. */
 bool pen_sqlite_reclaim(struct pen_driver *driver, bool *more, struct pen_status *st)

@@ -284,6 +284,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(close)                                                                                      \
     OP(reopen)                                                                                     \
     OP(check)                                                                                      \
+    OP(check_start)                                                                                \
     OP(probe)                                                                                      \
     OP(space)                                                                                      \
     OP(room)                                                                                       \
@@ -295,6 +296,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(checkpoint)                                                                                 \
     OP(identity)                                                                                   \
     OP(settle)                                                                                     \
+    OP(keep_log_short)                                                                             \
     OP(reclaim)                                                                                    \
     OP(audit)                                                                                      \
     OP(now)                                                                                        \
