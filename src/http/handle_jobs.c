@@ -163,7 +163,7 @@ static void drop_job(struct request *request, struct pen_jobs *jobs)
     if (!pen_jobs_cancel(jobs, request->job_id, &job, &st))
         return;
     json_decref(job.json);
-    pen_jobs_delete(jobs, request->job_id, &st);
+    pen_jobs_delete(jobs, request->job_id, false, &st);
 }
 
 /* Answers with the explanation, the error that took its place, or the job if it takes long. The job
