@@ -69,6 +69,17 @@ struct pen_address_key pen_http_address_key(const struct sockaddr *peer,
     return key;
 }
 
+void pen_http_address_text(const struct pen_address_key *key, char text[PEER_BYTES])
+{
+    static const unsigned char unknown[16];
+    const bool ipv4 = is_ipv4(key->bytes);
+    const int family = ipv4 ? AF_INET : AF_INET6;
+    const void *address = ipv4 ? key->bytes + 12 : key->bytes;
+    if (memcmp(key->bytes, unknown, sizeof unknown) == 0 ||
+        !inet_ntop(family, address, text, PEER_BYTES))
+        text[0] = '\0';
+}
+
 static struct address_count *find(struct addresses *addresses, const struct pen_address_key *key)
 {
     for (int i = 0; i < addresses->count; i++) {

@@ -36,6 +36,7 @@ struct request *pen_http_exchange_begin(struct conn *conn, const char *head, siz
     if (!request)
         return NULL;
     request->conn = conn;
+    pen_http_address_text(&conn->address, request->peer);
     atomic_fetch_add_explicit(&http->active, 1, memory_order_relaxed);
     pen_http_request_admit(request);
     check_slot(request);

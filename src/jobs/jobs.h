@@ -38,6 +38,7 @@ struct pen_submission {
     size_t bytes;
     bool xml;                    /* true: a bare scene in XML; false: JSON */
     bool explain;                /* a job of kind "explain" is to be made */
+    const char *address;         /* of the client, for fair shares; NULL: none */
     const char *idempotency_key; /* NULL: none */
 };
 

@@ -112,7 +112,7 @@ static json_t *request_json(const struct pen_request *request)
 struct prepared {
     struct pen_job_new new;
     char id[PEN_ID_BYTES];
-    char *request, *answer, *scene;
+    char *request, *answer, *scene, *label;
     unsigned char scene_sha256[32], body_sha256[32];
     struct pen_view_new *views;
     struct pen_batch_new *batches;
@@ -123,6 +123,7 @@ static void prepared_release(struct prepared *job)
     free(job->request);
     free(job->answer);
     free(job->scene);
+    free(job->label);
     free(job->views);
     free(job->batches);
 }
@@ -186,14 +187,16 @@ static void hash(struct prepared *job, const struct pen_submission *in)
     job->new.scene_sha256 = job->scene_sha256;
 }
 
-static bool prepare(struct pen_store *store, struct prepared *job, const struct pen_submission *in,
+static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pen_submission *in,
                     const struct pen_request *request, struct pen_status *st)
 {
     int64_t now_ms;
-    if (!pen_store_now(store, &now_ms, st))
+    if (!pen_store_now(jobs->store, &now_ms, st))
         return false;
     json_t *json = request_json(request);
     job->request = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
+    job->label =
+        request->labels ? json_dumps(request->labels, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     job->new = (struct pen_job_new){.id = job->id,
                                     .created_ms = now_ms,
                                     .kind = pen_job_kinds[request->kind],
@@ -201,9 +204,13 @@ static bool prepare(struct pen_store *store, struct prepared *job, const struct 
                                     .priority = request->priority,
                                     .max_attempts = request->max_attempts,
                                     .timeout_ms = request->timeout_ms,
+                                    .address = in->address,
+                                    .label = job->label,
+                                    .queue_max = jobs->limits.queue,
+                                    .address_queue_max = jobs->limits.address_queue,
                                     .idempotency_key = in->idempotency_key};
     pen_id_make(job->new.created_ms, job->id);
-    bool ok = (job->request && prepare_scene(job, request)) ||
+    bool ok = (job->request && (job->label || !request->labels) && prepare_scene(job, request)) ||
               pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
     ok = ok && prepare_views(job, request, st) && (job->answer = make_answer(job, json, st));
     json_decref(json);
@@ -292,7 +299,7 @@ bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
         return false;
     bool ok = pen_request_read(in, &jobs->limits, &request, errors);
     if (ok) {
-        ok = prepare(jobs->store, &job, in, &request, &st) && store_job(jobs, &job, out, &st);
+        ok = prepare(jobs, &job, in, &request, &st) && store_job(jobs, &job, out, &st);
         if (!ok)
             pen_errors_add(errors, &st);
     }

@@ -46,7 +46,8 @@ static bool lease(struct pen_store *store, struct pen_next *next, int64_t job, i
         return false;
     if (!next->found)
         return true;
-    if (!driver->ops->job_start(driver, job, now_ms, &started, st))
+    if (!driver->ops->share_served(driver, claim->batch, now_ms, st) ||
+        !driver->ops->job_start(driver, job, now_ms, &started, st))
         return false;
     store->changed = store->changed || started;
     return true;
@@ -142,6 +143,16 @@ bool pen_policy_progress(struct pen_store *store, const struct pen_claim *claim,
     return pen_store_write(store, write_progress, &progress, st);
 }
 
+/* A batch that takes long gives way to others of its priority from time to time. */
+enum { TURN_MS = 60000 };
+
+bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int64_t now_ms,
+                   bool *outranked, struct pen_status *st)
+{
+    const bool equal = now_ms - claim->claimed_ms >= TURN_MS;
+    return driver->ops->open_above(driver, claim->batch, now_ms, equal, outranked, st);
+}
+
 struct keep {
     const struct pen_claim *claim;
     const struct pen_kept *kept;
@@ -180,8 +191,7 @@ static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st
     store->changed = true;
     return (keep->kept->done < 0 || driver->ops->job_progress(driver, &progress, st)) &&
            put_kept(store, &batch, keep->kept, st) &&
-           driver->ops->open_above(driver, keep->claim->batch, progress.now_ms, &keep->outranked,
-                                   st);
+           pen_outranked(driver, keep->claim, progress.now_ms, &keep->outranked, st);
 }
 
 bool pen_policy_keep(struct pen_store *store, const struct pen_claim *claim,

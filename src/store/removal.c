@@ -123,7 +123,8 @@ static bool write_purge(struct pen_store *store, void *arg, struct pen_status *s
     bool ok = driver->ops->keys_remove(driver, before_ms, PURGE_ROWS, &keys, st) &&
               driver->ops->removed_purge(driver, before_ms, now_ms - purge->stats_age_ms,
                                          PURGE_ROWS, &rows, st) &&
-              driver->ops->workers_remove(driver, before_ms, st);
+              driver->ops->workers_remove(driver, before_ms, st) &&
+              driver->ops->peers_remove(driver, before_ms, st);
     purge->more = ok && (keys || rows);
     return ok && (purge->more || driver->ops->scene_remove_unused(driver, 0, st));
 }

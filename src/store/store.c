@@ -366,7 +366,7 @@ bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim,
     return enter(store, PEN_NEED_READ, st) &&
            leave(store, NULL,
                  driver->ops->now(driver, &now_ms, st) &&
-                     driver->ops->open_above(driver, claim->batch, now_ms, outranked, st));
+                     pen_outranked(driver, claim, now_ms, outranked, st));
 }
 
 bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, const char *name,

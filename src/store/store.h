@@ -192,9 +192,13 @@ struct pen_job_new {
     const struct pen_view_new *views;
     int batch_count;
     const struct pen_batch_new *batches;
-    const char *idempotency_key;      /* NULL: none */
-    const unsigned char *body_sha256; /* 32 bytes; required with a key */
-    const char *answer;               /* stored with the key, returned to a repeated submit */
+    const char *address;                  /* of the client, which shares are given to; NULL: none */
+    const char *label;                    /* what divides the share of the address; NULL: none */
+    int64_t queue_max, address_queue_max; /* the most unfinished jobs, this one included: in all,
+                                             and of this address; 0: any number */
+    const char *idempotency_key;          /* NULL: none */
+    const unsigned char *body_sha256;     /* 32 bytes; required with a key */
+    const char *answer;                   /* stored with the key, returned to a repeated submit */
 };
 
 enum pen_submit_result {
@@ -206,8 +210,8 @@ enum pen_submit_result {
 
 /* Stores a job. A caller that does not know the outcome repeats the call with the same job. The
  * first answer is appended to *first_answer. Fails: PEN_STORAGE_FULL (the disk is nearly full, or
- * the store holds keep_bytes), PEN_STORAGE, PEN_UNAVAILABLE
- * (busy too long), PEN_CONFLICT (another job has this id), PEN_INTERNAL (a view without a batch),
+ * the store holds keep_bytes), PEN_STORAGE, PEN_UNAVAILABLE (busy too long), PEN_QUOTA (too many
+ * unfinished jobs), PEN_CONFLICT (another job has this id), PEN_INTERNAL (a view without a batch),
  * PEN_NO_MEMORY. */
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
@@ -295,10 +299,10 @@ struct pen_claim {
                          they have not added yet */
 };
 
-/* Claims the next batch by priority and age, with the exceptions for quarantined batches and paused
- * jobs in src/store/README.md; the job becomes running. If a study is next, the worker gets nothing
- * until it holds nothing; while it holds the study, it gets nothing else. *found = false: there is
- * nothing to do. */
+/* Claims the next batch by priority, fair shares and age, with the exceptions for quarantined
+ * batches and paused jobs; src/store/README.md has the rules. The job becomes running. If a study
+ * is next, the worker gets nothing until it holds nothing; while it holds the study, it gets
+ * nothing else. *found = false: there is nothing to do. */
 bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
                      struct pen_claim *claim, bool *found, struct pen_status *st);
 
@@ -361,12 +365,13 @@ struct pen_kept {
 #define PEN_KEPT_STATE "state"
 
 /* Stores what the claim's batch keeps until its commit, in place of what it kept before, with its
- * progress, in one transaction. *outranked tells whether a batch of higher priority is open: then
- * the holder should release the claim. Fails: PEN_STALE (nothing is stored). */
+ * progress, in one transaction. *outranked: as pen_store_outranked tells. Fails: PEN_STALE (nothing
+ * is stored). */
 bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
                     const struct pen_kept *kept, bool *outranked, struct pen_status *st);
 
-/* Whether a batch of higher priority than the claim's is open. */
+/* Whether the holder should release the claim: a batch of higher priority is open, or one of the
+ * same priority and another job, and the claim is held for a minute already. */
 bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
                          struct pen_status *st);
 

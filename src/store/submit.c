@@ -128,6 +128,29 @@ static bool add_parts(struct pen_store *store, const struct pen_job_new *job, in
     return true;
 }
 
+/* Fails if this job would be one too many. */
+static bool check_queue(struct pen_store *store, const struct pen_job_new *job,
+                        struct pen_status *st)
+{
+    int64_t all, of_address;
+    if (job->queue_max == 0 && job->address_queue_max == 0)
+        return true;
+    if (!store->driver->ops->queue_lengths(store->driver, job->address ? job->address : "", &all,
+                                           &of_address, st))
+        return false;
+    if (job->queue_max > 0 && all > job->queue_max)
+        return pen_fail(st, PEN_QUOTA,
+                        "%lld jobs wait or run, at most %lld are allowed; try again later",
+                        (long long)all - 1, (long long)job->queue_max);
+    if (job->address_queue_max > 0 && of_address > job->address_queue_max)
+        return pen_fail(st, PEN_QUOTA,
+                        "%lld jobs of your address %s wait or run, at most %lld are allowed; try "
+                        "again later",
+                        (long long)of_address - 1, job->address ? job->address : "",
+                        (long long)job->address_queue_max);
+    return true;
+}
+
 static bool add_job(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
     const struct pen_job_new *job = in->job;
@@ -140,6 +163,8 @@ static bool add_job(struct pen_store *store, struct submission *in, struct pen_s
         return false;
     if (!added)
         return compare_known(store, in, scene, st);
+    if (!check_queue(store, job, st))
+        return false;
     store->work = store->changed = true;
     return add_parts(store, job, number, st);
 }

@@ -89,5 +89,23 @@ submit '{"scene": "builtin:spheres", "priority": 0, "render": {"width": 100, "he
 expect what-is-allowed "$status" 202
 call "/v1/explain" -H 'Content-Type: application/json' -d '{"scene": "builtin:spheres", "render": {"width": 100, "height": 100}}'
 expect explained-at-an-allowed-priority "$status" 200
+daemon_stop
+
+# The queue is bounded; the same submit again is not one more.
+daemon_start --max-queue 3 --max-client-queue 2
+long='{"scene": "builtin:room", "render": {"width": 2000, "height": 2000, "samples_per_pixel": 64}}'
+submit "$long"
+first=$job
+call /v1/jobs -H 'Content-Type: application/json' -H 'Idempotency-Key: again' -d "$long"
+expect second-job "$status" 202
+second=$(body .id)
+submit "$small"
+expect_problem too-many-jobs-of-one-client 429 '*2 jobs of your address 127.0.0.1 wait or run, at most 2*'
+expect_match when-to-try-again "$(curl -s -D - -o "$work/ignored" "$url/v1/jobs" -d "$small" | tr -d '\r')" '*Retry-After: *'
+call /v1/jobs -H 'Content-Type: application/json' -H 'Idempotency-Key: again' -d "$long"
+expect known-job-is-answered "$(body .id)" "$second"
+call "$first/cancel" -X POST
+submit "$small"
+expect there-is-room-again "$status" 202
 
 finish

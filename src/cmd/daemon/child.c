@@ -24,7 +24,7 @@ static const int64_t stable_ns = INT64_C(10) * 1000000000;
 static const int64_t first_pause_ns = INT64_C(100) * 1000000;
 static const int64_t longest_pause_ns = INT64_C(5) * 1000000000;
 
-enum { ARGUMENTS_MAX = 60, LIMITS = 5 };
+enum { ARGUMENTS_MAX = 60, LIMITS = 7 };
 
 void pen_child_init(struct pen_child *child, const char *role)
 {
@@ -93,7 +93,9 @@ static void add_limits(struct arguments *arguments, const struct pen_job_limits 
                        {"--max-seconds", max->seconds},
                        {"--max-pixels", max->pixels},
                        {"--max-samples", max->samples},
-                       {"--max-priority", max->priority}};
+                       {"--max-priority", max->priority},
+                       {"--max-queue", max->queue},
+                       {"--max-client-queue", max->client_queue}};
     for (int i = 0; i < LIMITS; i++) {
         snprintf(arguments->limit[i], sizeof arguments->limit[i], "%d", limit[i].value);
         add(arguments, limit[i].option, arguments->limit[i]);

@@ -99,6 +99,22 @@ static const struct pen_option options[] = {
      .max = 100,
      .env = "PENUMBRA_MAX_PRIORITY",
      .help = "the largest priority that a job may have, 100 by default"},
+    {.name = "max-queue",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, max.queue),
+     .value = "N",
+     .max = 1000000000,
+     .env = "PENUMBRA_MAX_QUEUE",
+     .help =
+         "the most jobs that wait or run, 100000 by default; one more is answered 429. 0 allows "
+         "any number"},
+    {.name = "max-client-queue",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, max.client_queue),
+     .value = "N",
+     .max = 1000000000,
+     .env = "PENUMBRA_MAX_CLIENT_QUEUE",
+     .help = "the same for the jobs of one client's address; 0, the default, allows any number"},
     {.name = "keep-days",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, keep_days),
@@ -398,15 +414,16 @@ int pen_config_load(struct pen_config *config, int argc, char **argv)
     struct pen_parsed parsed;
     struct pen_status st;
     struct pen_errors errors = {0};
-    *config = (struct pen_config){.listen = "127.0.0.1:8080",
-                                  .role = "all",
-                                  .log_format = "text",
-                                  .log_level = "info",
-                                  .max = {.seconds = 24 * 60 * 60, .priority = 100},
-                                  .listen_fd = -1,
-                                  .control_fd = -1,
-                                  .trace_fd = -1,
-                                  .dead_trace_fd = -1};
+    *config =
+        (struct pen_config){.listen = "127.0.0.1:8080",
+                            .role = "all",
+                            .log_format = "text",
+                            .log_level = "info",
+                            .max = {.seconds = 24 * 60 * 60, .priority = 100, .queue = 100000},
+                            .listen_fd = -1,
+                            .control_fd = -1,
+                            .trace_fd = -1,
+                            .dead_trace_fd = -1};
     if (!pen_options_parse(&pen_command_daemon, argc, argv, config, &parsed, &st))
         return pen_report(program, NULL, &st);
     if (parsed.help) {

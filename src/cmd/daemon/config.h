@@ -20,6 +20,7 @@ struct pen_job_limits {
     int pixels;  /* of a view */
     int samples; /* of a pixel */
     int priority;
+    int queue, client_queue; /* jobs that wait or run: in all, of one address */
 };
 
 struct pen_config {

@@ -123,6 +123,8 @@ static struct pen_limits limits_of(const struct pen_config *config)
         limits.pixels_per_view = (uint64_t)max->pixels;
     limits.samples = max->samples;
     limits.priority = max->priority;
+    limits.queue = max->queue;
+    limits.address_queue = max->client_queue;
     limits.seconds = max->seconds;
     limits.rays_per_second = threads * thread_rays_per_second;
     return limits;

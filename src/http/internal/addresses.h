@@ -36,6 +36,10 @@ bool pen_http_address_parse(const char *text, unsigned char out[16]);
 struct pen_address_key pen_http_address_key(const struct sockaddr *peer,
                                             const unsigned char trusted[16], bool count_loopback);
 
+/* The address as text, an IPv4 address in dots; "" if it is not known. PEER_BYTES of text. */
+enum { PEER_BYTES = 46 };
+void pen_http_address_text(const struct pen_address_key *key, char text[PEER_BYTES]);
+
 /* Counts one waiting request. Returns false if the address has `limit` already. */
 bool pen_http_addresses_take(struct addresses *addresses, const struct pen_address_key *key,
                              int limit);

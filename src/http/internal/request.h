@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "base/buf.h"
+#include "http/internal/addresses.h"
 #include "http/internal/reply.h"
 #include "http/message.h"
 #include "store/store.h"
@@ -50,6 +51,7 @@ struct request {
     int minor;                       /* the version is HTTP/1.minor */
     bool head;                       /* the method is HEAD */
     bool close;                      /* nothing may follow it on its connection */
+    char peer[PEER_BYTES];           /* the address of the client as text; "": not known */
     struct fields fields;
     struct pen_target target;
     const struct route *route; /* NULL: refused */

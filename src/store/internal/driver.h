@@ -247,7 +247,8 @@ struct pen_driver_ops {
     bool (*scene_add)(struct pen_driver *driver, const unsigned char sha256[32],
                       const struct pen_blob_start *document, int64_t *number, bool *added,
                       struct pen_status *st);
-    /* Numbers of jobs and of batches grow and are never reused. *added = false: there is a job with
+    /* Also counts the job into the peer of its address and priority, and the lane of its label.
+     * Numbers of jobs and of batches grow and are never reused. *added = false: there is a job with
      * this id. */
     bool (*job_add)(struct pen_driver *driver, const struct pen_job_new *job, int64_t scene,
                     int64_t total_pixels, int64_t *number, bool *added, struct pen_status *st);
@@ -279,7 +280,8 @@ struct pen_driver_ops {
     /* Subtracts one from the job's open views; *open_views is the rest. Locks the job. */
     bool (*job_view_ended)(struct pen_driver *driver, int64_t job, int64_t *open_views,
                            struct pen_status *st);
-    /* Makes a running job succeeded, without a new revision: job_progress has given one. */
+    /* Makes a running job succeeded, without a new revision: job_progress has given one. This and
+     * job_end count it out of its peer and lane; a lane without jobs is removed. */
     bool (*job_succeed)(struct pen_driver *driver, int64_t job, int64_t now_ms,
                         struct pen_status *st);
     /* Makes a queued or running job failed or cancelled, with a new revision; *changed = false: it
@@ -325,16 +327,16 @@ struct pen_driver_ops {
     /* Batches and leases. */
 
     bool (*any_open)(struct pen_driver *driver, bool *any, struct pen_status *st);
-    /* Finds the first open batch in the order of (priority descending, job, batch), of jobs whose
-     * pause ends by paused_until_ms; a quarantined batch only if `quarantined`. Locks the batch.
+    /* Finds the open batch that is next by the rules of shares (README.md), of jobs whose pause
+     * ends by paused_until_ms; a quarantined batch only if `quarantined`. Locks the batch.
      * PostgreSQL: FOR UPDATE OF batch SKIP LOCKED, so that two workers never wait for each other.
      * *job is the job's number; claim->attempt is the attempt before this claim. */
     bool (*next_open)(struct pen_driver *driver, int64_t paused_until_ms, bool quarantined,
                       struct pen_claim *claim, int64_t *job, bool *found, struct pen_status *st);
-    /* Whether a batch is open that comes before this one by its priority, of a job whose pause ends
-     * by paused_until_ms. */
-    bool (*open_above)(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms, bool *any,
-                       struct pen_status *st);
+    /* Whether a batch is open that comes before this one by its priority or, if `equal`, has the
+     * same and is another job's, of a job whose pause ends by paused_until_ms. */
+    bool (*open_above)(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms,
+                       bool equal, bool *any, struct pen_status *st);
     /* Counts the batches that a worker holds, and those that it must hold alone: quarantined
      * batches and studies. */
     bool (*held_by)(struct pen_driver *driver, const char *worker, int *count, int *alone,
@@ -357,10 +359,18 @@ struct pen_driver_ops {
     bool (*batch_extend)(struct pen_driver *driver, int64_t batch, int64_t attempt,
                          int64_t until_ms, bool *changed, struct pen_status *st);
     /* Raises the time spent under the attempt of a leased batch to spent_us, and adds the
-     * difference to its job's time. Does nothing if it is not leased under that attempt, or has
-     * spent more. */
+     * difference to the time of its job, its lane and its peer. Does nothing if it is not leased
+     * under that attempt, or has spent more. */
     bool (*batch_spend)(struct pen_driver *driver, int64_t batch, int64_t attempt, int64_t spent_us,
                         struct pen_status *st);
+    /* Notes that the peer of the batch is served now. */
+    bool (*share_served)(struct pen_driver *driver, int64_t batch, int64_t now_ms,
+                         struct pen_status *st);
+    /* The number of unfinished jobs, in all and of an address. */
+    bool (*queue_lengths)(struct pen_driver *driver, const char *address, int64_t *all,
+                          int64_t *of_address, struct pen_status *st);
+    /* Forgets what addresses were served that have no unfinished jobs and were not served since. */
+    bool (*peers_remove)(struct pen_driver *driver, int64_t before_ms, struct pen_status *st);
     /* Subtracts one from the view's open batches. *batches is the number of its batches, *open the
      * rest. Locks the view: of two concurrent last commits only one gets 0. */
     bool (*view_batch_done)(struct pen_driver *driver, int64_t job, int view, int64_t *batches,

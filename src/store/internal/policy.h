@@ -51,6 +51,10 @@ bool pen_take_next(struct pen_store *store, struct pen_next *next, struct pen_st
 bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
                      struct pen_batch_row *row, bool *held, struct pen_status *st);
 
+/* As pen_store_outranked. */
+bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int64_t now_ms,
+                   bool *outranked, struct pen_status *st);
+
 /* Adds to the job the time that the claim's holder has told (pen_claim.spent_us) and that was not
  * added before; inside a transaction. Does nothing if the batch is not leased under the claim. */
 bool pen_charge_time(struct pen_store *store, const struct pen_claim *claim, struct pen_status *st);

@@ -50,6 +50,18 @@ static const struct rule rules[] = {
     {"a job on which less time was spent than on its batches",
      "SELECT id FROM job WHERE spent_us <"
      " (SELECT coalesce(sum(spent_us), 0) FROM batch WHERE job = number)"},
+    {"a lane whose count of unfinished jobs is wrong",
+     "SELECT id FROM lane WHERE jobs = 0 OR jobs <>"
+     " (SELECT count(*) FROM job WHERE lane = lane.id AND state < 2)"},
+    {"a peer whose count of unfinished jobs is wrong",
+     "SELECT id FROM peer WHERE jobs <>"
+     " (SELECT coalesce(sum(jobs), 0) FROM lane WHERE peer = peer.id)"},
+    {"an unfinished job without a lane, or of another priority or address than its lane",
+     "SELECT j.id FROM job j WHERE j.state < 2 AND NOT EXISTS (SELECT 1 FROM lane l"
+     " JOIN peer p ON p.id = l.peer WHERE l.id = j.lane AND p.priority = j.priority"
+     " AND p.address = j.address)"},
+    {"a batch in another lane than its job",
+     "SELECT b.id FROM batch b JOIN job j ON j.number = b.job WHERE b.lane <> j.lane"},
     {"a job whose views' pixels are not those of its batches",
      "SELECT id FROM job WHERE total_pixels <>"
      " (SELECT sum(width * height) FROM view WHERE job = number)"

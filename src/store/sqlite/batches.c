@@ -29,11 +29,12 @@ bool pen_sqlite_any_open(struct pen_driver *driver, bool *any, struct pen_status
 }
 
 bool pen_sqlite_open_above(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms,
-                           bool *any, struct pen_status *st)
+                           bool equal, bool *any, struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_OPEN_ABOVE);
     pen_sqlite_int(&query, batch);
     pen_sqlite_int(&query, paused_until_ms);
+    pen_sqlite_int(&query, equal);
     if (!pen_sqlite_next(&query, any, st))
         return false;
     if (*any)
@@ -82,13 +83,14 @@ static bool first_claim(struct pen_sqlite_query *query, struct pen_claim *claim,
     return true;
 }
 
-bool pen_sqlite_next_open(struct pen_driver *driver, int64_t paused_until_ms, bool quarantined,
-                          struct pen_claim *claim, int64_t *job, bool *found, struct pen_status *st)
+bool pen_sqlite_first_open(struct pen_driver *driver, int64_t job, bool quarantined,
+                           struct pen_claim *claim, int64_t *number, bool *found,
+                           struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_NEXT_OPEN);
-    pen_sqlite_int(&query, paused_until_ms);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_FIRST_OPEN);
+    pen_sqlite_int(&query, job);
     pen_sqlite_int(&query, quarantined);
-    return first_claim(&query, claim, job, found, st);
+    return first_claim(&query, claim, number, found, st);
 }
 
 bool pen_sqlite_first_held(struct pen_driver *driver, const char *worker, struct pen_claim *claim,
@@ -180,22 +182,6 @@ bool pen_sqlite_batch_extend(struct pen_driver *driver, int64_t batch, int64_t a
     pen_sqlite_int(&query, attempt);
     pen_sqlite_int(&query, until_ms);
     return pen_sqlite_run_changed(&query, changed, st);
-}
-
-bool pen_sqlite_batch_spend(struct pen_driver *driver, int64_t batch, int64_t attempt,
-                            int64_t spent_us, struct pen_status *st)
-{
-    /* The job comes first: its statement reads what the batch had spent before. */
-    const enum pen_sqlite_sql statements[] = {SQL_JOB_SPEND, SQL_BATCH_SPEND};
-    for (int i = 0; i < 2; i++) {
-        struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), statements[i]);
-        pen_sqlite_int(&query, batch);
-        pen_sqlite_int(&query, attempt);
-        pen_sqlite_int(&query, spent_us);
-        if (!pen_sqlite_run(&query, st))
-            return false;
-    }
-    return true;
 }
 
 bool pen_sqlite_view_batch_done(struct pen_driver *driver, int64_t job, int view, int64_t *batches,

@@ -89,10 +89,11 @@ bool pen_sqlite_job_add(struct pen_driver *driver, const struct pen_job_new *job
     pen_sqlite_int(&query, total_pixels);
     pen_sqlite_int(&query, job->view_count);
     pen_sqlite_text(&query, job->request);
+    pen_sqlite_text(&query, job->address ? job->address : "");
     if (!pen_sqlite_run_changed(&query, added, st))
         return false;
     *number = sqlite3_last_insert_rowid(store->db);
-    return true;
+    return !*added || pen_sqlite_share_enter(driver, job, *number, st);
 }
 
 bool pen_sqlite_view_add(struct pen_driver *driver, int64_t job, int view,
@@ -269,9 +270,11 @@ bool pen_sqlite_job_succeed(struct pen_driver *driver, int64_t job, int64_t now_
                             struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_SUCCEED);
+    bool changed;
     pen_sqlite_int(&query, job);
     pen_sqlite_int(&query, now_ms);
-    return pen_sqlite_run(&query, st);
+    return pen_sqlite_run_changed(&query, &changed, st) &&
+           (!changed || pen_sqlite_share_leave(driver, job, st));
 }
 
 bool pen_sqlite_job_end(struct pen_driver *driver, int64_t job, enum pen_job_state state,
@@ -282,7 +285,8 @@ bool pen_sqlite_job_end(struct pen_driver *driver, int64_t job, enum pen_job_sta
     pen_sqlite_int(&query, state);
     pen_sqlite_text(&query, error);
     pen_sqlite_int(&query, now_ms);
-    return pen_sqlite_run_changed(&query, changed, st);
+    return pen_sqlite_run_changed(&query, changed, st) &&
+           (!*changed || pen_sqlite_share_leave(driver, job, st));
 }
 
 static bool run_for_job(struct pen_driver *driver, enum pen_sqlite_sql sql, int64_t job,

@@ -14,6 +14,8 @@
  * removed           jobs that were removed, with their statistics, which stay
  * cached            artefacts that may be dropped, because they can be made again; when each was
  *                   last used
+ * peer, lane        shares: what an address was served at a priority; the labels of its jobs. A
+ *                   lane goes with its last unfinished job
  * worker            the list of workers, for readers, and the inode of the file that each locked
  *
  * Numbers of jobs and batches are never reused (AUTOINCREMENT): a claim names a batch by number and
@@ -26,6 +28,11 @@
  * job.paused_until_ms  until then other jobs go first
  * job.spent_us         how long workers have worked on the job, by their monotonic clocks
  * job.removed_ms       when it was removed; its rows go in slices, the job's own row last
+ * job.address          of the client; job.lane, batch.lane: the share that they belong to
+ * peer.jobs, lane.jobs the unfinished jobs
+ * peer.served_us       the time that workers have worked for it, so far as it is remembered
+ * lane.balance_us      how much more of it went to its oldest jobs than to others
+ * peer.waiting_since_ms when it was served last, or began to wait
  * batch.spent_us       the part of the job's time that was spent under the batch's present attempt
  * batch.quarantined    a worker was lost while it held the batch
  * batch.revision       the revision that the commit gave the job; a reader that knows an older one
@@ -210,8 +217,42 @@ static const char step_12[] =
     " WHERE view < 0 OR format = 'png16' OR (format = 'pfm' AND layer = 'beauty')"
     " OR (format = 'png' AND layer IN ('cost', 'samples', 'depth', 'normal', 'albedo'));";
 
-static const char *const steps[] = {step_1, step_2, step_3, step_4,  step_5,  step_6,
-                                    step_7, step_8, step_9, step_10, step_11, step_12};
+/* Shares of addresses and labels. The address of earlier jobs is not known. */
+static const char step_13[] =
+    "CREATE TABLE peer ("
+    " id INTEGER PRIMARY KEY AUTOINCREMENT,"
+    " priority INTEGER NOT NULL,"
+    " address TEXT NOT NULL,"
+    " jobs INTEGER NOT NULL DEFAULT 0 CHECK (jobs >= 0),"
+    " served_us INTEGER NOT NULL DEFAULT 0,"
+    " waiting_since_ms INTEGER NOT NULL,"
+    " UNIQUE (priority, address)"
+    ") STRICT;"
+    "CREATE TABLE lane ("
+    " id INTEGER PRIMARY KEY AUTOINCREMENT,"
+    " peer INTEGER NOT NULL REFERENCES peer(id),"
+    " label TEXT NOT NULL,"
+    " jobs INTEGER NOT NULL DEFAULT 0 CHECK (jobs >= 0),"
+    " served_us INTEGER NOT NULL DEFAULT 0,"
+    " balance_us INTEGER NOT NULL DEFAULT 0,"
+    " UNIQUE (peer, label)"
+    ") STRICT;"
+    "CREATE INDEX lane_by_service ON lane(peer, served_us);"
+    "ALTER TABLE job ADD COLUMN address TEXT NOT NULL DEFAULT '';"
+    "ALTER TABLE job ADD COLUMN lane INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE batch ADD COLUMN lane INTEGER NOT NULL DEFAULT 0;"
+    "INSERT INTO peer (priority, address, jobs, waiting_since_ms)"
+    " SELECT priority, '', count(*), strftime('%s', 'now') * 1000 FROM job WHERE state < 2"
+    " GROUP BY priority;"
+    "INSERT INTO lane (peer, label, jobs) SELECT id, '', jobs FROM peer;"
+    "UPDATE job SET lane = l.id FROM peer p JOIN lane l ON l.peer = p.id"
+    " WHERE p.priority = job.priority AND job.state < 2;"
+    "UPDATE batch SET lane = job.lane FROM job WHERE job.number = batch.job AND job.lane > 0;"
+    "CREATE INDEX batch_open_of_lane ON batch(lane, job, id) WHERE state = 0;"
+    "CREATE INDEX job_by_service ON job(lane, spent_us, number) WHERE state < 2;";
+
+static const char *const steps[] = {step_1, step_2, step_3,  step_4,  step_5,  step_6, step_7,
+                                    step_8, step_9, step_10, step_11, step_12, step_13};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,

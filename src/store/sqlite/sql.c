@@ -29,6 +29,13 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 
 #define OPEN "state = 0, worker = NULL, lease_until_ms = NULL"
 
+/* The batch ?1, leased under the attempt ?2, that has spent less than ?3. */
+#define SPENT_BATCH "b.id = ?1 AND b.attempt = ?2 AND b.state = 1 AND b.spent_us < ?3"
+
+/* The lane of a priority, an address and a label. */
+#define LANE_OF                                                                                    \
+    " WHERE label = ?3 AND peer = (SELECT id FROM peer WHERE priority = ?1 AND address = ?2)"
+
 static const char *const sql_text[] = {
     [SQL_BEGIN_READ] = "BEGIN",
     [SQL_BEGIN_WRITE] = "BEGIN IMMEDIATE",
@@ -61,15 +68,15 @@ static const char *const sql_text[] = {
     [SQL_SCENES_REMOVE_UNUSED] = "DELETE FROM scene WHERE NOT EXISTS"
                                  " (SELECT 1 FROM job WHERE job.scene = scene.id)",
     [SQL_JOB_ADD] = "INSERT INTO job (id, kind, scene, priority, max_attempts, timeout_ms,"
-                    " created_ms, updated_ms, total_pixels, open_views, request)"
-                    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?7, ?8, ?9, ?10)"
+                    " created_ms, updated_ms, total_pixels, open_views, request, address)"
+                    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?7, ?8, ?9, ?10, ?11)"
                     " ON CONFLICT (id) DO NOTHING",
     [SQL_VIEW_ADD] = "INSERT INTO view (job, view, name, width, height, batches, open_batches)"
                      " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6)",
     [SQL_BATCH_ADD] =
-        "INSERT INTO batch (job, view, kind, first_tile, tile_count, pixels, priority)"
-        " VALUES (?1, ?2, ?3, ?4, ?5, ?6, (SELECT priority FROM job"
-        " WHERE number = ?1)) ON CONFLICT (job, view) WHERE kind = 1 DO NOTHING",
+        "INSERT INTO batch (job, view, kind, first_tile, tile_count, pixels, priority, lane)"
+        " SELECT ?1, ?2, ?3, ?4, ?5, ?6, priority, lane FROM job WHERE number = ?1"
+        " ON CONFLICT (job, view) WHERE kind = 1 DO NOTHING",
 
     [SQL_JOB_GET] = "SELECT " JOB_COLUMNS " FROM job WHERE id = ? AND removed_ms = 0",
     [SQL_JOB_LIST] =
@@ -124,12 +131,38 @@ static const char *const sql_text[] = {
                           " ORDER BY removed_ms LIMIT ?3)",
 
     [SQL_ANY_OPEN] = "SELECT 1 FROM batch WHERE state = 0 LIMIT 1",
-    [SQL_NEXT_OPEN] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
-                      " WHERE b.state = 0 AND j.paused_until_ms <= ?1 AND b.quarantined <= ?2"
-                      " ORDER BY b.priority DESC, b.job, b.id LIMIT 1",
-    [SQL_OPEN_ABOVE] = "SELECT 1 FROM batch b JOIN job j ON j.number = b.job WHERE b.state = 0"
-                       " AND b.priority > (SELECT priority FROM batch WHERE id = ?1)"
-                       " AND j.paused_until_ms <= ?2 LIMIT 1",
+    /* Peers that have waited so long that they come before one of higher priority, then by
+     * priority, then by the time served. A batch that a peer's worker holds counts as a second
+     * until its worker has told its time. */
+    [SQL_NEXT_PEER] =
+        "WITH waiting AS MATERIALIZED (SELECT p.id, p.priority, p.served_us, p.waiting_since_ms"
+        " FROM peer p WHERE p.jobs > 0 AND EXISTS (SELECT 1 FROM lane l JOIN batch b"
+        " ON b.lane = l.id AND b.state = 0 JOIN job j ON j.number = b.job WHERE l.peer = p.id"
+        " AND j.paused_until_ms <= ?1 AND b.quarantined <= ?2))"
+        " SELECT id FROM waiting w ORDER BY priority < (SELECT max(priority) FROM waiting)"
+        " AND priority + (?3 - waiting_since_ms) / 60000 > (SELECT max(priority) FROM waiting) "
+        "DESC,"
+        " priority DESC, served_us + 1000000 * (SELECT count(*) FROM batch h"
+        " INDEXED BY batch_leased CROSS JOIN lane l ON l.id = h.lane WHERE h.state = 1 AND l.peer "
+        "= w.id), id LIMIT 1",
+    [SQL_NEXT_LANE] =
+        "SELECT l.id, l.balance_us FROM lane l WHERE l.peer = ?3 AND EXISTS (SELECT 1 FROM batch b"
+        " JOIN job j ON j.number = b.job WHERE b.lane = l.id AND b.state = 0"
+        " AND j.paused_until_ms <= ?1 AND b.quarantined <= ?2) ORDER BY l.served_us, l.id LIMIT 1",
+    [SQL_NEXT_OLDEST] = "SELECT b.job FROM batch b JOIN job j ON j.number = b.job"
+                        " WHERE b.lane = ?3 AND b.state = 0 AND j.paused_until_ms <= ?1"
+                        " AND b.quarantined <= ?2 ORDER BY b.job LIMIT 1",
+    [SQL_NEXT_LEAST] = "SELECT j.number FROM job j WHERE j.lane = ?3 AND j.state < 2"
+                       " AND j.paused_until_ms <= ?1 AND EXISTS (SELECT 1 FROM batch b"
+                       " WHERE b.lane = j.lane AND b.job = j.number AND b.state = 0"
+                       " AND b.quarantined <= ?2) ORDER BY j.spent_us, j.number LIMIT 1",
+    [SQL_FIRST_OPEN] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
+                       " WHERE b.lane = (SELECT lane FROM job WHERE number = ?1) AND b.job = ?1"
+                       " AND b.state = 0 AND b.quarantined <= ?2 ORDER BY b.id LIMIT 1",
+    [SQL_OPEN_ABOVE] = "SELECT 1 FROM batch b JOIN job j ON j.number = b.job"
+                       " JOIN batch own ON own.id = ?1 WHERE b.state = 0"
+                       " AND b.priority >= own.priority AND j.paused_until_ms <= ?2"
+                       " AND (b.priority > own.priority OR (?3 AND b.job <> own.job)) LIMIT 1",
     [SQL_HELD_BY] = "SELECT count(*), coalesce(sum(quarantined OR kind = 2), 0) FROM batch"
                     " WHERE state = 1 AND worker = ?",
     [SQL_FIRST_HELD] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
@@ -148,11 +181,50 @@ static const char *const sql_text[] = {
         " WHERE id = ?1 AND attempt = ?2 AND state = 1",
     [SQL_BATCH_EXTEND] = "UPDATE batch SET lease_until_ms = ?3"
                          " WHERE id = ?1 AND attempt = ?2 AND state = 1",
+    [SQL_PEER_SPEND] =
+        "UPDATE peer SET served_us = min(peer.served_us + ?3 - b.spent_us, coalesce((SELECT"
+        " min(o.served_us) FROM peer o WHERE o.priority = peer.priority AND o.jobs > 0"
+        " AND o.id <> peer.id), peer.served_us + ?3) + 600000000)"
+        " FROM lane l JOIN batch b ON b.lane = l.id WHERE peer.id = l.peer AND " SPENT_BATCH,
+    [SQL_LANE_SPEND] =
+        "UPDATE lane SET served_us = lane.served_us + ?3 - b.spent_us,"
+        " balance_us = max(-60000000, min(60000000, lane.balance_us + (?3 - b.spent_us)"
+        " * CASE WHEN EXISTS (SELECT 1 FROM batch o WHERE o.lane = b.lane AND o.state = 0"
+        " AND o.job < b.job) THEN -1 ELSE 1 END)) FROM batch b WHERE lane.id = b.lane"
+        " AND " SPENT_BATCH,
     [SQL_JOB_SPEND] = "UPDATE job SET spent_us = job.spent_us + ?3 - b.spent_us FROM batch b"
-                      " WHERE job.number = b.job AND b.id = ?1 AND b.attempt = ?2 AND b.state = 1"
-                      " AND b.spent_us < ?3",
-    [SQL_BATCH_SPEND] = "UPDATE batch SET spent_us = ?3 WHERE id = ?1 AND attempt = ?2"
-                        " AND state = 1 AND spent_us < ?3",
+                      " WHERE job.number = b.job AND " SPENT_BATCH,
+    [SQL_BATCH_SPEND] = "UPDATE batch AS b SET spent_us = ?3 WHERE " SPENT_BATCH,
+
+    [SQL_PEER_ADD] = "INSERT INTO peer (priority, address, waiting_since_ms) VALUES (?1, ?2, ?3)"
+                     " ON CONFLICT (priority, address) DO NOTHING",
+    [SQL_PEER_ENTER] =
+        "UPDATE peer SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us ELSE"
+        " max(served_us, coalesce((SELECT min(o.served_us) FROM peer o"
+        " WHERE o.priority = peer.priority AND o.jobs > 0), (SELECT max(o.served_us) FROM peer o"
+        " WHERE o.priority = peer.priority))) END, waiting_since_ms = CASE WHEN EXISTS"
+        " (SELECT 1 FROM lane l JOIN batch b ON b.lane = l.id AND b.state = 0"
+        " WHERE l.peer = peer.id) THEN waiting_since_ms ELSE ?3 END"
+        " WHERE priority = ?1 AND address = ?2",
+    [SQL_PEER_SERVED] =
+        "UPDATE peer SET waiting_since_ms = ?2 WHERE id = (SELECT l.peer FROM lane l"
+        " JOIN batch b ON b.lane = l.id WHERE b.id = ?1)",
+    [SQL_PEER_LEAVE] = "UPDATE peer SET jobs = jobs - 1 WHERE id = (SELECT l.peer FROM lane l"
+                       " JOIN job j ON j.lane = l.id WHERE j.number = ?1)",
+    [SQL_PEERS_REMOVE] = "DELETE FROM peer WHERE jobs = 0 AND waiting_since_ms < ?1",
+    [SQL_LANE_ADD] = "INSERT INTO lane (peer, label) SELECT id, ?3 FROM peer"
+                     " WHERE priority = ?1 AND address = ?2 ON CONFLICT (peer, label) DO NOTHING",
+    [SQL_LANE_ENTER] =
+        "UPDATE lane SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us ELSE"
+        " max(served_us, coalesce((SELECT o.served_us FROM lane o WHERE o.peer = lane.peer"
+        " AND o.jobs > 0 ORDER BY o.served_us LIMIT 1), 0)) END" LANE_OF,
+    [SQL_LANE_LEAVE] = "UPDATE lane SET jobs = jobs - 1 WHERE id = (SELECT lane FROM job"
+                       " WHERE number = ?1)",
+    [SQL_LANE_DROP] = "DELETE FROM lane WHERE jobs = 0 AND id = (SELECT lane FROM job"
+                      " WHERE number = ?1)",
+    [SQL_JOB_LANE] = "UPDATE job SET lane = (SELECT id FROM lane" LANE_OF ") WHERE number = ?4",
+    [SQL_QUEUE_LENGTHS] = "SELECT coalesce(sum(jobs), 0), coalesce(sum(CASE WHEN address = ?1"
+                          " THEN jobs END), 0) FROM peer",
     [SQL_VIEW_BATCH_DONE] = "UPDATE view SET open_batches = open_batches - 1"
                             " WHERE job = ? AND view = ? RETURNING batches, open_batches",
 

@@ -64,7 +64,11 @@ enum pen_sqlite_sql {
     SQL_REMOVED_PURGE,
     SQL_ANY_OPEN,
     SQL_OPEN_ABOVE,
-    SQL_NEXT_OPEN,
+    SQL_NEXT_PEER,
+    SQL_NEXT_LANE,
+    SQL_NEXT_OLDEST,
+    SQL_NEXT_LEAST,
+    SQL_FIRST_OPEN,
     SQL_HELD_BY,
     SQL_FIRST_HELD,
     SQL_BATCH_GET,
@@ -72,8 +76,21 @@ enum pen_sqlite_sql {
     SQL_BATCH_OPEN,
     SQL_BATCH_DONE,
     SQL_BATCH_EXTEND,
+    SQL_PEER_SPEND,
+    SQL_LANE_SPEND,
     SQL_JOB_SPEND,
     SQL_BATCH_SPEND,
+    SQL_PEER_ADD,
+    SQL_PEER_ENTER,
+    SQL_PEER_SERVED,
+    SQL_PEER_LEAVE,
+    SQL_PEERS_REMOVE,
+    SQL_LANE_ADD,
+    SQL_LANE_ENTER,
+    SQL_LANE_LEAVE,
+    SQL_LANE_DROP,
+    SQL_JOB_LANE,
+    SQL_QUEUE_LENGTHS,
     SQL_VIEW_BATCH_DONE,
     SQL_ANY_LOST,
     SQL_LOST_JOBS,
@@ -348,6 +365,9 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(batch_done)                                                                                 \
     OP(batch_extend)                                                                               \
     OP(batch_spend)                                                                                \
+    OP(share_served)                                                                               \
+    OP(queue_lengths)                                                                              \
+    OP(peers_remove)                                                                               \
     OP(view_batch_done)                                                                            \
     OP(any_lost)                                                                                   \
     OP(lost_jobs)                                                                                  \
@@ -379,6 +399,16 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
 #define PEN_SQLITE_DECLARE(name) __typeof__(*((struct pen_driver_ops *)0)->name) pen_sqlite_##name;
 PEN_SQLITE_OPS(PEN_SQLITE_DECLARE)
 #undef PEN_SQLITE_DECLARE
+
+/* shares.c: counts a new job into its peer and its lane, and out of them when it has ended. */
+bool pen_sqlite_share_enter(struct pen_driver *driver, const struct pen_job_new *job,
+                            int64_t number, struct pen_status *st);
+bool pen_sqlite_share_leave(struct pen_driver *driver, int64_t job, struct pen_status *st);
+
+/* batches.c: finds the first open batch of a job. */
+bool pen_sqlite_first_open(struct pen_driver *driver, int64_t job, bool quarantined,
+                           struct pen_claim *claim, int64_t *number, bool *found,
+                           struct pen_status *st);
 
 /* ops.c: the table of these operations. */
 const struct pen_driver_ops *pen_sqlite_ops(void);

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: MIT */
+/* Shares: which batch is next, and what its choice is judged by (README.md, "Shares"). A peer is an
+ * address with a priority, a lane one of its labels. */
+#include "store/sqlite/sqlite.h"
+
+/* Runs a statement that takes one number. */
+static bool run_one(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t number,
+                    struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, sql);
+    pen_sqlite_int(&query, number);
+    return pen_sqlite_run(&query, st);
+}
+
+static bool enter_peer(struct pen_sqlite_store *store, const struct pen_job_new *job,
+                       int64_t now_ms, struct pen_status *st)
+{
+    const enum pen_sqlite_sql statements[] = {SQL_PEER_ADD, SQL_PEER_ENTER};
+    for (int i = 0; i < 2; i++) {
+        struct pen_sqlite_query query = pen_sqlite_query(store, statements[i]);
+        pen_sqlite_int(&query, job->priority);
+        pen_sqlite_text(&query, job->address ? job->address : "");
+        pen_sqlite_int(&query, now_ms);
+        if (!pen_sqlite_run(&query, st))
+            return false;
+    }
+    return true;
+}
+
+static bool enter_lane(struct pen_sqlite_store *store, const struct pen_job_new *job,
+                       int64_t number, struct pen_status *st)
+{
+    const enum pen_sqlite_sql statements[] = {SQL_LANE_ADD, SQL_LANE_ENTER, SQL_JOB_LANE};
+    for (int i = 0; i < 3; i++) {
+        struct pen_sqlite_query query = pen_sqlite_query(store, statements[i]);
+        pen_sqlite_int(&query, job->priority);
+        pen_sqlite_text(&query, job->address ? job->address : "");
+        pen_sqlite_text(&query, job->label ? job->label : "");
+        if (statements[i] == SQL_JOB_LANE)
+            pen_sqlite_int(&query, number);
+        if (!pen_sqlite_run(&query, st))
+            return false;
+    }
+    return true;
+}
+
+bool pen_sqlite_share_enter(struct pen_driver *driver, const struct pen_job_new *job,
+                            int64_t number, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    int64_t now_ms;
+    return pen_sqlite_now(driver, &now_ms, st) && enter_peer(store, job, now_ms, st) &&
+           enter_lane(store, job, number, st);
+}
+
+bool pen_sqlite_share_leave(struct pen_driver *driver, int64_t job, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    return run_one(store, SQL_PEER_LEAVE, job, st) && run_one(store, SQL_LANE_LEAVE, job, st) &&
+           run_one(store, SQL_LANE_DROP, job, st);
+}
+
+bool pen_sqlite_share_served(struct pen_driver *driver, int64_t batch, int64_t now_ms,
+                             struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_PEER_SERVED);
+    pen_sqlite_int(&query, batch);
+    pen_sqlite_int(&query, now_ms);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_queue_lengths(struct pen_driver *driver, const char *address, int64_t *all,
+                              int64_t *of_address, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_QUEUE_LENGTHS);
+    bool row;
+    *all = *of_address = 0;
+    pen_sqlite_text(&query, address);
+    if (!pen_sqlite_next(&query, &row, st))
+        return false;
+    if (row) {
+        *all = pen_sqlite_column_int(&query, 0);
+        *of_address = pen_sqlite_column_int(&query, 1);
+        pen_sqlite_end(&query);
+    }
+    return true;
+}
+
+bool pen_sqlite_peers_remove(struct pen_driver *driver, int64_t before_ms, struct pen_status *st)
+{
+    return run_one(pen_sqlite_of(driver), SQL_PEERS_REMOVE, before_ms, st);
+}
+
+bool pen_sqlite_batch_spend(struct pen_driver *driver, int64_t batch, int64_t attempt,
+                            int64_t spent_us, struct pen_status *st)
+{
+    /* The batch comes last: the others read what it had spent before. */
+    const enum pen_sqlite_sql statements[] = {SQL_PEER_SPEND, SQL_LANE_SPEND, SQL_JOB_SPEND,
+                                              SQL_BATCH_SPEND};
+    for (int i = 0; i < 4; i++) {
+        struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), statements[i]);
+        pen_sqlite_int(&query, batch);
+        pen_sqlite_int(&query, attempt);
+        pen_sqlite_int(&query, spent_us);
+        if (!pen_sqlite_run(&query, st))
+            return false;
+    }
+    return true;
+}
+
+/* What a claim may take. */
+struct wanted {
+    int64_t paused_until_ms;
+    bool quarantined;
+};
+
+/* Runs a choice among rows that have a batch to claim: the first two parameters are `wanted`, the
+ * third is `of`. Reads the first column, and the second if there is one. */
+static bool choose(struct pen_sqlite_store *store, enum pen_sqlite_sql sql,
+                   const struct wanted *wanted, int64_t of, int64_t out[2], bool *found,
+                   struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, sql);
+    pen_sqlite_int(&query, wanted->paused_until_ms);
+    pen_sqlite_int(&query, wanted->quarantined);
+    pen_sqlite_int(&query, of);
+    if (!pen_sqlite_next(&query, found, st))
+        return false;
+    if (*found) {
+        for (int i = 0; i < 2 && i < sqlite3_column_count(query.stmt); i++)
+            out[i] = pen_sqlite_column_int(&query, i);
+        pen_sqlite_end(&query);
+    }
+    return true;
+}
+
+bool pen_sqlite_next_open(struct pen_driver *driver, int64_t paused_until_ms, bool quarantined,
+                          struct pen_claim *claim, int64_t *job, bool *found, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    const struct wanted wanted = {paused_until_ms, quarantined};
+    int64_t now_ms, peer[2] = {0}, lane[2] = {0}, chosen[2] = {0};
+    if (!pen_sqlite_now(driver, &now_ms, st) ||
+        !choose(store, SQL_NEXT_PEER, &wanted, now_ms, peer, found, st))
+        return false;
+    if (!*found)
+        return true;
+    if (!choose(store, SQL_NEXT_LANE, &wanted, peer[0], lane, found, st) || !*found)
+        return *found;
+    const enum pen_sqlite_sql rule = lane[1] > 0 ? SQL_NEXT_LEAST : SQL_NEXT_OLDEST;
+    if (!choose(store, rule, &wanted, lane[0], chosen, found, st) || !*found)
+        return *found;
+    return pen_sqlite_first_open(driver, chosen[0], quarantined, claim, job, found, st);
+}

@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: MIT */
+/* Shares: who is served next, by workers that render nothing and only tell how long they took. */
+#include <stdio.h>
+#include <string.h>
+
+#include "support/store.h"
+#include "support/store_sql.h"
+#include "support/suite.h"
+
+enum { SECOND_US = 1000000, JOBS_MAX = 1000 };
+
+static struct store_bed bed;
+static int next_job;
+
+/* What jobs of one kind have got. A job's number is its place among all; `of` maps it to a kind. */
+static int of[JOBS_MAX];
+static int64_t got_us[4];
+
+static bool submit_job(int kind, const char *address, const char *label, int batches, int priority,
+                       int64_t queue_max, int64_t address_max, struct pen_status *st)
+{
+    struct store_job in;
+    struct pen_buf answer = {0};
+    enum pen_submit_result result;
+    ck_assert_int_lt(next_job, JOBS_MAX);
+    store_job_init(&in, next_job, 1, batches);
+    in.job.address = address;
+    in.job.label = label;
+    in.job.priority = priority;
+    in.job.queue_max = queue_max;
+    in.job.address_queue_max = address_max;
+    of[next_job] = kind;
+    bool ok = pen_store_submit(bed.store, &in.job, &result, &answer, st);
+    next_job += ok;
+    pen_buf_release(&answer);
+    return ok;
+}
+
+static void submit(int kind, const char *address, const char *label, int batches)
+{
+    struct pen_status st;
+    store_must(submit_job(kind, address, label, batches, 0, 0, 0, &st), &st, "submit");
+}
+
+static void submit_many(int count, int kind, const char *address, const char *label)
+{
+    for (int i = 0; i < count; i++)
+        submit(kind, address, label, 1);
+}
+
+static void open_bed(void)
+{
+    store_bed_open(&bed);
+    next_job = 0;
+    memset(got_us, 0, sizeof got_us);
+}
+
+static int kind_of(const struct pen_claim *claim)
+{
+    int number = -1;
+    ck_assert_int_eq(sscanf(claim->job_id, "01900000-0000-7000-8000-%d", &number), 1);
+    return of[number];
+}
+
+/* Claims and commits a batch that takes us[kind]; returns the kind of its job. */
+static int serve(const int64_t us[4])
+{
+    struct pen_claim claim = store_claim(bed.store, "w");
+    const int kind = kind_of(&claim);
+    claim.spent_us = us[kind];
+    got_us[kind] += us[kind];
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    return kind;
+}
+
+static const int64_t seconds[4] = {SECOND_US, SECOND_US, SECOND_US, SECOND_US};
+
+static void serve_many(int count, const int64_t us[4])
+{
+    for (int i = 0; i < count; i++)
+        serve(us);
+}
+
+static void expect_about(int64_t got, int64_t wanted, int64_t off)
+{
+    ck_assert_msg(got >= wanted - off && got <= wanted + off, "got %lld us, expected %lld +- %lld",
+                  (long long)got, (long long)wanted, (long long)off);
+}
+
+START_TEST(test_shares__addresses_get_the_same_time_whatever_they_queue)
+{
+    open_bed();
+    submit_many(200, 0, "10.0.0.1", NULL);
+    submit_many(20, 1, "10.0.0.2", NULL);
+    serve_many(30, seconds);
+    expect_about(got_us[1], 15 * SECOND_US, SECOND_US);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_shares__it_is_time_that_is_shared_not_batches)
+{
+    const int64_t us[4] = {10 * SECOND_US, SECOND_US};
+    open_bed();
+    submit_many(20, 0, "10.0.0.1", NULL);
+    submit_many(120, 1, "10.0.0.2", NULL);
+    serve_many(88, us);
+    expect_about(got_us[0], got_us[1], 10 * SECOND_US);
+    ck_assert_int_ge(got_us[0], 70 * SECOND_US);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_shares__labels_divide_the_share_of_their_address)
+{
+    open_bed();
+    submit_many(60, 0, "10.0.0.1", "x");
+    submit_many(60, 1, "10.0.0.1", "y");
+    submit_many(60, 2, "10.0.0.2", "x");
+    serve_many(40, seconds);
+    expect_about(got_us[0], 10 * SECOND_US, SECOND_US);
+    expect_about(got_us[1], 10 * SECOND_US, SECOND_US);
+    expect_about(got_us[2], 20 * SECOND_US, SECOND_US);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_shares__new_labels_take_nothing_from_other_addresses)
+{
+    char label[16];
+    open_bed();
+    submit_many(60, 0, "10.0.0.1", NULL);
+    for (int i = 0; i < 60; i++) {
+        snprintf(label, sizeof label, "shot %d", i);
+        submit(1, "10.0.0.2", label, 1);
+    }
+    serve_many(40, seconds);
+    expect_about(got_us[0], 20 * SECOND_US, SECOND_US);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* An address is not owed what it did not ask for while it was away. */
+START_TEST(test_shares__time_that_was_not_asked_for_is_not_owed)
+{
+    open_bed();
+    submit_many(140, 0, "10.0.0.1", NULL);
+    serve_many(100, seconds);
+    submit_many(40, 1, "10.0.0.2", NULL);
+    serve_many(40, seconds);
+    expect_about(got_us[0], 120 * SECOND_US, SECOND_US);
+    expect_about(got_us[1], 20 * SECOND_US, SECOND_US);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* A batch of hours, which could not be divided, is forgotten but for ten minutes. */
+START_TEST(test_shares__debts_are_bounded)
+{
+    const int64_t us[4] = {36000 * INT64_C(1000000), 60 * SECOND_US};
+    open_bed();
+    submit(0, "10.0.0.1", NULL, 1);
+    submit_many(40, 1, "10.0.0.2", NULL);
+    while (got_us[0] == 0)
+        serve(us);
+    submit(2, "10.0.0.1", NULL, 1);
+    int waited = 0;
+    while (serve(us) != 2)
+        waited++;
+    ck_assert_int_ge(waited, 8);
+    ck_assert_int_le(waited, 12);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_shares__short_jobs_share_with_the_long_one_before_them)
+{
+    open_bed();
+    submit(0, "10.0.0.1", NULL, 8); /* eight batches of 5 s */
+    submit_many(30, 1, "10.0.0.1", NULL);
+    const int64_t us[4] = {5 * SECOND_US, SECOND_US};
+    while (got_us[1] < 30 * SECOND_US && got_us[0] < 40 * SECOND_US)
+        serve(us);
+    expect_about(got_us[0], got_us[1], 10 * SECOND_US);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_shares__long_job_is_not_starved_by_short_ones_that_keep_coming)
+{
+    open_bed();
+    submit(0, "10.0.0.1", NULL, 8);
+    for (int i = 0; i < 60 && got_us[0] < 8 * SECOND_US; i++) {
+        submit(1, "10.0.0.1", NULL, 1);
+        submit(1, "10.0.0.1", NULL, 1);
+        serve(seconds);
+    }
+    ck_assert_int_eq(got_us[0], 8 * SECOND_US);
+    expect_about(got_us[1], 8 * SECOND_US, 3 * SECOND_US);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_shares__what_waits_long_comes_before_higher_priorities_once)
+{
+    struct pen_status st;
+    open_bed();
+    for (int i = 0; i < 20; i++)
+        store_must(submit_job(1, "10.0.0.1", NULL, 1, 10, 0, 0, &st), &st, "submit");
+    submit_many(5, 0, "10.0.0.2", NULL);
+    serve_many(3, seconds);
+    ck_assert_int_eq(got_us[0], 0);
+    /* A priority for each minute: 9 are not enough, 11 are. */
+    store_run_sql(&bed,
+                  "UPDATE peer SET waiting_since_ms = waiting_since_ms - 9 * 60000"
+                  " WHERE priority = 0",
+                  NULL, 0);
+    ck_assert_int_eq(serve(seconds), 1);
+    store_run_sql(&bed,
+                  "UPDATE peer SET waiting_since_ms = waiting_since_ms - 2 * 60000"
+                  " WHERE priority = 0",
+                  NULL, 0);
+    ck_assert_int_eq(serve(seconds), 0);
+    ck_assert_int_eq(serve(seconds), 1);
+    store_bed_close(&bed);
+}
+END_TEST
+
+static void expect_refused(const char *address, int64_t queue_max, int64_t address_max,
+                           const char *words)
+{
+    struct pen_status st = {0};
+    ck_assert(!submit_job(0, address, NULL, 1, 0, queue_max, address_max, &st));
+    ck_assert_int_eq(st.code, PEN_QUOTA);
+    ck_assert_msg(strstr(st.msg, words) != NULL, "%s", st.msg);
+}
+
+START_TEST(test_shares__queue_is_bounded_in_all_and_for_each_address)
+{
+    struct pen_status st;
+    open_bed();
+    submit_many(3, 0, "10.0.0.1", NULL);
+    submit_many(2, 0, "10.0.0.2", NULL);
+    expect_refused("10.0.0.1", 0, 3, "3 jobs of your address 10.0.0.1 wait or run, at most 3");
+    expect_refused("10.0.0.3", 5, 3, "5 jobs wait or run, at most 5");
+    store_must(submit_job(0, "10.0.0.2", NULL, 1, 0, 6, 3, &st), &st, "one more");
+    serve_many(1, seconds);
+    store_must(submit_job(0, "10.0.0.1", NULL, 1, 0, 6, 3, &st), &st, "one has ended");
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("shares", test_shares__addresses_get_the_same_time_whatever_they_queue,
+          test_shares__it_is_time_that_is_shared_not_batches,
+          test_shares__labels_divide_the_share_of_their_address,
+          test_shares__new_labels_take_nothing_from_other_addresses,
+          test_shares__time_that_was_not_asked_for_is_not_owed, test_shares__debts_are_bounded,
+          test_shares__short_jobs_share_with_the_long_one_before_them,
+          test_shares__long_job_is_not_starved_by_short_ones_that_keep_coming,
+          test_shares__what_waits_long_comes_before_higher_priorities_once,
+          test_shares__queue_is_bounded_in_all_and_for_each_address)
