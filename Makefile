@@ -97,9 +97,11 @@ STABILITY := $(BUILD)/tests/property/stability
 FILMS := $(BUILD)/tests/property/films
 INSTRUCTIONS := $(BUILD)/tests/effects/instructions
 FAULTS := $(BUILD)/tests/faults/preload.so
+FUZZ_NAMES := $(patsubst tests/fuzz/fuzz_%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
+REPLAYS := $(FUZZ_NAMES:%=$(BUILD)/tests/fuzz/replay_%)
 BENCHES := $(patsubst %.c,$(BUILD)/%,$(sort $(wildcard tests/bench/*.c)))
 LOAD := $(BUILD)/tests/load/load
-tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(LOAD) $(STABILITY) $(FILMS) $(INSTRUCTIONS) $(BENCHES)
+tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(LOAD) $(STABILITY) $(FILMS) $(INSTRUCTIONS) $(BENCHES) $(REPLAYS)
 
 have-deps:
 	@pkg-config --exists $(PKGS) || { \
@@ -199,6 +201,14 @@ $(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_LIB) $(BUILD)/libservice
 	$(Q)$(COMPILE) -Itests $(CHECK_CFLAGS) $(PKG_CFLAGS) -MMD -MP -pthread $(LDFLAGS) -o $@ $< \
 	    $(TEST_FIRST) $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/librender.a $(CHECK_LIBS) $(PKG_LIBS) $(TEST_LIBS)
 $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
+
+# The fuzz targets with a main of their own, which replays kept inputs.
+$(REPLAYS): $(BUILD)/tests/fuzz/replay_%: tests/fuzz/fuzz_%.c tests/fuzz/replay.c tests/fuzz/fuzz.h \
+    $(BUILD)/libservice.a $(BUILD)/librender.a
+	@mkdir -p $(@D)
+	$(call say,CC ,$<)
+	$(Q)$(COMPILE) -Itests $(PKG_CFLAGS) -pthread $(LDFLAGS) -o $@ $< tests/fuzz/replay.c \
+	    $(BUILD)/libservice.a $(BUILD)/librender.a $(PKG_LIBS)
 
 # Proofs that a scene pays for its own effects alone (src/shade/README.md). The kernels that are
 # stripped by hand are compiled as those of kernel_isa.c for AVX2.
@@ -398,20 +408,25 @@ asan:
 tsan:
 	$(FEWER_ENV) $(MAKE) BUILD=$(BUILD)-tsan SAN="-fsanitize=thread" $(CHECKED) run-tests
 
-# Feeds inputs made by libFuzzer to the XML reader, for SECONDS; needs clang.
-SECONDS ?= 120
+# Feeds inputs made by libFuzzer to each target of tests/fuzz, MINUTES long; needs clang. TARGETS="NAME…":
+# only these. What they find is kept in FUZZ_DIR; a crash belongs into tests/fuzz/corpus/TARGET.
+MINUTES ?= 10
 FUZZ_SAN := -fsanitize=address,undefined -fno-sanitize-recover=undefined
 FUZZ := BUILD=$(BUILD)-fuzz CC=clang SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link" OPT="-O1 -g"
 FUZZ_DIR := $(BUILD)-fuzz/tests/fuzz
-.PHONY: fuzz
+TARGETS ?= $(FUZZ_NAMES)
+.PHONY: fuzz fuzz-libraries
+fuzz-libraries: $(BUILD)/libservice.a $(BUILD)/librender.a
 fuzz:
-	$(MAKE) $(FUZZ) librender
-	@mkdir -p $(FUZZ_DIR)/found
-	clang $(CPP) $(FUZZ_SAN) -fsanitize=fuzzer -O1 -g -pthread -o $(FUZZ_DIR)/xml tests/fuzz/fuzz_xml.c \
-	    $(BUILD)-fuzz/librender.a $(PKG_LIBS)
-	$(FUZZ_DIR)/xml -max_total_time=$(SECONDS) -timeout=10 -rss_limit_mb=2048 \
-	    -dict=tests/fuzz/xml.dict -artifact_prefix=$(FUZZ_DIR)/ -print_final_stats=1 \
-	    $(FUZZ_DIR)/found tests/io/corpus/xml-good tests/io/corpus/xml-bad tests/golden/xml
+	$(MAKE) $(FUZZ) fuzz-libraries
+	@for target in $(TARGETS); do \
+	    mkdir -p $(FUZZ_DIR)/found/$$target && echo "fuzzing $$target for $(MINUTES) minutes" && \
+	    clang $(CPP) -Itests $(PKG_CFLAGS) $(FUZZ_SAN) -fsanitize=fuzzer -O1 -g -pthread -o $(FUZZ_DIR)/$$target \
+	        tests/fuzz/fuzz_$$target.c $(BUILD)-fuzz/libservice.a $(BUILD)-fuzz/librender.a $(PKG_LIBS) && \
+	    ASAN_OPTIONS=allocator_may_return_null=1 $(FUZZ_DIR)/$$target -max_total_time=$$(($(MINUTES) * 60)) \
+	        -timeout=10 -rss_limit_mb=2048 $$(sh tests/fuzz/options.sh $$target) -artifact_prefix=$(FUZZ_DIR)/$$target- \
+	        -print_final_stats=1 $(FUZZ_DIR)/found/$$target $$(sh tests/fuzz/corpora.sh $$target) || exit 1; \
+	done
 
 $(BUILD)/tests/conformance/compare_pair: tests/conformance/compare_pair.c $(BUILD)/librender.a
 	@mkdir -p $(@D)

@@ -13,6 +13,7 @@
  *
  * Each batch stores the waiting time before its own commit. No later batch stores that of the last
  * commit, so it is counted up to the wall clock that the commit's transaction has stored. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -212,27 +213,58 @@ static json_t *job_stats(struct sum *sum, const struct pen_job_record *job)
                      sum->audit, "render", sum->render, "scene_sha256", sum->scene_sha256);
 }
 
+static void release(struct sum *sum)
+{
+    json_decref(sum->accelerator);
+    json_decref(sum->kernel);
+    json_decref(sum->effects);
+    json_decref(sum->host);
+    json_decref(sum->precision);
+    json_decref(sum->estimated_error);
+    json_decref(sum->adaptive);
+    json_decref(sum->audit);
+    json_decref(sum->render);
+    json_decref(sum->scene_sha256);
+    free(sum->times);
+}
+
+/* JSON has no infinite numbers; only damaged rows add up to one. */
+static bool is_finite(const struct sum *sum)
+{
+    bool ok = isfinite(sum->parse_ms + sum->build_ms + sum->render_ms + sum->encode_ms) &&
+              isfinite(sum->store_ms + sum->cpu_ms + sum->last_commit_ms);
+    for (size_t i = 0; ok && i < sum->time_count; i++)
+        ok = isfinite(sum->times[i].ms * 1000); /* figures are rounded to thousandths */
+    return ok && isfinite(sum->render_ms * 1000) && isfinite(sum->cpu_ms * 1000);
+}
+
+/* The statistics from the sums, which are released. NULL after an error. */
+static json_t *finish(struct sum *sum, const struct pen_job_record *job, struct pen_status *st)
+{
+    json_t *stats = NULL;
+    if (sum->damaged || !is_finite(sum))
+        pen_fail(st, PEN_STORAGE, "stored statistics of job %s are damaged", job->id);
+    else if (sum->no_memory || !(stats = job_stats(sum, job)))
+        pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
+    release(sum);
+    return stats;
+}
+
+json_t *pen_stats_of_batches(const struct pen_batch_stats *batches, size_t count,
+                             const struct pen_job_record *job, struct pen_status *st)
+{
+    struct sum sum = {0};
+    for (size_t i = 0; i < count && take_batch(&sum, &batches[i]); i++)
+        continue;
+    return finish(&sum, job, st);
+}
+
 json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *job,
                          struct pen_status *st)
 {
     struct sum sum = {0};
-    json_t *stats = NULL;
-    if (pen_store_stats(store, job->id, take_batch, &sum, st)) {
-        if (sum.damaged)
-            pen_fail(st, PEN_STORAGE, "stored statistics of job %s are damaged", job->id);
-        else if (sum.no_memory || !(stats = job_stats(&sum, job)))
-            pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
-    }
-    json_decref(sum.accelerator);
-    json_decref(sum.kernel);
-    json_decref(sum.effects);
-    json_decref(sum.host);
-    json_decref(sum.precision);
-    json_decref(sum.estimated_error);
-    json_decref(sum.adaptive);
-    json_decref(sum.audit);
-    json_decref(sum.render);
-    json_decref(sum.scene_sha256);
-    free(sum.times);
-    return stats;
+    if (pen_store_stats(store, job->id, take_batch, &sum, st))
+        return finish(&sum, job, st);
+    release(&sum);
+    return NULL;
 }

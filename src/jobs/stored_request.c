@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "io/scene_json.h"
+#include "render/audit.h"
 
 json_t *pen_stored_json(const char *text, struct pen_status *st)
 {
@@ -14,6 +15,19 @@ json_t *pen_stored_json(const char *text, struct pen_status *st)
     if (!json)
         pen_fail(st, PEN_STORAGE, "a stored job is damaged: %s", error.text);
     return json;
+}
+
+/* Whether the numbers are of those that a submit allows. */
+static bool has_valid_numbers(const struct pen_stored_request *request)
+{
+    uint64_t pixels;
+    double threshold;
+    const double budget = pen_stored_request_budget(request);
+    const int repeats = pen_stored_request_repeats(request);
+    if (pen_stored_request_audit(request, &pixels, &threshold) &&
+        !(pixels >= 1 && pixels <= PEN_AUDIT_PIXELS_MAX && threshold > 0 && threshold < 1))
+        return false;
+    return budget >= 0 && repeats >= 0;
 }
 
 bool pen_stored_request_read(const char *text, struct pen_stored_request *request,
@@ -28,12 +42,13 @@ bool pen_stored_request_read(const char *text, struct pen_stored_request *reques
     const bool known = pen_job_kind_of_name(kind, &request->kind);
     request->view_count = (int)json_array_size(json_object_get(request->json, "views"));
     json_t *render = json_object_get(request->json, "render");
-    if (known && request->view_count > 0 && render &&
+    if (known && request->view_count > 0 && render && has_valid_numbers(request) &&
         pen_settings_read(render, "/render", &request->settings, &errors))
         return true;
     pen_stored_request_release(request);
     return pen_fail(st, PEN_STORAGE, "a stored job is damaged: %s",
-                    errors.count ? errors.item[0].msg : "no kind, views or settings");
+                    errors.count ? errors.item[0].msg
+                                 : "no kind, views or settings, or a wrong number");
 }
 
 void pen_stored_request_release(struct pen_stored_request *request)
@@ -50,9 +65,11 @@ const char *pen_stored_request_view(const struct pen_stored_request *request, in
 bool pen_stored_request_layer(const struct pen_stored_request *request, enum pen_layer layer)
 {
     const json_t *list = json_object_get(request->json, "layers");
-    for (size_t i = 0; i < json_array_size(list); i++)
-        if (strcmp(json_string_value(json_array_get(list, i)), pen_layer_name(layer)) == 0)
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const char *name = json_string_value(json_array_get(list, i));
+        if (name && strcmp(name, pen_layer_name(layer)) == 0)
             return true;
+    }
     return layer == PEN_LAYER_BEAUTY;
 }
 

@@ -6,6 +6,10 @@
 #include <zstd.h>
 #include <zstd_errors.h>
 
+/* A block has at least so many bytes and holds at most so many (RFC 8878, section 3.1.1.2). What a
+ * damaged frame says of its size beyond that is not allocated. */
+enum { BLOCK_IN = 4, BLOCK_OUT = 128 << 10 };
+
 struct pen_compressor {
     ZSTD_CCtx *compress;
     ZSTD_DCtx *decompress;
@@ -71,6 +75,9 @@ bool pen_decompress(struct pen_compressor *compressor, const void *data, size_t 
     unsigned long long size = ZSTD_getFrameContentSize(data, bytes);
     if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > SIZE_MAX)
         return pen_fail(st, PEN_STORAGE, "stored data is damaged: not a compressed frame");
+    if (size / BLOCK_OUT > bytes / BLOCK_IN)
+        return pen_fail(st, PEN_STORAGE, "stored data is damaged: %zu bytes cannot hold %llu",
+                        bytes, size);
     if (!reserve(compressor, (size_t)size, st))
         return false;
     size_t n = ZSTD_decompressDCtx(compressor->decompress, compressor->out, compressor->capacity,

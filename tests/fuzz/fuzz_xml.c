@@ -1,20 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads any bytes as a scene in XML, for libFuzzer: `make fuzz SECONDS=120`. Checks that
+/* Any bytes as a scene in XML. Checks that
  *   - nothing leaks;
  *   - an accepted scene is accepted again as the JSON that is written from it;
  *   - every error has a place. */
-#include <stdint.h>
-#include <stdlib.h>
-
+#include "fuzz/fuzz.h"
 #include "io/document.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void must(int holds)
-{
-    if (!holds)
-        abort();
-}
 
 static void check_json(const struct pen_document *document)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes JSON values as indented text. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -109,6 +110,12 @@ static void write_object(struct pen_buf *out, const json_t *object, int depth)
     pen_buf_release(&line);
 }
 
+/* "-0" is read as the integer 0, which has no sign. */
+static bool is_minus_zero(const json_t *json)
+{
+    return json_is_real(json) && json_real_value(json) == 0 && signbit(json_real_value(json));
+}
+
 static void write_value(struct pen_buf *out, const json_t *json, int depth)
 {
     if (json_is_object(json))
@@ -118,7 +125,7 @@ static void write_value(struct pen_buf *out, const json_t *json, int depth)
     else if (json_is_string(json))
         write_string(out, json);
     else
-        pen_buf_puts(out, pen_text_value(json).text);
+        pen_buf_puts(out, is_minus_zero(json) ? "-0.0" : pen_text_value(json).text);
 }
 
 bool pen_json_write(const json_t *json, struct pen_buf *out)

@@ -28,4 +28,8 @@ json_t *pen_tile_times(const double *ms, size_t count);
 json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *job,
                          struct pen_status *st);
 
+/* The same from a list. */
+json_t *pen_stats_of_batches(const struct pen_batch_stats *batches, size_t count,
+                             const struct pen_job_record *job, struct pen_status *st);
+
 #endif

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+/* Any bytes as what a worker has kept of an unfinished batch: the first byte picks the state of an
+ * adaptive render or of a benchmark. A state is used whole or not at all. */
+#include "base/thread_pool.h"
+#include "fuzz/fuzz.h"
+#include "render/adaptive.h"
+#include "render/adaptive_state.h"
+#include "study/bench.h"
+#include "study/internal/bench_state.h"
+
+enum { WIDTH = 4, HEIGHT = 3, TILE = 2, ROWS = 2, RUNS = 8 };
+
+static void check_adaptive(const uint8_t *data, size_t size)
+{
+    struct pen_settings settings = pen_settings_default();
+    struct pen_render_stats stats = {0};
+    struct pen_status st = {0};
+    float rgb[3 * WIDTH * HEIGHT];
+    settings.width = WIDTH;
+    settings.height = HEIGHT;
+    settings.tile = TILE;
+    settings.target_error = 0.5;
+    struct pen_adaptive *adaptive = pen_adaptive_new(&settings, &st);
+    must(adaptive != NULL);
+    if (pen_adaptive_load(adaptive, data, size, "b", &stats, rgb, &st))
+        must(stats.adaptive.rounds > 0 && stats.adaptive.rounds < PEN_ROUNDS_MAX);
+    else
+        must(st.code == PEN_NOT_FOUND);
+    free(stats.tile_ms);
+    pen_adaptive_free(adaptive);
+}
+
+static void check_bench(const uint8_t *data, size_t size)
+{
+    static struct pen_thread_pool *pool;
+    static struct pen_bench_times runs[ROWS + 1][RUNS];
+    static double calibration[RUNS];
+    struct pen_bench_row rows[ROWS] = {{.varied = NULL}};
+    struct pen_bench_row_result results[ROWS] = {{.runs = runs[0]}, {.runs = runs[1]}};
+    struct pen_status st;
+    uint64_t hash[ROWS] = {0};
+    bool hashed[ROWS] = {0};
+    int order[ROWS + 1] = {0};
+    if (!pool)
+        pool = pen_thread_pool_new(1, &st);
+    must(pool != NULL);
+    struct pen_bench bench = {
+        .pool = pool, .rows = rows, .row_count = ROWS, .warmup = 1, .order_seed = 7};
+    struct pen_bench_result result = {
+        .rows = results, .twin = {.runs = runs[ROWS]}, .calibration_ms = calibration};
+    struct pen_bench_state state = {.bench = &bench,
+                                    .result = &result,
+                                    .host = json_object(),
+                                    .hash = hash,
+                                    .hashed = hashed,
+                                    .order = order,
+                                    .slots = ROWS + 1,
+                                    .repeats_max = RUNS};
+    json_t *kept = json_loadb((const char *)data, size, JSON_DECODE_ANY, NULL);
+    if (pen_bench_state_read(&state, kept))
+        must(state.place >= 0 && state.place < state.slots && result.repeats <= RUNS &&
+             state.passes <= bench.warmup + RUNS);
+    json_decref(kept);
+    json_decref(state.host);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size < 1)
+        return 0;
+    if (data[0] == 'a')
+        check_adaptive(data + 1, size - 1);
+    else
+        check_bench(data + 1, size - 1);
+    return 0;
+}
