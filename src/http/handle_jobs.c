@@ -253,6 +253,8 @@ static void link_next(struct request *request, const char *next)
     struct pen_buf query = {0};
     add_param(&query, "state", pen_http_request_param(request, "state"));
     add_param(&query, "kind", pen_http_request_param(request, "kind"));
+    add_param(&query, "name", pen_http_request_param(request, "name"));
+    add_param(&query, "label", pen_http_request_param(request, "label"));
     add_param(&query, "limit", pen_http_request_param(request, "limit"));
     add_param(&query, "cursor", next);
     if (query.failed)
@@ -269,6 +271,8 @@ enum outcome pen_http_handle_list(struct request *request, struct pen_jobs *jobs
     enum pen_job_state state;
     struct pen_list_query query = {.state = -1,
                                    .kind = pen_http_request_param(request, "kind"),
+                                   .name = pen_http_request_param(request, "name"),
+                                   .label = pen_http_request_param(request, "label"),
                                    .limit = (int)pen_http_request_number(request, "limit", 50),
                                    .cursor = pen_http_request_param(request, "cursor")};
     if (state_name && pen_job_state_of_name(state_name, &state))

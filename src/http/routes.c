@@ -21,6 +21,8 @@ _Static_assert(PEN_JOB_STATE_COUNT == 5, "each state of a job has its name here"
 
 static const struct param_rule list_params[] = {{.name = "state", .allowed = states},
                                                 {.name = "kind", .allowed = pen_job_kinds},
+                                                {.name = "name", .longest = 200},
+                                                {.name = "label", .longest = 401},
                                                 {.name = "limit", .low = 1, .high = 500},
                                                 {.name = "cursor", .longest = 200},
                                                 {0}};

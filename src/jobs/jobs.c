@@ -69,6 +69,24 @@ static bool read_cursor(const char *cursor, int64_t *below, struct pen_status *s
     return pen_fail(st, PEN_USAGE, "cursor must be the value that a list gave as `next`");
 }
 
+enum { LABEL_BYTES = 201 }; /* of a key, with its end */
+
+/* Splits "key:value". */
+static bool read_label(const char *label, char key[LABEL_BYTES], struct pen_job_filter *filter,
+                       struct pen_status *st)
+{
+    const char *colon = label ? strchr(label, ':') : NULL;
+    if (!label)
+        return true;
+    if (!colon || colon == label || colon - label >= LABEL_BYTES)
+        return pen_fail(st, PEN_USAGE, "label must be a key, a colon and a value, found \"%.60s\"",
+                        label);
+    snprintf(key, LABEL_BYTES, "%.*s", (int)(colon - label), label);
+    filter->label_key = key;
+    filter->label_value = colon + 1;
+    return true;
+}
+
 /* A page of at most `limit` jobs. The list holds one job more if another page follows. */
 static json_t *list_json(const struct pen_job_record *jobs, int count, int limit,
                          struct pen_status *st)
@@ -99,14 +117,16 @@ json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
                       struct pen_status *st)
 {
     struct pen_job_filter filter = {
-        .state = query->state, .kind = query->kind, .limit = query->limit + 1};
+        .state = query->state, .kind = query->kind, .name = query->name, .limit = query->limit + 1};
     struct pen_job_record *list;
+    char key[LABEL_BYTES];
     int count;
     if (query->limit < 1 || query->limit > 500) {
         pen_fail(st, PEN_USAGE, "limit must be 1 to 500");
         return NULL;
     }
     if (!read_cursor(query->cursor, &filter.below, st) ||
+        !read_label(query->label, key, &filter, st) ||
         !pen_store_jobs(jobs->store, &filter, &list, &count, st))
         return NULL;
     json_t *answer = list_json(list, count, query->limit, st);

@@ -72,12 +72,14 @@ bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot
 struct pen_list_query {
     int state;          /* enum pen_job_state; -1: all */
     const char *kind;   /* NULL: all */
+    const char *name;   /* NULL: all */
+    const char *label;  /* "key:value"; NULL: all. The first colon ends the key */
     int limit;          /* 1…500 */
     const char *cursor; /* `next` of an earlier list; NULL: from the newest job on */
 };
 
 /* A page of jobs, newest first: {jobs: […], next: cursor | null}. Owns: the caller. Fails:
- * PEN_USAGE (limit, or a cursor that no list has given). */
+ * PEN_USAGE (limit, a label without a colon, or a cursor that no list has given). */
 json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
                       struct pen_status *st);
 

@@ -244,7 +244,10 @@ bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_recor
 struct pen_job_filter {
     int state;        /* enum pen_job_state, or -1: any */
     const char *kind; /* NULL: any */
-    int64_t below;    /* the cursor: only jobs with smaller numbers; 0: all */
+    /* Of the request, which is a JSON object here: its member `name`, and a member of its `labels`.
+     * NULL: any. */
+    const char *name, *label_key, *label_value;
+    int64_t below; /* the cursor: only jobs with smaller numbers; 0: all */
     int limit;
 };
 

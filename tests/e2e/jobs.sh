@@ -245,4 +245,15 @@ call "$job"
 expect job-after-restart "$status $(body .state)" "200 succeeded"
 call "$job/image"
 expect image-after-restart "$(cmp "$work/body" "$work/whole" && echo same)" same
+# Lists by name and label
+submit '{"scene": "builtin:spheres", "name": "night & day", "labels": {"shot": "12"}, "render": {"width": 8, "height": 8}}'
+labelled=$(body .id)
+call '/v1/jobs?label=shot:12&name=night%20%26%20day'
+expect list-by-name-and-label "$(body '[.jobs[].id] | join(" ")')" "$labelled"
+call '/v1/jobs?label=shot:13'
+expect list-by-another-label "$(body '.jobs | length')" 0
+call '/v1/jobs?label=shot'
+expect_problem label-without-colon 400 '*label must be a key, a colon and a value*'
+expect list-on-the-command-line "$("$build/penumbra" list --server "$url" --label shot:12 --name 'night & day' --json | jq -r '.jobs[].id')" "$labelled"
+
 finish

@@ -12,7 +12,7 @@ import urllib.parse
 
 import yaml
 
-NEEDS_FAULT = {"503", "507"}
+NEEDS_FAULT = {"429", "503", "507"}
 SMALL = '{"scene": "builtin:spheres", "render": {"width": 32, "height": 24}}'
 XML = '<scene><render width="8" height="8"/></scene>'
 LONG = ('{"scene": "builtin:spheres",'

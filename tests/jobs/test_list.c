@@ -84,6 +84,50 @@ START_TEST(test_list__state_filters)
 }
 END_TEST
 
+static void submit_labelled(char name, const char *labels)
+{
+    char body[4200];
+    snprintf(body, sizeof body, "{\"name\": \"%c\", \"labels\": {%s}, \"scene\": %s}", name, labels,
+             jobs_scene(""));
+    jobs_submit(&bed, body, id);
+}
+
+static void expect_names(const struct pen_list_query *query, const char *expected)
+{
+    char names[16];
+    json_t *page = list(query);
+    names_of(page, names);
+    ck_assert_str_eq(names, expected);
+    json_decref(page);
+}
+
+START_TEST(test_list__name_and_label_filter)
+{
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    submit_labelled('a', "\"shot\": \"12\", \"a.b\\\"c\": \"x:y\"");
+    submit_labelled('b', "\"shot\": \"13\"");
+    submit_labelled('a', "\"shots\": \"12\"");
+    submit_labelled('c', "\"shot\": \"12\"");
+    struct pen_list_query query = {.state = -1, .limit = 9};
+    query.label = "shot:12";
+    expect_names(&query, "ca");
+    query.name = "a";
+    expect_names(&query, "a");
+    query.state = PEN_JOB_RUNNING;
+    expect_names(&query, "");
+    query.state = PEN_JOB_QUEUED;
+    query.label = "a.b\"c:x:y";
+    expect_names(&query, "a");
+    query.label = NULL;
+    expect_names(&query, "aa");
+    query.label = "shot";
+    ck_assert_ptr_null(pen_jobs_list(bed.jobs, &query, &st));
+    ck_assert_int_eq(st.code, PEN_USAGE);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_list__wrong_cursors_and_limits_are_refused)
 {
     static const char *const bad[] = {
@@ -321,7 +365,7 @@ START_TEST(test_list__workers_are_shown_with_host_and_work)
 END_TEST
 
 PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps, test_list__state_filters,
-          test_list__wrong_cursors_and_limits_are_refused,
+          test_list__name_and_label_filter, test_list__wrong_cursors_and_limits_are_refused,
           test_list__cancel_and_delete_follow_the_state, test_list__progress_is_frozen_per_revision,
           test_list__first_eta_is_the_estimate_of_the_worker,
           test_list__only_long_jobs_are_estimated, test_list__built_in_scenes_are_listed_by_name,

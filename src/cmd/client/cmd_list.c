@@ -18,7 +18,7 @@ static const char *const states[] = {"queued", "running", "succeeded", "failed",
 
 struct values {
     struct pen_remote remote;
-    const char *state, *kind;
+    const char *state, *kind, *name, *label;
     int limit;
     bool json;
 };
@@ -35,6 +35,16 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, kind),
      .value = "KIND",
      .help = "only jobs of this kind, such as render"},
+    {.name = "name",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, name),
+     .value = "NAME",
+     .help = "only jobs of exactly this name"},
+    {.name = "label",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct values, label),
+     .value = "KEY:VALUE",
+     .help = "only jobs with this label"},
     {.name = "limit",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct values, limit),
@@ -54,6 +64,10 @@ static bool make_path(struct pen_client *client, const struct values *values, in
         ok = ok && pen_buf_printf(path, "&state=%s", values->state);
     if (values->kind)
         ok = ok && pen_buf_puts(path, "&kind=") && pen_client_escape(client, path, values->kind);
+    if (values->name)
+        ok = ok && pen_buf_puts(path, "&name=") && pen_client_escape(client, path, values->name);
+    if (values->label)
+        ok = ok && pen_buf_puts(path, "&label=") && pen_client_escape(client, path, values->label);
     if (cursor)
         ok = ok && pen_buf_puts(path, "&cursor=") && pen_client_escape(client, path, cursor);
     return ok;

@@ -166,6 +166,9 @@ bool pen_sqlite_job_page(struct pen_driver *driver, const struct pen_job_filter 
     pen_sqlite_int(&query, filter->below ? filter->below : INT64_MAX);
     pen_sqlite_text(&query, filter->kind);
     pen_sqlite_int(&query, filter->limit);
+    pen_sqlite_text(&query, filter->name);
+    pen_sqlite_text(&query, filter->label_key);
+    pen_sqlite_text(&query, filter->label_value);
     if (filter->state >= 0)
         pen_sqlite_int(&query, filter->state);
     bool row = true, ok = true;

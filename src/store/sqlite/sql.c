@@ -32,6 +32,12 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 /* The batch ?1, leased under the attempt ?2, that has spent less than ?3. */
 #define SPENT_BATCH "b.id = ?1 AND b.attempt = ?2 AND b.state = 1 AND b.spent_us < ?3"
 
+/* The kind, name and label of a list of jobs. */
+#define JOB_MATCHES                                                                                \
+    " AND (?2 IS NULL OR kind = ?2) AND (?4 IS NULL OR json_extract(request, '$.name') = ?4)"      \
+    " AND (?5 IS NULL OR EXISTS (SELECT 1 FROM json_each(request, '$.labels') l"                   \
+    " WHERE l.key = ?5 AND l.value = ?6))"
+
 /* The lane of a priority, an address and a label. */
 #define LANE_OF                                                                                    \
     " WHERE label = ?3 AND peer = (SELECT id FROM peer WHERE priority = ?1 AND address = ?2)"
@@ -80,11 +86,11 @@ static const char *const sql_text[] = {
 
     [SQL_JOB_GET] = "SELECT " JOB_COLUMNS " FROM job WHERE id = ? AND removed_ms = 0",
     [SQL_JOB_LIST] =
-        "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1"
-        " AND removed_ms = 0 AND (?2 IS NULL OR kind = ?2) ORDER BY number DESC LIMIT ?3",
-    [SQL_JOB_LIST_STATE] = "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1"
-                           " AND removed_ms = 0 AND (?2 IS NULL OR kind = ?2) AND state = ?4"
-                           " ORDER BY number DESC LIMIT ?3",
+        "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1 AND removed_ms = 0" JOB_MATCHES
+        " ORDER BY number DESC LIMIT ?3",
+    [SQL_JOB_LIST_STATE] =
+        "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1 AND removed_ms = 0" JOB_MATCHES
+        " AND state = ?7 ORDER BY number DESC LIMIT ?3",
     [SQL_JOB_FIND] = "SELECT number, state, scene FROM job WHERE id = ? AND removed_ms = 0",
     [SQL_JOB_COUNTS] = "SELECT state, count(*) - (SELECT count(*) FROM job r WHERE r.removed_ms > 0"
                        " AND r.state = job.state) FROM job GROUP BY state",
