@@ -116,6 +116,11 @@ static const struct route table[] = {
      .handle = pen_http_handle_readyz,
      .queue = QUEUE_STORE,
      .is_short = true},
+    {.method = "GET",
+     .path = "/metrics",
+     .handle = pen_http_handle_metrics,
+     .queue = QUEUE_STORE,
+     .is_short = true},
     {.method = "GET", .path = "/openapi.yaml", .handle = pen_http_handle_api_file},
     {.method = "GET", .path = "/scene.schema.json", .handle = pen_http_handle_api_file},
 };
@@ -124,7 +129,7 @@ enum { LARGE_BODY = 64 << 10 }; /* bytes; takes some milliseconds to parse */
 enum { ROUTES = sizeof table / sizeof table[0] };
 
 /* Paths of resources that are not supported yet: they get a 404 with that explanation. */
-static const char *const unsupported[] = {"/v1/plan", "/v1/assets/{sha256}", "/metrics", "/"};
+static const char *const unsupported[] = {"/v1/plan", "/v1/assets/{sha256}", "/"};
 
 bool pen_http_route(int i, const char **method, const char **path)
 {

@@ -349,3 +349,11 @@ void pen_http_watch_check_soon(struct watch *watch)
 {
     pen_store_wake(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES);
 }
+
+void pen_http_watch_counts(struct watch *watch, int *polls, int *streams)
+{
+    pthread_mutex_lock(&watch->lock);
+    *polls = watch->count;
+    *streams = watch->streams;
+    pthread_mutex_unlock(&watch->lock);
+}

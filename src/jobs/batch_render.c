@@ -216,6 +216,9 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     bool ok = end_picture(context, output, stats.done_ns, &encode_ms, st);
     output->result.pixels = claim->pixels;
     warn_of_dropped(claim, &stats.rays);
+    pen_store_tally_add(context->store, PEN_TALLY_RAYS,
+                        stats.rays.primary + stats.rays.shadow + stats.rays.reflection +
+                            stats.rays.transmission);
     struct pen_stats_input in = {.parse_ms = times.parse_ms,
                                  .build_ms = times.build_ms,
                                  .encode_ms = encode_ms,

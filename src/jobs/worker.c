@@ -282,6 +282,7 @@ static bool run(struct worker *w, struct pen_status *st)
 {
     struct pen_next next = {.worker = w->options->id, .lease_ms = w->lease_ms};
     pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->wakeups, 0);
+    pen_store_tally_add(w->store, PEN_TALLY_WORKER_STARTS, 1);
     while (!stopped(w)) {
         if (!maintain(w, st) || !claim_or_wait(w, &next, st))
             return false;

@@ -8,6 +8,7 @@ struct commit {
     const struct pen_result *result;
     struct pen_bytes pixels; /* encoded */
     struct pen_next *next;   /* NULL: none wanted */
+    bool duplicate;          /* out */
     struct pen_batch_row batch;
     int64_t now_ms;
 };
@@ -137,8 +138,8 @@ static bool write_commit(struct pen_store *store, void *arg, struct pen_status *
     if (!pen_check_fence(store, commit->claim, &commit->batch, &held, st) ||
         !store->driver->ops->now(store->driver, &commit->now_ms, st))
         return false;
-    bool duplicate = batch->state == PEN_BATCH_DONE && batch->attempt == commit->claim->attempt;
-    if (!duplicate) {
+    commit->duplicate = batch->state == PEN_BATCH_DONE && batch->attempt == commit->claim->attempt;
+    if (!commit->duplicate) {
         if (!held)
             return pen_fail(st, PEN_STALE, "the batch is no longer held; its result was refused");
         if (!check_result(commit, st) || !write_result(store, commit, st))
@@ -176,5 +177,14 @@ bool pen_policy_commit(struct pen_store *store, const struct pen_claim *claim,
     struct commit commit = {.claim = claim, .result = result, .next = next};
     if (next)
         next->found = false;
-    return encode_result(store, &commit, st) && pen_store_write(store, write_commit, &commit, st);
+    const bool ok =
+        encode_result(store, &commit, st) && pen_store_write(store, write_commit, &commit, st);
+    if (ok)
+        pen_store_tally_add(store,
+                            commit.duplicate ? PEN_TALLY_COMMIT_DUPLICATE : PEN_TALLY_COMMIT_OK, 1);
+    else if (st->code == PEN_STALE)
+        pen_store_tally_add(store, PEN_TALLY_COMMIT_STALE, 1);
+    if (ok && !commit.duplicate)
+        pen_tally_batch(store, claim->spent_us);
+    return ok;
 }

@@ -139,8 +139,12 @@ static bool write_loss(struct pen_store *store, void *arg, struct pen_status *st
 static bool open_lost(struct pen_store *store, struct loss *loss, struct pen_status *st)
 {
     bool any;
-    return store->driver->ops->any_lost(store->driver, &loss->lost, &any, st) &&
-           (!any || pen_store_write(store, write_loss, loss, st));
+    if (!store->driver->ops->any_lost(store->driver, &loss->lost, &any, st) ||
+        (any && !pen_store_write(store, write_loss, loss, st)))
+        return false;
+    if (!loss->left && !loss->outdated && loss->opened > 0)
+        pen_store_tally_add(store, PEN_TALLY_LEASES_LOST, (uint64_t)loss->opened);
+    return true;
 }
 
 bool pen_policy_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,

@@ -261,6 +261,8 @@ void pen_job_records_free(struct pen_job_record *jobs, int count);
 struct pen_counts {
     int64_t jobs[PEN_JOB_STATE_COUNT];
     int64_t open_batches, leased_batches;
+    int64_t oldest_queued_ms; /* when the oldest queued job was submitted; 0: there is none */
+    int64_t bytes;            /* of the store's files */
 };
 bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st);
 
@@ -603,6 +605,27 @@ bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
 typedef void pen_audit_fn(void *user, const char *finding);
 bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
                      struct pen_status *st);
+
+/* Counters of what all processes have done since the store's shared memory was made (SQLite: the
+ * -wake file). They are for monitoring; a crash may lose the last ones. */
+enum { PEN_TALLY_BUCKETS = 12 };
+enum pen_tally {
+    PEN_TALLY_COMMIT_OK,
+    PEN_TALLY_COMMIT_DUPLICATE,
+    PEN_TALLY_COMMIT_STALE,
+    PEN_TALLY_LEASES_LOST,   /* expired, or their worker found dead */
+    PEN_TALLY_RAYS,          /* of render batches; added by workers */
+    PEN_TALLY_WORKER_STARTS, /* added by workers */
+    PEN_TALLY_BATCH_US,      /* time spent on the batches that were committed */
+    PEN_TALLY_BATCH_BUCKET, /* how many of them took up to pen_tally_bucket_seconds(0), then (1) …
+                             */
+    PEN_TALLY_COUNT = PEN_TALLY_BATCH_BUCKET + PEN_TALLY_BUCKETS + 1 /* the last bucket: longer */
+};
+
+/* Threads: any. */
+void pen_store_tally_add(struct pen_store *store, enum pen_tally tally, uint64_t count);
+uint64_t pen_store_tally(struct pen_store *store, enum pen_tally tally);
+double pen_tally_bucket_seconds(int bucket);
 
 /* Signals between all handles of a store: two counters that only grow. PEN_SIGNAL_WORK grows when a
  * batch becomes claimable, PEN_SIGNAL_CHANGES (the change notification) when a job changes. A

@@ -66,6 +66,9 @@ enum watch_result pen_http_watch_add_stream(struct watch *watch,
                                             const struct pen_address_key *address);
 void pen_http_watch_remove_stream(struct watch *watch, const struct pen_address_key *address);
 
+/* How many long polls wait, and how many event streams are open. */
+void pen_http_watch_counts(struct watch *watch, int *polls, int *streams);
+
 /* Call it when a stream was opened; `changes` is the change counter from before its first text was
  * written. If the other streams have had an update since then, this one gets it too. */
 void pen_http_watch_stream_opened(struct watch *watch, uint32_t changes);

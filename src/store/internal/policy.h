@@ -51,6 +51,9 @@ bool pen_take_next(struct pen_store *store, struct pen_next *next, struct pen_st
 bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
                      struct pen_batch_row *row, bool *held, struct pen_status *st);
 
+/* tally.c: counts a batch that was committed. */
+void pen_tally_batch(struct pen_store *store, int64_t spent_us);
+
 /* As pen_store_outranked. */
 bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int64_t now_ms,
                    bool *outranked, struct pen_status *st);

@@ -27,6 +27,11 @@ _Atomic uint32_t *pen_sqlite_health_words(struct pen_driver *driver)
     return pen_wake_words(pen_sqlite_of(driver)->wake);
 }
 
+_Atomic uint64_t *pen_sqlite_tallies(struct pen_driver *driver)
+{
+    return pen_wake_tallies(pen_sqlite_of(driver)->wake);
+}
+
 bool pen_sqlite_repair_lock(struct pen_driver *driver, int *lock)
 {
     return pen_wake_try_lock(pen_sqlite_of(driver)->wake, lock);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Rows of jobs, idempotency keys, scenes and views. */
+#include <limits.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "store/sqlite/sqlite.h"
@@ -215,6 +217,29 @@ static bool count_batches(struct pen_sqlite_store *store, struct pen_counts *cou
     return true;
 }
 
+static bool find_oldest(struct pen_sqlite_store *store, struct pen_counts *counts,
+                        struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_OLDEST_QUEUED);
+    bool row;
+    if (!pen_sqlite_next(&query, &row, st))
+        return false;
+    if (row) {
+        counts->oldest_queued_ms = pen_sqlite_column_int(&query, 0);
+        pen_sqlite_end(&query);
+    }
+    return true;
+}
+
+/* The size of the store's file with this ending; 0: there is none. */
+static int64_t file_bytes(const struct pen_sqlite_store *store, const char *ending)
+{
+    char path[PATH_MAX];
+    struct stat info;
+    const int length = snprintf(path, sizeof path, "%s%s", store->path, ending);
+    return length < (int)sizeof path && stat(path, &info) == 0 ? (int64_t)info.st_size : 0;
+}
+
 bool pen_sqlite_job_counts(struct pen_driver *driver, struct pen_counts *counts,
                            struct pen_status *st)
 {
@@ -229,6 +254,9 @@ bool pen_sqlite_job_counts(struct pen_driver *driver, struct pen_counts *counts,
         if (state >= 0 && state < PEN_JOB_STATE_COUNT)
             counts->jobs[state] = pen_sqlite_column_int(&query, 1);
     }
+    if (!find_oldest(store, counts, st))
+        return false;
+    counts->bytes = file_bytes(store, "") + file_bytes(store, "-wal");
     return count_batches(store, counts, st);
 }
 

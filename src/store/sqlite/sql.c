@@ -96,6 +96,7 @@ static const char *const sql_text[] = {
                        " AND r.state = job.state) FROM job GROUP BY state",
     [SQL_BATCH_COUNTS] = "SELECT (SELECT count(*) FROM batch WHERE state = 0),"
                          " (SELECT count(*) FROM batch WHERE state = 1)",
+    [SQL_OLDEST_QUEUED] = "SELECT created_ms FROM job WHERE state = 0 ORDER BY number LIMIT 1",
     [SQL_JOB_START] = "UPDATE job SET state = 1, started_ms = ?2, updated_ms = ?2,"
                       " revision = revision + 1 WHERE number = ?1 AND state = 0",
     [SQL_JOB_PROGRESS] =

@@ -43,6 +43,7 @@ enum pen_sqlite_sql {
     SQL_JOB_FIND,
     SQL_JOB_COUNTS,
     SQL_BATCH_COUNTS,
+    SQL_OLDEST_QUEUED,
     SQL_JOB_START,
     SQL_JOB_PROGRESS,
     SQL_JOB_VIEW_ENDED,
@@ -320,6 +321,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(wait)                                                                                       \
     OP(wake)                                                                                       \
     OP(health_words)                                                                               \
+    OP(tallies)                                                                                    \
     OP(repair_lock)                                                                                \
     OP(repair_unlock)                                                                              \
     OP(begin_read)                                                                                 \

@@ -26,12 +26,13 @@
 #include "base/clock.h"
 #include "base/log.h"
 
-enum { SIGNAL_COUNT = 2, FIRST_WORD = 16, IDENTITY_AT = 256, FILE_BYTES = 4096 };
+enum { SIGNAL_COUNT = 2, FIRST_WORD = 16, IDENTITY_AT = 256, TALLY_AT = 1024, FILE_BYTES = 4096 };
 _Static_assert((int)PEN_SIGNAL_CHANGES + 1 == SIGNAL_COUNT && (int)SIGNAL_COUNT <= (int)FIRST_WORD,
                "a counter for each signal, before the health words");
 _Static_assert((FIRST_WORD + PEN_HEALTH_WORDS) * sizeof(uint32_t) <= IDENTITY_AT &&
-                   IDENTITY_AT + PEN_STORE_IDENTITY_BYTES <= FILE_BYTES,
-               "the file has space for all words and the identity");
+                   IDENTITY_AT + PEN_STORE_IDENTITY_BYTES <= TALLY_AT &&
+                   TALLY_AT + PEN_TALLY_COUNT * sizeof(uint64_t) <= FILE_BYTES,
+               "the file has space for all words, the identity and the sums");
 
 struct pen_wake {
     char *path;
@@ -39,6 +40,7 @@ struct pen_wake {
                                   the wait. The health words follow at FIRST_WORD */
     int fd;                    /* of the mapped file; -1: there is none, and `own` is used */
     _Atomic uint32_t own[(IDENTITY_AT + PEN_STORE_IDENTITY_BYTES) / sizeof(uint32_t) + 1];
+    _Atomic uint64_t own_tally[PEN_TALLY_COUNT];
 };
 
 /* Extends a short file by writing zeros. A hole could not be filled on a full disk, and storing to
@@ -128,6 +130,13 @@ void pen_wake_set_identity(struct pen_wake *wake, const char *identity)
     snprintf(to, PEN_STORE_IDENTITY_BYTES, "%s", identity);
     if (wake->fd >= 0)
         fdatasync(wake->fd);
+}
+
+_Atomic uint64_t *pen_wake_tallies(struct pen_wake *wake)
+{
+    _Atomic uint32_t *words = words_of(wake);
+    return words == wake->own ? wake->own_tally
+                              : (_Atomic uint64_t *)(void *)((char *)words + TALLY_AT);
 }
 
 bool pen_wake_try_lock(struct pen_wake *wake, int *lock)

@@ -31,6 +31,9 @@ _Atomic uint32_t *pen_wake_words(struct pen_wake *wake);
 char *pen_wake_identity(struct pen_wake *wake);
 void pen_wake_set_identity(struct pen_wake *wake, const char *identity);
 
+/* The sums of tally.c, zero in a new file. */
+_Atomic uint64_t *pen_wake_tallies(struct pen_wake *wake);
+
 /* Takes the lock on the file; returns false if another handle has it. *lock is for pen_wake_unlock.
  * Returns true without a lock if the file cannot be opened. */
 bool pen_wake_try_lock(struct pen_wake *wake, int *lock);

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/* GET /metrics: the state of the queue, of the store and of this process in Prometheus' text format
+ * 0.0.4, with base units. Counters are those of all processes of the store (pen_tally); they begin
+ * again at 0 when its -wake file is made anew, which Prometheus takes for a restart. */
+#include <math.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "http/internal/handlers.h"
+#include "http/internal/http.h"
+#include "http/internal/request.h"
+#include "http/internal/watch.h"
+
+static void head(struct pen_buf *out, const char *name, const char *type, const char *help)
+{
+    pen_buf_printf(out, "# HELP %s %s\n# TYPE %s %s\n", name, help, name, type);
+}
+
+static void gauge(struct pen_buf *out, const char *name, const char *help, double value)
+{
+    head(out, name, "gauge", help);
+    pen_buf_printf(out, "%s %.17g\n", name, value);
+}
+
+static void counter(struct pen_buf *out, const char *name, const char *help, uint64_t value)
+{
+    head(out, name, "counter", help);
+    pen_buf_printf(out, "%s %llu\n", name, (unsigned long long)value);
+}
+
+static void add_queue(struct pen_buf *out, const struct pen_counts *counts, int64_t now_ms)
+{
+    const char *const jobs = "penumbra_jobs";
+    const int64_t oldest_ms = counts->oldest_queued_ms;
+    const double age = oldest_ms && now_ms > oldest_ms ? (double)(now_ms - oldest_ms) / 1000 : 0;
+    head(out, jobs, "gauge", "Jobs in the store by state.");
+    for (int i = 0; i < PEN_JOB_STATE_COUNT; i++)
+        pen_buf_printf(out, "%s{state=\"%s\"} %lld\n", jobs,
+                       pen_job_state_name((enum pen_job_state)i), (long long)counts->jobs[i]);
+    gauge(out, "penumbra_queue_depth", "Jobs that wait for their first batch to be claimed.",
+          (double)counts->jobs[PEN_JOB_QUEUED]);
+    gauge(out, "penumbra_queue_oldest_seconds", "Age of the oldest job that waits.", age);
+    gauge(out, "penumbra_batches_open", "Batches that a worker may claim.",
+          (double)counts->open_batches);
+    gauge(out, "penumbra_batches_leased", "Batches that workers hold.",
+          (double)counts->leased_batches);
+}
+
+static void add_batch_seconds(struct pen_buf *out, struct pen_store *store)
+{
+    const char *const name = "penumbra_batch_seconds";
+    uint64_t sum = 0;
+    head(out, name, "histogram", "Time that workers worked on the batches that were committed.");
+    for (int i = 0; i <= PEN_TALLY_BUCKETS; i++) {
+        sum += pen_store_tally(store, (enum pen_tally)(PEN_TALLY_BATCH_BUCKET + i));
+        if (i < PEN_TALLY_BUCKETS)
+            pen_buf_printf(out, "%s_bucket{le=\"%g\"} %llu\n", name, pen_tally_bucket_seconds(i),
+                           (unsigned long long)sum);
+    }
+    pen_buf_printf(out, "%s_bucket{le=\"+Inf\"} %llu\n%s_sum %.6f\n%s_count %llu\n", name,
+                   (unsigned long long)sum, name,
+                   (double)pen_store_tally(store, PEN_TALLY_BATCH_US) * 1e-6, name,
+                   (unsigned long long)sum);
+}
+
+static void add_work(struct pen_buf *out, struct pen_store *store)
+{
+    static const char *const results[] = {"ok", "duplicate", "stale"};
+    const char *const commits = "penumbra_batch_commits_total";
+    head(out, commits, "counter", "Commits of batches by what became of them.");
+    for (int i = 0; i < 3; i++)
+        pen_buf_printf(
+            out, "%s{result=\"%s\"} %llu\n", commits, results[i],
+            (unsigned long long)pen_store_tally(store, (enum pen_tally)(PEN_TALLY_COMMIT_OK + i)));
+    add_batch_seconds(out, store);
+    counter(out, "penumbra_rays_total", "Rays traced by render batches.",
+            pen_store_tally(store, PEN_TALLY_RAYS));
+    counter(out, "penumbra_leases_expired_total",
+            "Leases that ran out or whose worker was found dead.",
+            pen_store_tally(store, PEN_TALLY_LEASES_LOST));
+    counter(out, "penumbra_worker_starts_total", "Worker processes that began to work.",
+            pen_store_tally(store, PEN_TALLY_WORKER_STARTS));
+}
+
+/* The resident memory of this process; 0: not known. */
+static double resident_bytes(void)
+{
+    unsigned long long size, resident = 0;
+    FILE *file = fopen("/proc/self/statm", "re");
+    if (!file || fscanf(file, "%llu %llu", &size, &resident) != 2)
+        resident = 0;
+    if (file)
+        fclose(file);
+    return (double)resident * (double)sysconf(_SC_PAGESIZE);
+}
+
+static void add_process(struct pen_buf *out, struct pen_http *http)
+{
+    int polls, streams;
+    pen_http_watch_counts(http->watch, &polls, &streams);
+    const char *const requests = "penumbra_http_requests_in_progress";
+    const int active = atomic_load_explicit(&http->active, memory_order_relaxed);
+    head(out, requests, "gauge", "Requests that are not answered yet, by what they wait for.");
+    pen_buf_printf(out, "%s{state=\"active\"} %d\n%s{state=\"poll\"} %d\n", requests,
+                   active > polls + streams ? active - polls - streams : 0, requests, polls);
+    gauge(out, "penumbra_sse_clients", "Open event streams.", streams);
+    gauge(out, "process_resident_memory_bytes", "Resident memory of the api process.",
+          resident_bytes());
+    head(out, "penumbra_build_info", "gauge", "The version; always 1.");
+    pen_buf_printf(out, "penumbra_build_info{version=\"%s\"} 1\n", PEN_VERSION);
+}
+
+enum outcome pen_http_handle_metrics(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_store *store = pen_jobs_store(jobs);
+    struct pen_counts counts;
+    struct pen_status st;
+    struct pen_buf out = {0};
+    int64_t now_ms;
+    const int64_t begun_ns = pen_clock_ns();
+    if (!pen_store_counts(store, &counts, &st) || !pen_store_now(store, &now_ms, &st)) {
+        pen_http_request_fail(request, &st);
+        return OUTCOME_ANSWERED;
+    }
+    const double seconds = (double)(pen_clock_ns() - begun_ns) * 1e-9;
+    add_queue(&out, &counts, now_ms);
+    add_work(&out, store);
+    gauge(&out, "penumbra_store_read_seconds", "Time that reading the store for this took.",
+          seconds);
+    gauge(&out, "penumbra_store_bytes", "Size of the store's files.", (double)counts.bytes);
+    add_process(&out, request->http);
+    pen_http_reply_body(&request->reply, 200, out.failed ? NULL : pen_http_blob_take(&out),
+                        "text/plain; version=0.0.4; charset=utf-8");
+    pen_buf_release(&out);
+    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
+    return OUTCOME_ANSWERED;
+}
