@@ -3,7 +3,8 @@
 # No job holds a worker for ever: paths that fork at every surface are cut off, and every job has a
 # timeout, which the operator bounds.
 . "$(dirname "$0")/lib.sh"
-unset PENUMBRA_MAX_TIMEOUT
+unset PENUMBRA_MAX_TIMEOUT PENUMBRA_MAX_SECONDS PENUMBRA_MAX_PIXELS PENUMBRA_MAX_SAMPLES PENUMBRA_MAX_PRIORITY \
+    PENUMBRA_MAX_QUEUE PENUMBRA_MAX_CLIENT_QUEUE
 daemon_start --max-timeout 600
 
 # Three balls in each other that reflect and transmit all light, to depth 60; then another job.
@@ -57,7 +58,8 @@ daemon_start
 submit "$small"
 expect maximum-from-the-environment "$(body .timeout_seconds)" 5000
 daemon_stop
-unset PENUMBRA_MAX_TIMEOUT
+unset PENUMBRA_MAX_TIMEOUT PENUMBRA_MAX_SECONDS PENUMBRA_MAX_PIXELS PENUMBRA_MAX_SAMPLES PENUMBRA_MAX_PRIORITY \
+    PENUMBRA_MAX_QUEUE PENUMBRA_MAX_CLIENT_QUEUE
 echo '{"max_timeout": 30}' >"$work/config.json"
 daemon_start --config "$work/config.json"
 submit "$small"

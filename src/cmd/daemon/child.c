@@ -220,7 +220,7 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
 
 void pen_child_ready(struct pen_child *child)
 {
-    child->ready = true;
+    child->ready = child->answered = true;
     child->dead.name[0] = '\0';
     close_fd(&child->dead.trace_fd);
 }

@@ -16,6 +16,7 @@ struct pen_child {
     pid_t pid;                      /* 0: not running */
     int control_fd;                 /* -1: not running, or the child closed its end */
     bool ready;                     /* has sent "ready" since its start */
+    bool answered;                  /* has answered the last "ping" */
     bool stopping;                  /* was sent "stop" */
     bool killed;                    /* by the supervisor */
     int64_t started_ns;             /* the last start */

@@ -93,6 +93,8 @@ static bool take_message(struct pen_event_source *source, struct pen_event *even
         return true;
     }
     text[got] = '\0';
+    if (strcmp(text, "ping") == 0)
+        pen_control_send(source->control_fd, "pong");
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         if (take_word(text, words[i].word, event->text)) {
             event->kind = words[i].kind;

@@ -7,7 +7,9 @@
  *                         "stop"                    finish or give back the batch, and end
  *                         "log LEVEL FORMAT FILE"   open the log anew; FILE may be empty
  *                         "state TEXT"              (api) why the daemon is not ready; "": it is
- *   child to supervisor:  "ready"                   it works; a worker has released the leases of
+ *                         "ping"                    answer "pong", if events are handled
+ *   child to supervisor:  "pong"
+ *                         "ready"                   it works; a worker has released the leases of
  *                                                   dead workers */
 #ifndef PEN_CMD_DAEMON_CONTROL_H
 #define PEN_CMD_DAEMON_CONTROL_H

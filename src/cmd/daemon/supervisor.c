@@ -14,6 +14,7 @@
 #include "base/clock.h"
 #include "cmd/daemon/child.h"
 #include "cmd/daemon/control.h"
+#include "cmd/daemon/notify.h"
 #include "cmd/daemon/roles.h"
 #include "cmd/daemon/signals.h"
 
@@ -37,6 +38,9 @@ struct supervisor {
     bool draining;
     int64_t drain_ns; /* when it began */
     char state[256];  /* the last "state" message to the api */
+    struct pen_notify notify;
+    bool told_ready; /* the service manager */
+    int64_t ping_ns; /* when the children are asked next whether they answer */
 };
 
 /* If the child is in a crash loop, writes that. */
@@ -63,6 +67,36 @@ static void send_state(struct supervisor *s, bool always)
         return;
     memcpy(s->state, text, sizeof text);
     pen_control_send(s->api.control_fd, text);
+}
+
+/* Whether a child handles its events. One that is starting or ending is bounded otherwise. */
+static bool answers(const struct pen_child *child)
+{
+    return !child->pid || !child->ready || child->stopping || child->answered;
+}
+
+static void ping(struct pen_child *child)
+{
+    child->answered = false;
+    pen_control_send(child->control_fd, "ping");
+}
+
+/* Tells the service manager when the daemon is ready, and then three times in its time that both
+ * children answer; if one does not, nothing, so that the manager starts the daemon again. */
+static void notify_manager(struct supervisor *s)
+{
+    const int64_t now = pen_clock_ns();
+    if (!s->told_ready && s->api.ready && s->worker.ready) {
+        s->told_ready = true;
+        pen_notify_send(&s->notify, "READY=1");
+    }
+    if (!s->told_ready || s->notify.watchdog_ns == 0 || now < s->ping_ns)
+        return;
+    if (answers(&s->api) && answers(&s->worker))
+        pen_notify_send(&s->notify, "WATCHDOG=1");
+    ping(&s->api);
+    ping(&s->worker);
+    s->ping_ns = now + s->notify.watchdog_ns / 3;
 }
 
 static void start_if_due(struct supervisor *s, struct pen_child *child, int listen_fd)
@@ -98,6 +132,7 @@ static void begin_drain(struct supervisor *s)
         return;
     }
     pen_log(PEN_LOG_INFO, "draining");
+    pen_notify_send(&s->notify, "STOPPING=1");
     s->draining = true;
     s->drain_ns = pen_clock_ns();
     pen_control_send(s->api.control_fd, "drain");
@@ -196,6 +231,8 @@ static void handle_message(struct supervisor *s, struct pen_child *child)
         return;
     }
     text[got] = '\0';
+    if (strcmp(text, "pong") == 0)
+        child->answered = true;
     if (strcmp(text, "ready") != 0)
         return;
     pen_child_ready(child);
@@ -203,13 +240,15 @@ static void handle_message(struct supervisor *s, struct pen_child *child)
         send_state(s, true);
 }
 
-/* The time until the next start is due or a child counts as stable; a short time when draining. */
+/* The time until the next start or ping is due or a child counts as stable; a short time when
+ * draining. */
 static int wait_ms(const struct supervisor *s)
 {
     if (s->draining)
         return DRAIN_CHECK_MS;
     const struct pen_child *children[] = {&s->api, &s->worker};
-    int64_t next = INT64_MAX, now = pen_clock_ns();
+    int64_t next = s->told_ready && s->notify.watchdog_ns ? s->ping_ns : INT64_MAX;
+    const int64_t now = pen_clock_ns();
     for (int i = 0; i < 2; i++) {
         const struct pen_child *child = children[i];
         int64_t at = child->pid ? pen_child_stable_at_ns(child) : child->start_at_ns;
@@ -253,6 +292,7 @@ static void run(struct supervisor *s)
         pen_child_reset_failures(&s->api);
         pen_child_reset_failures(&s->worker);
         send_state(s, false);
+        notify_manager(s);
         if (s->draining)
             advance_drain(s);
         if (s->draining &&
@@ -273,7 +313,9 @@ int pen_supervisor_run(const struct pen_config *config, int argc, char **argv, i
         pen_log(PEN_LOG_ERROR, "%s", st.msg);
         return pen_code_exit(st.code);
     }
+    pen_notify_open(&s.notify);
     run(&s);
+    pen_notify_close(&s.notify);
     close(s.signal_fd);
     pen_config_release(&s.reloaded);
     pen_log(PEN_LOG_INFO, "ended");

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/* Messages to the service manager that has started the daemon (sd_notify(3)): datagrams to the
+ * socket that $NOTIFY_SOCKET names. Without that variable every call does nothing. */
+#ifndef PEN_CMD_DAEMON_NOTIFY_H
+#define PEN_CMD_DAEMON_NOTIFY_H
+
+#include <stdint.h>
+
+struct pen_notify {
+    int fd;              /* connected to the manager's socket; -1: none */
+    int64_t watchdog_ns; /* the longest time between two "WATCHDOG=1"; 0: none are wanted */
+};
+
+/* Reads the environment, and removes from it what was meant for this process alone. A socket that
+ * cannot be used is logged. Owns: pen_notify_close. */
+void pen_notify_open(struct pen_notify *notify);
+void pen_notify_close(struct pen_notify *notify);
+
+/* Sends a message such as "READY=1". A manager that does not take it is no failure. */
+void pen_notify_send(const struct pen_notify *notify, const char *message);
+
+#endif

@@ -1,0 +1,76 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# What the supervisor tells a service manager: that it is ready, that its processes answer, that it stops.
+. "$(dirname "$0")/lib.sh"
+python3 - "$build/penumbrad" "$work" >"$work/result" 2>"$work/errors" <<'END'
+import os, signal, socket, subprocess, sys, time
+
+penumbrad, work = sys.argv[1:]
+WAIT = 60
+
+
+def start(address, name):
+    manager = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    manager.bind(address)
+    manager.settimeout(WAIT)
+    env = dict(os.environ, NOTIFY_SOCKET=name, WATCHDOG_USEC='600000')
+    env.pop('WATCHDOG_PID', None)
+    daemon = subprocess.Popen([penumbrad, '--listen', '127.0.0.1:0', '--threads', '1', '--store',
+                               work + '/store.db'], env=env, stdout=subprocess.DEVNULL,
+                              stderr=open(work + '/log', 'a'))
+    return manager, daemon
+
+
+def child(daemon, name):
+    out = subprocess.run(['pgrep', '-P', str(daemon.pid), name], capture_output=True, text=True)
+    return int(out.stdout.split()[0])
+
+
+def messages(manager, seconds):
+    got, end = [], time.monotonic() + seconds
+    while time.monotonic() < end:
+        manager.settimeout(max(end - time.monotonic(), 0.001))
+        try:
+            got.append(manager.recv(1000).decode())
+        except socket.timeout:
+            break
+    manager.settimeout(WAIT)
+    return got
+
+
+manager, daemon = start(work + '/notify', work + '/notify')
+print('first', manager.recv(1000).decode())
+print('then', manager.recv(1000).decode(), manager.recv(1000).decode())
+for name in 'penumbrad-work', 'penumbrad-api':
+    pid = child(daemon, name)
+    os.kill(pid, signal.SIGSTOP)
+    messages(manager, 1.2)  # pings that were answered before
+    print('stopped', name, messages(manager, 2))
+    os.kill(pid, signal.SIGCONT)
+    print('continued', name, manager.recv(1000).decode())
+daemon.send_signal(signal.SIGTERM)
+last = ''
+while last != 'STOPPING=1':
+    last = manager.recv(1000).decode()
+print('last', last)
+print('exit', daemon.wait(WAIT))
+manager.close()
+
+manager, daemon = start('\0penumbra-test-%d' % os.getpid(), '@penumbra-test-%d' % os.getpid())
+print('abstract', manager.recv(1000).decode())
+daemon.terminate()
+daemon.wait(WAIT)
+END
+cat >"$work/expected" <<'END'
+first READY=1
+then WATCHDOG=1 WATCHDOG=1
+stopped penumbrad-work []
+continued penumbrad-work WATCHDOG=1
+stopped penumbrad-api []
+continued penumbrad-api WATCHDOG=1
+last STOPPING=1
+exit 0
+abstract READY=1
+END
+expect "messages to a service manager" "$(cat "$work/result" "$work/errors")" "$(cat "$work/expected")"
+finish
