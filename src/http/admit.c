@@ -31,6 +31,25 @@ static bool read_length(const char *text, uint64_t *length)
     return true;
 }
 
+/* Keeps a trace context (W3C Trace Context, version 00) only if it is well formed, as text that is
+ * safe in logs. Zeros alone are not an id. */
+static void check_traceparent(struct fields *fields)
+{
+    static const int part[] = {2, 32, 16, 2};
+    const char *at = fields->traceparent;
+    for (int i = 0; at && i < 4; i++) {
+        const size_t digits = strspn(at, "0123456789abcdef"), zeros = strspn(at, "0");
+        const bool id = i == 1 || i == 2;
+        if (digits != (size_t)part[i] || (id && zeros == digits) ||
+            at[digits] != (i < 3 ? '-' : '\0'))
+            at = NULL;
+        else
+            at += digits + (i < 3);
+    }
+    if (!at || strncmp(fields->traceparent, "00-", 3) != 0)
+        fields->traceparent = NULL;
+}
+
 /* Checks how long the body is: whatever two servers could read differently is refused. */
 static bool check_framing(struct request *request, struct pen_status *st)
 {
@@ -165,6 +184,7 @@ void pen_http_request_admit(struct request *request)
 {
     struct pen_status st;
     char allow[ALLOW_BYTES] = "";
+    check_traceparent(&request->fields);
     if (request->phase == PHASE_ANSWERED)
         return;
     bool framed = check_framing(request, &st);

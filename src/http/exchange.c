@@ -83,9 +83,11 @@ static void log_access(const struct request *request, uint64_t streamed, bool co
     bool sent = !request->head && reply->status != 304;
     uint64_t bytes = streamed + (sent ? reply->bytes : 0);
     const struct pen_log_about about = {.job = request->job_id, .request = request->id};
-    pen_log_about(level, &about, "%s %.300s %d %llu bytes %lld.%03lld ms%s", request->method,
+    const char *trace = request->fields.traceparent;
+    pen_log_about(level, &about, "%s %.300s %d %llu bytes %lld.%03lld ms%s%s%s", request->method,
                   request->raw_target, reply->status, (unsigned long long)bytes,
-                  (long long)(us / 1000), (long long)(us % 1000), complete ? "" : " (cut short)");
+                  (long long)(us / 1000), (long long)(us % 1000), complete ? "" : " (cut short)",
+                  trace ? " traceparent=" : "", trace ? trace : "");
 }
 
 void pen_http_exchange_end(struct request *request, bool complete)

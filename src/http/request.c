@@ -34,6 +34,7 @@ static const struct {
     {.name = "Range", .offset = offsetof(struct fields, range)},
     {.name = "If-Range", .offset = offsetof(struct fields, if_range)},
     {.name = "Origin", .offset = offsetof(struct fields, origin), .single = true},
+    {.name = "traceparent", .offset = offsetof(struct fields, traceparent)},
     {.name = "X-Request-Id", .offset = offsetof(struct fields, request_id)},
     {.name = "Expect", .offset = offsetof(struct fields, expect)},
     {.name = "Last-Event-ID", .offset = offsetof(struct fields, last_event_id)},

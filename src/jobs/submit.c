@@ -194,6 +194,8 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
     if (!pen_store_now(jobs->store, &now_ms, st))
         return false;
     json_t *json = request_json(request);
+    if (json && in->traceparent)
+        json_object_set_new(json, "traceparent", json_string(in->traceparent));
     job->request = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
     job->label =
         request->labels ? json_dumps(request->labels, JSON_COMPACT | JSON_SORT_KEYS) : NULL;

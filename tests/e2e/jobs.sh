@@ -256,4 +256,17 @@ call '/v1/jobs?label=shot'
 expect_problem label-without-colon 400 '*label must be a key, a colon and a value*'
 expect list-on-the-command-line "$("$build/penumbra" list --server "$url" --label shot:12 --name 'night & day' --json | jq -r '.jobs[].id')" "$labelled"
 
+# A trace context is kept with the job and logged
+trace=00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01
+call /v1/jobs -H 'Content-Type: application/json' -H "traceparent: $trace" -d "$small"
+expect traced-job "$status $(body .traceparent)" "202 $trace"
+call "/v1/jobs/$(body .id)"
+expect trace-is-kept "$(body .traceparent)" "$trace"
+expect trace-is-logged "$(grep -c "POST /v1/jobs 202 .* traceparent=$trace" "$work/log")" 1
+for wrong in 01-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01 00-4bf9-00f067aa0ba902b7-01 \
+    00-00000000000000000000000000000000-00f067aa0ba902b7-01 "$trace-x" x; do
+    call /v1/jobs -H 'Content-Type: application/json' -H "traceparent: $wrong" -d "$small"
+    expect malformed-trace-is-ignored "$status $(body .traceparent)" "202 null"
+done
+
 finish

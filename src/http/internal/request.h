@@ -34,7 +34,8 @@ struct fields {
     const char *if_none_match, *range, *if_range, *idempotency_key, *request_id, *expect;
     const char *last_event_id, *accept, *connection;
     const char *accept_encoding, *content_encoding;
-    bool repeated; /* a field that must be sent at most once was sent twice */
+    const char *traceparent; /* NULL also if it is malformed, which W3C says to ignore */
+    bool repeated;           /* a field that must be sent at most once was sent twice */
 };
 
 enum { REQUEST_ID_BYTES = 65 };
