@@ -18,14 +18,14 @@ static bool end_size_line(struct pen_chunks *chunks)
     bool ok = chunks->digits;
     chunks->state = chunks->left > 0 ? PEN_CHUNKS_DATA : PEN_CHUNKS_TRAILER;
     chunks->line = 0;
-    chunks->digits = chunks->extension = false;
+    chunks->digits = chunks->space = chunks->extension = false;
     return ok;
 }
 
 /* Reads a byte of a size, or of an extension after it, which is skipped. */
 static bool read_size_byte(struct pen_chunks *chunks, char c)
 {
-    int digit = chunks->extension ? -1 : hex_digit(c);
+    int digit = chunks->space || chunks->extension ? -1 : hex_digit(c);
     if (digit >= 0) {
         if (chunks->left >> 56)
             return false;
@@ -33,10 +33,12 @@ static bool read_size_byte(struct pen_chunks *chunks, char c)
         chunks->digits = true;
         return true;
     }
-    if (!chunks->extension && (!chunks->digits || (c != ';' && c != ' ' && c != '\t')))
+    const bool space = c == ' ' || c == '\t';
+    if (!chunks->digits || (!chunks->extension && c != ';' && !space))
         return false;
-    chunks->extension = true;
-    return (unsigned char)c >= ' ' || c == '\t';
+    chunks->space = true;
+    chunks->extension = chunks->extension || c == ';';
+    return (unsigned char)c >= ' ' || space;
 }
 
 /* Reads one byte outside of chunks. Every line ends in CR and LF. */

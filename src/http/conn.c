@@ -18,7 +18,7 @@ enum {
     SMALL_BYTES = 4 << 10, /* of a head: always kept; more of it from HEADS_BYTES only */
     DROP_BYTES = 1 << 20   /* dropped at once while a connection lingers */
 };
-static const size_t heads_max = (size_t)48 << 20; /* bytes of incomplete heads, together */
+static const size_t heads_max = (size_t)48 << 20; /* bytes that are kept unread, together */
 static const int64_t linger_max_ns = 10 * INT64_C(1000000000);
 
 /* Keeps the bytes that were not read, while other connections use the loop's buffer. Returns false
@@ -40,6 +40,12 @@ static bool keep_unread(struct conn *conn)
     }
     conn->data = (const char *)kept->data;
     return true;
+}
+
+bool pen_http_conn_holds_much(const struct conn *conn)
+{
+    return conn->bytes > SMALL_BYTES &&
+           atomic_load_explicit(&conn->loop->http->head_bytes, memory_order_relaxed) > heads_max;
 }
 
 /* Notes what the kernel said about a read. Returns whether bytes came. */
@@ -104,6 +110,8 @@ void pen_http_conn_close(struct conn *conn)
     conn->bytes = 0;
     keep_unread(conn);
     pen_buf_release(&conn->out);
+    if (conn->state == CONN_WORK)
+        atomic_store_explicit(&conn->request->unwanted, true, memory_order_relaxed);
     if (conn->state == CONN_WORK && !pen_http_exchange_abandon(conn->request)) {
         conn->state = CONN_ORPHAN;
         pen_http_loop_wait(conn, WAIT_WORK);
@@ -193,8 +201,7 @@ static enum conn_step read_head(struct conn *conn)
         return refuse(conn, 431, "the head of the request is longer than 32768 bytes");
     if (found == PEN_HEAD_WHOLE)
         return begin_request(conn, head_bytes);
-    size_t all = atomic_load_explicit(&conn->loop->http->head_bytes, memory_order_relaxed);
-    if (conn->bytes > SMALL_BYTES && all > heads_max)
+    if (pen_http_conn_holds_much(conn))
         return refuse(conn, 503, "there is no memory for this head now; try again later");
     if (conn->used && was_empty && conn->bytes > 0)
         pen_http_loop_wait(conn, WAIT_HEAD);
@@ -271,7 +278,9 @@ static enum conn_step drop_input(struct conn *conn)
         conn->dropped > 2 * conn->loop->http->limits.body_bytes)
         return STEP_END;
     pen_http_loop_wait(conn, WAIT_LINGER);
-    return conn->reset || conn->half_closed ? STEP_END : STEP_ON;
+    if (got > 0)
+        return STEP_ON; /* closing with unread bytes would reset the connection behind the answer */
+    return conn->reset || conn->half_closed ? STEP_END : STEP_WAIT;
 }
 
 void pen_http_conn_linger(struct conn *conn)

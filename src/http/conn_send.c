@@ -103,7 +103,10 @@ void pen_http_conn_answer(struct conn *conn)
         reply->status = 503;
     }
     bool streams = reply->streaming && !reply->failed && has_body(request);
-    request->close = !is_kept(conn) || (streams && request->minor == 0);
+    request->close =
+        !is_kept(conn) || (streams && request->minor == 0) || pen_http_conn_holds_much(conn);
+    if (request->close)
+        conn->bytes = 0; /* nothing that follows is answered */
     pen_buf_release(&conn->out);
     write_head(conn);
     conn->out_sent = conn->body_sent = 0;
@@ -200,10 +203,12 @@ enum conn_step pen_http_conn_send_stream(struct conn *conn)
     if (conn->out_sent == conn->out.bytes) {
         if (conn->stream_over)
             return finish(conn);
-        if (!next_piece(conn)) {
-            pen_http_loop_wait(conn, WAIT_WORK);
+        const bool more = next_piece(conn);
+        if (more && conn->stream_over && conn->out.bytes == 0)
+            return finish(conn); /* HTTP/1.0 has no last chunk */
+        pen_http_loop_wait(conn, more ? WAIT_READER : WAIT_WORK);
+        if (!more)
             return STEP_WAIT;
-        }
     }
     if (!send_parts(conn, NULL, 0))
         return conn->reset ? STEP_END : STEP_WAIT;

@@ -76,9 +76,10 @@ static void log_access(const struct request *request, uint64_t streamed, bool co
     const struct reply *reply = &request->reply;
     bool reads = request->head || strcmp(request->method, "GET") == 0;
     bool refused = reply->status >= 400;
-    enum pen_log_level level = reply->status >= 500 ? PEN_LOG_WARN
-                               : reads || refused   ? PEN_LOG_DEBUG
-                                                    : PEN_LOG_INFO;
+    bool failed = reply->status >= 500 && request->route; /* others any client can provoke */
+    enum pen_log_level level = failed             ? PEN_LOG_WARN
+                               : reads || refused ? PEN_LOG_DEBUG
+                                                  : PEN_LOG_INFO;
     int64_t us = (pen_clock_ns() - request->begun_ns) / 1000;
     bool sent = !request->head && reply->status != 304;
     uint64_t bytes = streamed + (sent ? reply->bytes : 0);

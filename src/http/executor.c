@@ -5,8 +5,10 @@
 #include <malloc.h>
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "http/internal/encoding.h"
+#include "http/internal/http.h"
 #include "http/internal/loop.h"
 #include "http/internal/request.h"
 #include "jobs/jobs.h"
@@ -14,7 +16,9 @@
 enum {
     QUEUES = QUEUE_INTAKE + 1, /* that of QUEUE_NONE stays empty */
     THREADS_MAX = 64,
-    LARGE_BYTES = 256 << 10 /* from here on a body counts as large, see trim_memory */
+    LARGE_BYTES = 256 << 10, /* from here on a body counts as large, see trim_memory */
+    LARGE_ANSWER = 64 << 10, /* from here on an answer counts for ANSWER_BYTES */
+    ANSWER_BYTES = 96 << 20  /* the most of such answers in memory, but pictures */
 };
 _Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_COMPUTE == 2 && QUEUE_INTAKE == 3,
                "queues are indexed by enum queue_id");
@@ -82,14 +86,45 @@ static void finish_request(struct executor *executor, bool large)
     pthread_mutex_unlock(&executor->lock);
 }
 
+/* Whether nobody waits for the answer, and nothing else comes of the request. */
+static bool is_unwanted(const struct request *request)
+{
+    return (request->head || strcmp(request->method, "GET") == 0) &&
+           atomic_load_explicit(&request->unwanted, memory_order_relaxed);
+}
+
+/* Answers 503 if the large answers in memory, which wait for their readers, are too many. */
+static void count_answer(struct request *request)
+{
+    struct blob *body = request->reply.body;
+    struct pen_status st;
+    if (!body || body->total || body->content.bytes < LARGE_ANSWER || atomic_load(&body->refs) > 1)
+        return;
+    pen_http_blob_count(body, &request->http->answer_bytes);
+    if (atomic_load_explicit(&request->http->answer_bytes, memory_order_relaxed) <= ANSWER_BYTES)
+        return;
+    pen_http_reply_release(&request->reply);
+    pen_fail(&st, PEN_UNAVAILABLE,
+             "too many large answers wait for their readers; try again later");
+    pen_http_request_fail(request, &st);
+}
+
 /* Decodes the body, and runs the handler. */
 static enum outcome handle(struct request *request, struct pen_jobs *jobs)
 {
     enum outcome outcome = OUTCOME_ANSWERED;
+    struct pen_status st;
+    if (is_unwanted(request)) {
+        pen_fail(&st, PEN_UNAVAILABLE, "the client has gone");
+        pen_http_request_fail(request, &st);
+        return outcome;
+    }
     if (pen_http_request_decode(request))
         outcome = request->route->handle(request, jobs);
-    if (outcome == OUTCOME_ANSWERED)
+    if (outcome == OUTCOME_ANSWERED) {
         pen_http_request_encode(request);
+        count_answer(request);
+    }
     return outcome;
 }
 

@@ -177,8 +177,12 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
     struct pen_image report = {0};
     struct pen_status st;
     if (!pen_job_state_ended(snapshot->state)) {
-        if (pen_http_watch_is_abandoned(request->http->watch, request))
+        if (pen_http_watch_is_abandoned(request->http->watch, request)) {
             drop_job(request, jobs);
+            pen_fail(&st, PEN_UNAVAILABLE, "the client closed its side before the explanation");
+            pen_http_request_fail(request, &st);
+            return;
+        }
         pen_http_reply_body(&request->reply, 202, pen_http_blob_ref(snapshot->json),
                             "application/json");
         pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", request->job_id);

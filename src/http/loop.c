@@ -116,6 +116,9 @@ const char *pen_http_loop_date(struct loop *loop)
     return loop->date;
 }
 
+/* A reader that has taken nothing for so long gives way to a new connection. */
+static const int64_t STALLED_NS = 2 * INT64_C(1000000000);
+
 /* Closes the connection that can best be spared. Returns false if all are at work. */
 static bool close_idlest(struct loop *loop)
 {
@@ -127,7 +130,11 @@ static bool close_idlest(struct loop *loop)
         pen_http_conn_close(conn);
         return true;
     }
-    return false;
+    struct conn *reader = loop->list[WAIT_READER].first;
+    if (!reader || loop->now_ns - reader->since_ns < STALLED_NS)
+        return false;
+    pen_http_conn_close(reader);
+    return true;
 }
 
 /* Makes place for a new connection. Returns false if there is none even among the reserved. */

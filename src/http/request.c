@@ -50,7 +50,9 @@ static void read_field(struct fields *fields, const struct pen_head_field *sent)
         if (strcasecmp(sent->name, read_fields[i].name) != 0)
             continue;
         const char **field = (const char **)((char *)fields + read_fields[i].offset);
-        if (*field)
+        if (*field && field == &fields->connection)
+            *field = pen_list_has_token(sent->value, "close") ? sent->value : *field;
+        else if (*field)
             fields->repeated = fields->repeated || read_fields[i].single;
         else
             *field = sent->value;

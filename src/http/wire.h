@@ -63,10 +63,10 @@ struct pen_chunks {
         PEN_CHUNKS_TRAILER, /* in the fields after the last chunk, which are skipped */
         PEN_CHUNKS_DONE
     } state;
-    uint64_t left;    /* bytes of the chunk that have not been read */
-    unsigned line;    /* bytes of the current line */
-    unsigned trailer; /* bytes of all lines of the trailer */
-    bool digits, extension, cr;
+    uint64_t left;                     /* bytes of the chunk that have not been read */
+    unsigned line;                     /* bytes of the current line */
+    unsigned trailer;                  /* bytes of all lines of the trailer */
+    bool digits, space, extension, cr; /* what the line with the size has had */
 };
 
 /* Reads the next bytes of a body: at most one piece of a chunk, which *data and *data_bytes become

@@ -13,6 +13,7 @@
 #ifndef PEN_HTTP_INTERNAL_REQUEST_H
 #define PEN_HTTP_INTERNAL_REQUEST_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -69,6 +70,7 @@ struct request {
     int64_t deadline_ns;  /* of a long poll */
     bool resumed;         /* guarded by the loop's lock: pen_http_resume was called for it */
     bool watched;         /* guarded by the watcher's lock: it is in the watcher's list */
+    atomic_bool unwanted; /* atomic: relaxed, it only spares work. Its connection is closed */
     bool gone;            /* guarded by the watcher's lock: its client has closed the connection */
 };
 
