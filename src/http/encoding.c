@@ -142,7 +142,8 @@ void pen_http_request_encode(struct request *request)
     const struct reply_field *type = find_field(reply, "Content-Type");
     if (reply->failed || !reply->body || !type || !is_text(type->value) || reply->status == 206)
         return;
-    pen_http_reply_field(reply, "Vary", "Accept-Encoding");
+    if (!find_field(reply, "Vary"))
+        pen_http_reply_field(reply, "Vary", "Accept-Encoding");
     if (reply->bytes < SMALL_BYTES || reply->bytes > LARGE_BYTES ||
         !pen_encoding_is_gzip(request->fields.accept_encoding))
         return;

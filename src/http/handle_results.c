@@ -179,7 +179,7 @@ enum outcome pen_http_handle_report(struct request *request, struct pen_jobs *jo
     struct pen_image report = {0};
     struct pen_status st;
     const char *format = choose_format(request, &st);
-    pen_http_reply_field(&request->reply, "Vary", "Accept");
+    pen_http_reply_field(&request->reply, "Vary", "Accept, Accept-Encoding");
     if (!format || !make_report(request, jobs, &format, &report, &st))
         return answer_status(request, jobs, &st);
     if (strcmp(format, "html") == 0)

@@ -47,7 +47,7 @@ expect explain-a-file "$(sh $examples/explain.sh scenes/spheres.json | grep -c '
 submit "$long"
 expect cancel "$(sh $examples/cancel.sh "$job")" cancelled
 call "$job"
-expect cancel-removes "$status" 404
+expect cancel-removes "$status" 410
 
 expect validate "$(sh $examples/validate.sh scenes/spheres.json)" valid
 echo '{"format": "penumbra-scene/1", "camera": {"position": [0,0,9], "look_at": [0,0,0]}, "fog": 1}' \

@@ -302,7 +302,7 @@ START_TEST(test_study__explanation_has_actual_figures_where_asked)
                       "application/json");
         json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
         store_must(stats != NULL, &st, "stats");
-        ck_assert_int_eq(json_is_null(json_object_get(stats, "kernel")), !cases[i].actual);
+        ck_assert_int_eq(text_of(stats, "kernel")[0] == 0, !cases[i].actual);
         json_decref(stats);
         json_decref(job);
         json_decref(report);
