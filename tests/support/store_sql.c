@@ -36,11 +36,11 @@ static const char *const undo[] = {
     "ALTER TABLE worker DROP COLUMN lock_file",
     "ALTER TABLE job DROP COLUMN estimate_ms",
     "ALTER TABLE job DROP COLUMN spent_us; ALTER TABLE batch DROP COLUMN spent_us",
-    "DROP TABLE meta; DROP TABLE removed; DROP TABLE cached; DROP INDEX job_removed;"
-    "DROP INDEX job_by_end; ALTER TABLE job DROP COLUMN removed_ms",
     "DROP INDEX job_by_service; DROP INDEX batch_open_of_lane;"
     "ALTER TABLE batch DROP COLUMN lane; ALTER TABLE job DROP COLUMN lane;"
-    "ALTER TABLE job DROP COLUMN address; DROP TABLE lane; DROP TABLE peer",
+    "ALTER TABLE job DROP COLUMN address; DROP TABLE lane; DROP TABLE peer;"
+    "DROP TABLE meta; DROP TABLE removed; DROP TABLE cached; DROP INDEX job_removed;"
+    "DROP INDEX job_by_end; ALTER TABLE job DROP COLUMN removed_ms",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

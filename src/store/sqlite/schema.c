@@ -193,7 +193,8 @@ static const char step_11[] = "ALTER TABLE job ADD COLUMN spent_us INTEGER NOT N
                               "ALTER TABLE batch ADD COLUMN spent_us INTEGER NOT NULL DEFAULT 0;";
 
 /* What the store knows about itself; jobs that were removed, and what stays of them; stored forms
- * of pictures that may be dropped. */
+ * of pictures that may be dropped. Shares of addresses and labels: the address of earlier jobs is
+ * not known. */
 static const char step_12[] =
     "CREATE TABLE meta (name TEXT PRIMARY KEY, value ANY NOT NULL) STRICT, WITHOUT ROWID;"
     "INSERT INTO meta VALUES ('identity', lower(hex(randomblob(16)))), ('log', 0);"
@@ -215,10 +216,7 @@ static const char step_12[] =
     "CREATE INDEX cached_by_use ON cached(used_ms, bytes);"
     "INSERT INTO cached SELECT id, length(data), 0 FROM artefact"
     " WHERE view < 0 OR format = 'png16' OR (format = 'pfm' AND layer = 'beauty')"
-    " OR (format = 'png' AND layer IN ('cost', 'samples', 'depth', 'normal', 'albedo'));";
-
-/* Shares of addresses and labels. The address of earlier jobs is not known. */
-static const char step_13[] =
+    " OR (format = 'png' AND layer IN ('cost', 'samples', 'depth', 'normal', 'albedo'));"
     "CREATE TABLE peer ("
     " id INTEGER PRIMARY KEY AUTOINCREMENT,"
     " priority INTEGER NOT NULL,"
@@ -251,8 +249,8 @@ static const char step_13[] =
     "CREATE INDEX batch_open_of_lane ON batch(lane, job, id) WHERE state = 0;"
     "CREATE INDEX job_by_service ON job(lane, spent_us, number) WHERE state < 2;";
 
-static const char *const steps[] = {step_1, step_2, step_3,  step_4,  step_5,  step_6, step_7,
-                                    step_8, step_9, step_10, step_11, step_12, step_13};
+static const char *const steps[] = {step_1, step_2, step_3, step_4,  step_5,  step_6,
+                                    step_7, step_8, step_9, step_10, step_11, step_12};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 static bool read_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,
