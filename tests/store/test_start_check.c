@@ -2,6 +2,7 @@
 /* The check at the start of a daemon: it reads a part of a large store, and still finds a file that
  * was cut off, a damaged table of jobs, and a damaged log. */
 #include <fcntl.h>
+#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -84,5 +85,31 @@ START_TEST(test_start_check__finds_damaged_tables_of_a_large_store)
 }
 END_TEST
 
+/* A reader of an older state keeps the log from being copied, so that the file is shorter than its
+ * pages say, and yet whole. */
+START_TEST(test_start_check__a_large_store_in_use_is_not_called_damaged)
+{
+    static const char picture[100000];
+    struct pen_status st;
+    sqlite3 *reader;
+    open_large();
+    bed.store = store_bed_handle(&bed);
+    ck_assert_int_eq(sqlite3_open_v2(bed.url, &reader, SQLITE_OPEN_READWRITE, NULL), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_exec(reader, "BEGIN; SELECT count(*) FROM job", NULL, NULL, NULL),
+                     SQLITE_OK);
+    struct store_job in;
+    store_job_init(&in, 0, 1, 2);
+    store_must(
+        pen_store_artefact_put(bed.store, in.id, 0, "normal", "pfm", picture, sizeof picture, &st),
+        &st, "picture");
+    store_must(pen_store_check_start(bed.store, &st), &st, "check in use");
+    ck_assert_int_eq(sqlite3_exec(reader, "COMMIT", NULL, NULL, NULL), SQLITE_OK);
+    sqlite3_close(reader);
+    store_must(pen_store_check_start(bed.store, &st), &st, "check");
+    store_bed_close(&bed);
+}
+END_TEST
+
 PEN_SUITE("the check at a start", test_start_check__finds_a_large_file_that_was_cut_off,
-          test_start_check__finds_damaged_tables_of_a_large_store)
+          test_start_check__finds_damaged_tables_of_a_large_store,
+          test_start_check__a_large_store_in_use_is_not_called_damaged)

@@ -122,26 +122,45 @@ static bool check_tables(struct pen_sqlite_store *store, struct pen_status *st)
     return ok;
 }
 
-/* A file that was cut off is shorter than its header says. Pages that are in the log alone may lie
- * behind its end, so the log is copied first. */
-static bool check_length(struct pen_sqlite_store *store, struct pen_status *st)
+static bool count_pages(struct pen_sqlite_store *store, int64_t *pages, struct pen_status *st)
 {
     sqlite3_stmt *stmt = NULL;
-    int64_t pages = 0, page_bytes = 4096;
-    if (!pen_sqlite_checkpoint(&store->base, st))
-        return false;
     int rc = sqlite3_prepare_v2(store->db, "PRAGMA page_count", -1, &stmt, NULL);
     if (rc == SQLITE_OK)
         rc = sqlite3_step(stmt);
     if (rc == SQLITE_ROW)
-        pages = sqlite3_column_int64(stmt, 0);
+        *pages = sqlite3_column_int64(stmt, 0);
     sqlite3_finalize(stmt);
-    if (rc != SQLITE_ROW)
-        return pen_sqlite_error(store, rc, st);
-    return file_bytes(store) >= pages * page_bytes ||
-           pen_sqlite_damaged(
-               store, st, "the store %s is damaged (it has %lld bytes and should have %lld)",
-               store->path, (long long)file_bytes(store), (long long)(pages * page_bytes));
+    return rc == SQLITE_ROW || pen_sqlite_error(store, rc, st);
+}
+
+/* Copies the log into the file. *all: nothing of it is left, which readers of an older state and
+ * other writers may prevent. */
+static bool copy_log(struct pen_sqlite_store *store, bool *all, struct pen_status *st)
+{
+    int log = 0, copied = 0;
+    int rc = sqlite3_wal_checkpoint_v2(store->db, "main", SQLITE_CHECKPOINT_PASSIVE, &log, &copied);
+    *all = rc == SQLITE_OK && log == copied;
+    return rc == SQLITE_OK || (rc & 0xff) == SQLITE_BUSY || pen_sqlite_error(store, rc, st);
+}
+
+/* A file that was cut off is shorter than its header says. Pages that are in the log alone may lie
+ * behind its end, so the log is copied first. While others keep it from being copied, or write
+ * meanwhile, the length tells nothing. */
+static bool check_length(struct pen_sqlite_store *store, struct pen_status *st)
+{
+    const int64_t page_bytes = 4096;
+    int64_t before, pages;
+    bool copied;
+    if (!count_pages(store, &before, st) || !copy_log(store, &copied, st))
+        return false;
+    int64_t bytes = file_bytes(store);
+    if (!count_pages(store, &pages, st))
+        return false;
+    return !copied || pages != before || bytes >= pages * page_bytes ||
+           pen_sqlite_damaged(store, st,
+                              "the store %s is damaged (it has %lld bytes and should have %lld)",
+                              store->path, (long long)bytes, (long long)(pages * page_bytes));
 }
 
 bool pen_sqlite_check_start(struct pen_driver *driver, struct pen_status *st)
