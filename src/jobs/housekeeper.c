@@ -79,9 +79,10 @@ static bool do_slice(struct pen_housekeeper *keeper)
 {
     struct pen_status st;
     bool evicted = false, purged = false;
+    if (!pen_store_evict(keeper->store, &evicted, &st))
+        return note_failure(keeper, &st);
     bool expired = expire_jobs(keeper);
-    if (!pen_store_evict(keeper->store, &evicted, &st) ||
-        !pen_store_purge_slice(keeper->store, &purged, &st))
+    if (!pen_store_purge_slice(keeper->store, &purged, &st))
         return note_failure(keeper, &st);
     return expired || evicted || purged;
 }

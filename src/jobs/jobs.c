@@ -142,15 +142,15 @@ bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snaps
 
 bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, bool keep_stats, struct pen_status *st)
 {
-    struct pen_status why;
-    json_t *stats = keep_stats ? pen_jobs_stats(jobs, id, &why) : NULL;
+    json_t *stats = keep_stats ? pen_jobs_stats(jobs, id, st) : NULL;
+    if (keep_stats && !stats && (st->code == PEN_NO_MEMORY || st->code == PEN_UNAVAILABLE))
+        return false; /* the next try may read them */
     char *text = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
     json_decref(stats);
-    bool no_memory = keep_stats && !text && (stats || why.code == PEN_NO_MEMORY);
-    if (no_memory)
+    if (stats && !text)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
-    /* Where they cannot be read the job has none: the store tells what is the matter with it, or
-     * they are damaged and not worth keeping. */
+    /* Where they cannot be read the job has none, or they are damaged and not worth keeping; where
+     * the store cannot be read, it removes nothing either. */
     bool ok = pen_store_delete(jobs->store, id, keep_stats && !text ? "{}" : text, st);
     free(text);
     return ok;

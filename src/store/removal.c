@@ -98,11 +98,15 @@ bool pen_policy_purge_slice(struct pen_store *store, bool *more, struct pen_stat
 {
     struct pen_driver *driver = store->driver;
     struct pen_job_key job;
+    *more = false;
     if (!driver->ops->removed_next(driver, &job, more, st))
         return false;
-    if (*more ? !pen_store_write(store, write_slice, NULL, st)
-              : !driver->ops->reclaim(driver, more, st))
+    if (*more && !pen_store_write(store, write_slice, NULL, st))
         return false;
+    if (!*more && !driver->ops->reclaim(driver, more, st)) {
+        *more = false;
+        return false;
+    }
     return driver->ops->keep_log_short(driver, st);
 }
 

@@ -2,8 +2,9 @@
 /* How much a store keeps: which ended jobs retention removes, when new jobs are refused because
  * space runs short, and which stored forms of pictures are dropped.
  *
- *  - Retention removes ended jobs, those that ended first before others, never a live one. Its
- *    limits are the store's: they are stored, so that all processes follow the same.
+ *  - Retention removes ended jobs, those that ended first before others, never a live one, and none
+ *    in the minute after its end, in which its client fetches the results. Its limits are the
+ *    store's: they are stored, so that all processes follow the same.
  *  - By bytes it begins an eighth below keep_bytes. New jobs are refused at keep_bytes itself, so
  *    that what running jobs still have to store finds space in between.
  *  - New jobs are also refused while the disk has less free space than INTAKE_PART of it. So
@@ -18,6 +19,7 @@ enum {
     INTAKE_PART = 32, /* new jobs: a 32nd of the disk must be free, … */
     STATS_ROWS = 100, /* statistics of removed jobs that go at once, if nothing else is left */
     TOUCH_MS = 60000, /* a use is noted once a minute */
+    GRACE_MS = 60000, /* how long a job is kept at least after its end */
     SLACK_PART = 8,   /* retention by bytes begins an eighth below the limit */
     CACHE_PART = 8    /* cached forms: an eighth of keep_bytes at most */
 };
@@ -127,8 +129,9 @@ bool pen_policy_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *fo
         return false;
     if (!any)
         return !too_many || pen_store_write(store, write_drop_stats, &more, st);
-    *found = too_many || (keep.keep_ms > 0 && ended_ms < now_ms - keep.keep_ms) ||
-             (keep.keep_jobs > 0 && count > keep.keep_jobs);
+    *found = ended_ms < now_ms - GRACE_MS &&
+             (too_many || (keep.keep_ms > 0 && ended_ms < now_ms - keep.keep_ms) ||
+              (keep.keep_jobs > 0 && count > keep.keep_jobs));
     return true;
 }
 

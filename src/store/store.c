@@ -192,8 +192,11 @@ bool pen_store_settle(struct pen_store *store, struct pen_status *st)
 
 bool pen_store_check_start(struct pen_store *store, struct pen_status *st)
 {
-    return enter(store, PEN_NEED_CHECK, st) &&
-           leave(store, NULL, store->driver->ops->check_start(store->driver, st));
+    if (!enter(store, PEN_NEED_CHECK, st) ||
+        !leave(store, NULL, store->driver->ops->check_start(store->driver, st)))
+        return false;
+    pen_health_check_passed(store);
+    return true;
 }
 
 bool pen_store_probe(struct pen_store *store, struct pen_status *st)
@@ -214,15 +217,35 @@ bool pen_store_reserve(struct pen_store *store, struct pen_status *st)
     return store->driver->ops->reserve_make(store->driver, st);
 }
 
-bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
-                      enum pen_submit_result *result, struct pen_buf *first_answer,
-                      struct pen_status *st)
+static bool submit(struct pen_store *store, const struct pen_job_new *job,
+                   enum pen_submit_result *result, struct pen_buf *first_answer,
+                   struct pen_status *st)
 {
     struct call_start start = begin(store, "submit");
     return enter(store, PEN_NEED_SPACE, st) &&
            leave(store, &start,
                  pen_policy_intake(store, st) &&
                      pen_policy_submit(store, job, result, first_answer, st));
+}
+
+/* Whether the store has the answer to this submit already. */
+static bool was_submitted(struct pen_store *store, const struct pen_job_new *job,
+                          enum pen_submit_result *result, struct pen_buf *first_answer)
+{
+    struct pen_status ignored;
+    bool known = false;
+    return enter(store, PEN_NEED_READ, &ignored) &&
+           leave(store, NULL,
+                 pen_policy_submitted(store, job, result, first_answer, &known, &ignored)) &&
+           known;
+}
+
+bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
+                      enum pen_submit_result *result, struct pen_buf *first_answer,
+                      struct pen_status *st)
+{
+    return submit(store, job, result, first_answer, st) ||
+           (st->code == PEN_STORAGE_FULL && was_submitted(store, job, result, first_answer));
 }
 
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
@@ -538,9 +561,10 @@ bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_statu
 {
     int tries = 0;
     bool ok;
+    *more = false;
     do
         ok = purge_slice(store, more, st);
-    while (!ok && may_repeat(store, &tries, st));
+    while (!ok && *more && may_repeat(store, &tries, st));
     return ok;
 }
 

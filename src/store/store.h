@@ -209,10 +209,10 @@ enum pen_submit_result {
 };
 
 /* Stores a job. A caller that does not know the outcome repeats the call with the same job. The
- * first answer is appended to *first_answer. Fails: PEN_STORAGE_FULL (the disk is nearly full, or
- * the store holds keep_bytes), PEN_STORAGE, PEN_UNAVAILABLE (busy too long), PEN_QUOTA (too many
- * unfinished jobs), PEN_CONFLICT (another job has this id), PEN_INTERNAL (a view without a batch),
- * PEN_NO_MEMORY. */
+ * first answer is appended to *first_answer; a submit that was answered before needs no space.
+ * Fails: PEN_STORAGE_FULL (the disk is nearly full, or the store holds keep_bytes), PEN_STORAGE,
+ * PEN_UNAVAILABLE (busy too long), PEN_QUOTA (too many unfinished jobs), PEN_CONFLICT (another job
+ * has this id), PEN_INTERNAL (a view without a batch), PEN_NO_MEMORY. */
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
                       struct pen_status *st);
@@ -509,8 +509,8 @@ bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats_
 
 /* Does a little of what deletes have left to do, in one short transaction: removes some megabytes
  * of a removed job, or returns a megabyte of free space to the file system. *more is false if there
- * was nothing to do. A caller that repeats it should pause between, so that other writers get their
- * turn. */
+ * was nothing to do, or nothing to remove where it fails: then the reserve is not used for it. A
+ * caller that repeats it should pause between, so that other writers get their turn. */
 bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_status *st);
 
 /* Checkpoints. A database writes changes to a log first and later copies them to their place. That

@@ -15,17 +15,17 @@ struct submission {
     struct pen_buf *first_answer;
 };
 
-/* The key is stored already: compares the body it came with, and reads the first answer. */
-static bool read_key(struct pen_store *store, struct submission *in, struct pen_status *st)
+/* Where the key is stored already: compares the body it came with, and reads the first answer. */
+static bool find_key(struct pen_store *store, struct submission *in, bool *found,
+                     struct pen_status *st)
 {
     unsigned char body[32];
-    bool found;
     size_t before = in->first_answer->bytes;
     if (!store->driver->ops->key_get(store->driver, in->job->idempotency_key, body,
-                                     in->first_answer, &found, st))
+                                     in->first_answer, found, st))
         return false;
-    if (!found)
-        return pen_fail(st, PEN_UNAVAILABLE, "the idempotency key was removed meanwhile");
+    if (!*found)
+        return true;
     bool same = memcmp(body, in->job->body_sha256, sizeof body) == 0;
     in->result = same ? PEN_SUBMIT_REPEATED : PEN_SUBMIT_REUSED;
     if (!same)
@@ -38,11 +38,14 @@ static bool add_key(struct pen_store *store, struct submission *in, struct pen_s
     struct pen_key_row key = {.key = in->job->idempotency_key,
                               .body_sha256 = in->job->body_sha256,
                               .answer = in->job->answer};
-    bool added;
+    bool added, found;
     if (!store->driver->ops->now(store->driver, &key.created_ms, st) ||
         !store->driver->ops->key_add(store->driver, &key, &added, st))
         return false;
-    return added || read_key(store, in, st);
+    if (added)
+        return true;
+    return find_key(store, in, &found, st) &&
+           (found || pen_fail(st, PEN_UNAVAILABLE, "the idempotency key was removed meanwhile"));
 }
 
 static bool compress(struct pen_store *store, struct submission *in, struct pen_status *st)
@@ -187,6 +190,25 @@ bool pen_policy_submit(struct pen_store *store, const struct pen_job_new *job,
     bool found;
     if (!store->driver->ops->scene_find(store->driver, job->scene_sha256, &scene, &found, st) ||
         (!found && !compress(store, &in, st)) || !pen_store_write(store, write_submission, &in, st))
+        return false;
+    *result = in.result;
+    return true;
+}
+
+bool pen_policy_submitted(struct pen_store *store, const struct pen_job_new *job,
+                          enum pen_submit_result *result, struct pen_buf *first_answer, bool *known,
+                          struct pen_status *st)
+{
+    struct submission in = {.job = job, .first_answer = first_answer};
+    struct pen_job_key stored;
+    int64_t scene;
+    if (job->idempotency_key
+            ? !find_key(store, &in, known, st)
+            : !store->driver->ops->job_find(store->driver, job->id, &stored, known, st))
+        return false;
+    if (*known && !job->idempotency_key &&
+        (!store->driver->ops->scene_find(store->driver, job->scene_sha256, &scene, known, st) ||
+         (*known && !compare_known(store, &in, scene, st))))
         return false;
     *result = in.result;
     return true;

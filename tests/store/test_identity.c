@@ -207,6 +207,19 @@ START_TEST(test_identity__a_settled_store_needs_no_other_file)
 }
 END_TEST
 
+/* A process that may make no store makes no folder either. */
+START_TEST(test_identity__nothing_is_made_where_the_store_is_gone)
+{
+    char url[200];
+    store_bed_open(&bed);
+    snprintf(url, sizeof url, "store:%s:%s/penumbra.db", pen_store_identity(bed.store),
+             beside("-folder"));
+    refuse(url, PEN_STORAGE, "is gone, and no new one is made");
+    ck_assert(!is_there("-folder"));
+    store_bed_close(&bed);
+}
+END_TEST
+
 /* SQLite would take the log for this store's own. */
 START_TEST(test_identity__the_log_of_another_store_is_not_applied)
 {
@@ -217,7 +230,7 @@ START_TEST(test_identity__the_log_of_another_store_is_not_applied)
     pen_store_close(other);
     ck_assert_int_eq(rename(bed.url, beside(".away")), 0);
     ck_assert_int_eq(rename(beside(".other"), bed.url), 0);
-    refuse(bed.url, PEN_STORAGE, "-wal is the log of another store than");
+    refuse(bed.url, PEN_STORAGE, "-wal seems to be the log of another store than");
     ck_assert_int_eq(rename(beside(".away"), bed.url), 0);
     bed.store = store_bed_handle(&bed);
     ck_assert_int_eq(count_jobs(bed.store), 3);
@@ -319,6 +332,7 @@ PEN_SUITE("identity of a store", test_identity__is_made_once_and_a_backup_has_an
           test_identity__another_store_is_refused, test_identity__a_missing_log_is_noticed,
           test_identity__an_empty_log_is_the_operators_consent,
           test_identity__a_settled_store_needs_no_other_file,
+          test_identity__nothing_is_made_where_the_store_is_gone,
           test_identity__the_log_of_another_store_is_not_applied,
           test_identity__a_log_that_is_removed_in_use_takes_no_jobs,
           test_identity__what_a_removed_log_had_is_saved,

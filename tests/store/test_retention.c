@@ -28,16 +28,28 @@ static void open_bed(const struct pen_retention *keep)
     store_must(pen_store_set_retention(bed.store, keep, &st), &st, "retention");
 }
 
-static bool try_submit(int n, struct pen_status *st)
+static enum pen_submit_result result; /* of the last submit */
+
+static bool try_submit_with(int n, const char *key, struct pen_status *st)
 {
+    static const unsigned char body[32];
     struct store_job in;
     struct pen_buf answer = {0};
-    enum pen_submit_result result;
     store_job_init(&in, n, 1, 1);
     in.job.created_ms = time_ms;
+    in.job.idempotency_key = key;
+    in.job.body_sha256 = body;
+    in.job.answer = "first";
     bool ok = pen_store_submit(bed.store, &in.job, &result, &answer, st);
+    if (ok && result == PEN_SUBMIT_REPEATED)
+        ck_assert_mem_eq(answer.data, "first", 5);
     pen_buf_release(&answer);
     return ok;
+}
+
+static bool try_submit(int n, struct pen_status *st)
+{
+    return try_submit_with(n, NULL, st);
 }
 
 /* A job that has ended, with a picture of so many bytes. */
@@ -188,7 +200,7 @@ START_TEST(test_retention__intake_is_refused_at_the_limit_and_returns_by_itself)
     struct store_job in;
     struct pen_status st;
     open_bed(&(struct pen_retention){.keep_bytes = 4 * MIB});
-    store_must(try_submit(1, &st), &st, "submit");
+    store_must(try_submit_with(1, "key", &st) && try_submit(3, &st), &st, "submit");
     struct pen_claim claim = store_claim(bed.store, "w");
     for (int view = 0; view < 5; view++)
         store_must(pen_store_artefact_put(bed.store, claim.job_id, view, "depth", "pfm", picture,
@@ -200,7 +212,14 @@ START_TEST(test_retention__intake_is_refused_at_the_limit_and_returns_by_itself)
     ck_assert_msg(strstr(st.msg, "(--keep-bytes)") != NULL, "%s", st.msg);
     ck_assert(!pen_store_intake(bed.store, &st));
     ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+    /* a submit that was answered before is answered again */
+    store_must(try_submit_with(1, "key", &st), &st, "submit with a known key");
+    ck_assert_int_eq(result, PEN_SUBMIT_REPEATED);
+    store_must(try_submit(3, &st), &st, "submit of a known job");
+    ck_assert_int_eq(result, PEN_SUBMIT_KNOWN);
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK); /* what runs is finished */
+    ck_assert_int_eq(keep_house(), 0); /* for a minute it is kept for its client */
+    time_ms += hour_ms;
     ck_assert_int_eq(keep_house(), 1);
     store_must(pen_store_intake(bed.store, &st), &st, "intake");
     store_must(try_submit(2, &st), &st, "submit");

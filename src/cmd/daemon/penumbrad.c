@@ -61,7 +61,7 @@ static bool equip_store(const struct pen_config *config, struct pen_store *store
         pen_log(PEN_LOG_WARN, "%s", why.msg);
     if (pen_store_set_retention(store, &keep, st))
         return true;
-    if (st->code != PEN_STORAGE_FULL)
+    if (pen_store_failure(store, st) == PEN_FAILURE_REFUSED)
         return false;
     pen_log(PEN_LOG_WARN, "%s: what is kept stays as it was set before", st->msg);
     return true;

@@ -84,6 +84,10 @@ bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *ke
 bool pen_policy_submit(struct pen_store *store, const struct pen_job_new *job,
                        enum pen_submit_result *result, struct pen_buf *first_answer,
                        struct pen_status *st);
+/* Whether this submit was answered before, and how; reads only. */
+bool pen_policy_submitted(struct pen_store *store, const struct pen_job_new *job,
+                          enum pen_submit_result *result, struct pen_buf *first_answer, bool *known,
+                          struct pen_status *st);
 bool pen_policy_job(struct pen_store *store, const char *id, struct pen_job_record *job,
                     struct pen_status *st);
 bool pen_policy_jobs(struct pen_store *store, const struct pen_job_filter *filter,

@@ -122,14 +122,15 @@ static bool check_tables(struct pen_sqlite_store *store, struct pen_status *st)
     return ok;
 }
 
-static bool count_pages(struct pen_sqlite_store *store, int64_t *pages, struct pen_status *st)
+static bool pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,
+                   struct pen_status *st)
 {
     sqlite3_stmt *stmt = NULL;
-    int rc = sqlite3_prepare_v2(store->db, "PRAGMA page_count", -1, &stmt, NULL);
+    int rc = sqlite3_prepare_v2(store->db, sql, -1, &stmt, NULL);
     if (rc == SQLITE_OK)
         rc = sqlite3_step(stmt);
     if (rc == SQLITE_ROW)
-        *pages = sqlite3_column_int64(stmt, 0);
+        *value = sqlite3_column_int64(stmt, 0);
     sqlite3_finalize(stmt);
     return rc == SQLITE_ROW || pen_sqlite_error(store, rc, st);
 }
@@ -146,18 +147,19 @@ static bool copy_log(struct pen_sqlite_store *store, bool *all, struct pen_statu
 
 /* A file that was cut off is shorter than its header says. Pages that are in the log alone may lie
  * behind its end, so the log is copied first. While others keep it from being copied, or write
- * meanwhile, the length tells nothing. */
+ * meanwhile, which changes the version, the length tells nothing. */
 static bool check_length(struct pen_sqlite_store *store, struct pen_status *st)
 {
     const int64_t page_bytes = 4096;
-    int64_t before, pages;
+    int64_t before, after, pages;
     bool copied;
-    if (!count_pages(store, &before, st) || !copy_log(store, &copied, st))
+    if (!pragma(store, "PRAGMA data_version", &before, st) || !copy_log(store, &copied, st))
         return false;
     int64_t bytes = file_bytes(store);
-    if (!count_pages(store, &pages, st))
+    if (!pragma(store, "PRAGMA page_count", &pages, st) ||
+        !pragma(store, "PRAGMA data_version", &after, st))
         return false;
-    return !copied || pages != before || bytes >= pages * page_bytes ||
+    return !copied || after != before || bytes >= pages * page_bytes ||
            pen_sqlite_damaged(store, st,
                               "the store %s is damaged (it has %lld bytes and should have %lld)",
                               store->path, (long long)bytes, (long long)(pages * page_bytes));

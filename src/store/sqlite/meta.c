@@ -13,8 +13,9 @@
  *  - No store, but its identity or its log is there: the store was moved away or removed.
  *  - A store whose row `log` is 1, without its log: the changes since the last checkpoint are gone.
  *    A handle never removes the log (SQLITE_FCNTL_PERSIST_WAL), so someone else did.
- *  - A store with another identity than the -wake file has, and a log with content: the log belongs
- *    to the store that was here before. SQLite would apply it to this one.
+ *  - A store with another identity than the -wake file has, or with none, as before schema 12, and
+ * a log with content: the log belongs to the store that was here before. SQLite would apply it to
+ *    this one. The -wake file gets an identity only when the store's own file has it.
  *
  * Not noticed: a log that was emptied, which looks like one after a checkpoint; a store that was
  * replaced by an older copy of itself with its log. */
@@ -117,12 +118,14 @@ bool pen_sqlite_check_company(struct pen_sqlite_store *store, struct pen_status 
                         "that name",
                         store->path);
     const char *known = store->wake ? pen_wake_identity(store->wake) : "";
-    if (facts.identity[0] && known[0] && log > 0 && strcmp(facts.identity, known) != 0)
+    if (known[0] && log > 0 && strcmp(facts.identity, known) != 0)
         return pen_fail(st, PEN_STORAGE,
-                        "%s-wal is the log of another store than %s, which was put in its place: "
-                        "put the other one back, or remove the files ending in -wal, -shm and "
-                        "-wake",
+                        "%s-wal seems to be the log of another store than %s, which was put in its "
+                        "place: put the other one back, or remove the files ending in -wal, -shm "
+                        "and -wake; if the log does belong to this store, remove the one ending in "
+                        "-wake only",
                         store->path, store->path);
+    store->says_log = facts.needs_log;
     return true;
 }
 
@@ -156,8 +159,26 @@ static bool set_needs_log(struct pen_sqlite_store *store, bool needs, struct pen
     return pen_sqlite_checkpoint(&store->base, st);
 }
 
+/* Takes care that the file says that it needs its log. It may not do so although the row is set: a
+ * process may have been killed before the row was copied from the log. The disk may be full, and so
+ * the reserve is used, without which no job could be removed. */
+static bool say_log(struct pen_sqlite_store *store, bool is_set, struct pen_status *st)
+{
+    if (is_set && store->says_log)
+        return true;
+    for (;;) {
+        if (is_set ? pen_sqlite_checkpoint(&store->base, st) : set_needs_log(store, true, st))
+            return true;
+        if (st->code != PEN_STORAGE_FULL || !pen_sqlite_reserve_release(&store->base))
+            return false;
+        pen_log(PEN_LOG_WARN, "the disk of the store %s is full: its reserve is used to open it",
+                store->path);
+    }
+}
+
 bool pen_sqlite_join_company(struct pen_sqlite_store *store, struct pen_status *st)
 {
+    struct facts facts;
     char log[8], *known = pen_wake_identity(store->wake);
     if (!get_meta(store, "identity", store->identity, sizeof store->identity, st) ||
         !get_meta(store, "log", log, sizeof log, st))
@@ -169,8 +190,11 @@ bool pen_sqlite_join_company(struct pen_sqlite_store *store, struct pen_status *
                         store->path);
     if (known[0] && strcmp(known, store->identity) != 0)
         pen_log(PEN_LOG_WARN, "the store %s is another one than before", store->path);
-    pen_wake_set_identity(store->wake, store->identity);
-    return log[0] != '0' || set_needs_log(store, true, st);
+    if (!say_log(store, log[0] != '0', st))
+        return false;
+    read_facts(store, &facts);
+    pen_wake_set_identity(store->wake, facts.identity);
+    return true;
 }
 
 bool pen_sqlite_settle(struct pen_driver *driver, struct pen_status *st)

@@ -188,6 +188,8 @@ static int on_wal(void *arg, sqlite3 *db, const char *name, int pages)
     return SQLITE_OK;
 }
 
+/* secure_delete, which Debian's SQLite turns on, overwrites what is removed: a removal would write
+ * as much to the log as it removes. */
 static bool configure(struct pen_sqlite_store *store, struct pen_status *st)
 {
     sqlite3_extended_result_codes(store->db, 1);
@@ -197,7 +199,7 @@ static bool configure(struct pen_sqlite_store *store, struct pen_status *st)
     return pen_sqlite_exec(store,
                            "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
                            "PRAGMA temp_store = MEMORY; PRAGMA cell_size_check = ON;"
-                           "PRAGMA journal_size_limit = 8388608",
+                           "PRAGMA secure_delete = OFF; PRAGMA journal_size_limit = 8388608",
                            st);
 }
 
@@ -322,6 +324,8 @@ static bool open_in_company(struct pen_sqlite_store *store, const char *lock_pat
 static bool open_locked(struct pen_sqlite_store *store, const char *lock_path,
                         struct pen_status *st)
 {
+    if (store->wanted && access(store->path, F_OK) != 0 && errno == ENOENT)
+        return pen_sqlite_may_make(store, st);
     if (!make_folders(store->path, st))
         return false;
     int lock = open(lock_path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);

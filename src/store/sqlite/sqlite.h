@@ -176,6 +176,7 @@ struct pen_sqlite_store {
     int64_t patience_ms; /* how long to wait for locks of other handles */
     int wal_pages;       /* length of the write-ahead log after the last commit */
     struct stat opened;  /* the file when it was first opened, for device and inode */
+    bool says_log;       /* the file itself says that it needs its log, as last looked at */
     bool has_log;        /* `log` is that of the log when this connection was opened */
     struct stat log;
     bool sound;      /* opened without a fault, and none met since: closing may write */
