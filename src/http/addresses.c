@@ -64,7 +64,7 @@ struct pen_address_key pen_http_address_key(const struct sockaddr *peer,
         return (struct pen_address_key){.exempt = true};
     key.exempt = (is_loopback(key.bytes) && !count_loopback) ||
                  (trusted && memcmp(key.bytes, trusted, sizeof key.bytes) == 0);
-    if (!is_ipv4(key.bytes))
+    if (!is_ipv4(key.bytes) && !is_loopback(key.bytes))
         memset(key.bytes + 8, 0, 8);
     return key;
 }

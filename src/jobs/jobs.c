@@ -69,7 +69,7 @@ static bool read_cursor(const char *cursor, int64_t *below, struct pen_status *s
     return pen_fail(st, PEN_USAGE, "cursor must be the value that a list gave as `next`");
 }
 
-enum { LABEL_BYTES = 201 }; /* of a key, with its end */
+enum { LABEL_BYTES = 4 * 200 + 1 }; /* of a key of 200 characters, with its end */
 
 /* Splits "key:value". */
 static bool read_label(const char *label, char key[LABEL_BYTES], struct pen_job_filter *filter,

@@ -506,7 +506,7 @@ START_TEST(test_server__long_poll_of_a_deleted_job)
     ck_assert_int_eq(status_of(&server, head, NULL), 204);
     snprintf(head, sizeof head, "GET %s?wait=30 HTTP/1.1", path);
     int64_t begun = pen_clock_ns();
-    ck_assert_int_eq(status_of(&server, head, NULL), 404);
+    ck_assert_int_eq(status_of(&server, head, NULL), 410);
     ck_assert_int_lt(ms_since(begun), 1000);
     server_stop(&server);
 }

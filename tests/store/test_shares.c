@@ -226,6 +226,84 @@ START_TEST(test_shares__what_waits_long_comes_before_higher_priorities_once)
 }
 END_TEST
 
+static int64_t time_ms;
+
+static int64_t read_time(void *user)
+{
+    return *(const int64_t *)user;
+}
+
+/* Of two batches, the one that waits while the other one is rendered comes first. */
+START_TEST(test_shares__time_in_which_a_batch_is_rendered_is_not_waited)
+{
+    struct pen_status st;
+    time_ms = INT64_C(1800000000000);
+    open_bed();
+    pen_store_set_clock(bed.store, read_time, &time_ms);
+    submit_many(5, 0, "10.0.0.2", NULL);
+    time_ms += 130000;
+    for (int i = 0; i < 5; i++)
+        store_must(submit_job(1, "10.0.0.1", NULL, 1, 1, 0, 0, &st), &st, "submit");
+    struct pen_claim claim = store_claim(bed.store, "w");
+    ck_assert_int_eq(kind_of(&claim), 0);
+    claim.spent_us = 130 * SECOND_US;
+    time_ms += 130000;
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    ck_assert_int_eq(serve(seconds), 1);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_shares__many_that_wait_long_take_every_other_batch)
+{
+    struct pen_status st;
+    char address[24];
+    open_bed();
+    for (int i = 0; i < 8; i++)
+        store_must(submit_job(1, "10.0.0.1", NULL, 1, 1, 0, 0, &st), &st, "submit");
+    for (int i = 0; i < 8; i++) {
+        snprintf(address, sizeof address, "10.0.1.%d", i);
+        submit(0, address, NULL, 1);
+    }
+    store_run_sql(&bed, "UPDATE peer SET waiting_since_ms = 0 WHERE priority = 0", NULL, 0);
+    for (int i = 0; i < 8; i++)
+        ck_assert_int_eq(serve(seconds), i % 2);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* Beside a job, two newcomers wait at any time, of one batch each: it gets a third. */
+static void check_newcomers(bool addresses)
+{
+    const int64_t us[4] = {5 * SECOND_US, SECOND_US};
+    char name[24];
+    open_bed();
+    submit(0, "10.0.0.1", "a", 10);
+    int missing = 2;
+    for (int i = 0; i < 400 && got_us[0] < 50 * SECOND_US; i++) {
+        for (; missing > 0; missing--) {
+            snprintf(name, sizeof name, addresses ? "10.1.%d.%d" : "label %d %d", i, missing);
+            submit(1, addresses ? name : "10.0.0.1", addresses ? NULL : name, 1);
+        }
+        missing = serve(us);
+    }
+    ck_assert_int_eq(got_us[0], 50 * SECOND_US);
+    expect_about(got_us[1], 100 * SECOND_US, 15 * SECOND_US);
+    store_bed_close(&bed);
+}
+
+START_TEST(test_shares__new_labels_that_keep_coming_starve_nobody)
+{
+    check_newcomers(false);
+}
+END_TEST
+
+START_TEST(test_shares__new_addresses_that_keep_coming_starve_nobody)
+{
+    check_newcomers(true);
+}
+END_TEST
+
 static void expect_refused(const char *address, int64_t queue_max, int64_t address_max,
                            const char *words)
 {
@@ -258,4 +336,8 @@ PEN_SUITE("shares", test_shares__addresses_get_the_same_time_whatever_they_queue
           test_shares__short_jobs_share_with_the_long_one_before_them,
           test_shares__long_job_is_not_starved_by_short_ones_that_keep_coming,
           test_shares__what_waits_long_comes_before_higher_priorities_once,
+          test_shares__time_in_which_a_batch_is_rendered_is_not_waited,
+          test_shares__many_that_wait_long_take_every_other_batch,
+          test_shares__new_labels_that_keep_coming_starve_nobody,
+          test_shares__new_addresses_that_keep_coming_starve_nobody,
           test_shares__queue_is_bounded_in_all_and_for_each_address)

@@ -11,6 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "cmd/daemon/signals.h"
 
 void pen_control_send(int fd, const char *text)
@@ -106,13 +107,16 @@ static bool take_message(struct pen_event_source *source, struct pen_event *even
 
 void pen_event_source_next(struct pen_event_source *source, int timeout_ms, struct pen_event *event)
 {
+    const int64_t end_ns = pen_clock_ns() + (int64_t)timeout_ms * 1000000;
     *event = (struct pen_event){.kind = PEN_EVENT_TIMEOUT};
     enum { END, SIGNALS, CONTROL, COUNT };
     struct pollfd fds[COUNT] = {[END] = {.fd = source->end_fd, .events = POLLIN},
                                 [SIGNALS] = {.fd = source->signal_fd, .events = POLLIN},
                                 [CONTROL] = {.fd = source->control_fd, .events = POLLIN}};
     for (;;) {
-        int count = poll(fds, COUNT, timeout_ms);
+        const int64_t left_ns = end_ns - pen_clock_ns();
+        const int wait_ms = left_ns > 0 ? (int)((left_ns + 999999) / 1000000) : 0;
+        int count = poll(fds, COUNT, timeout_ms < 0 ? timeout_ms : wait_ms);
         if (count == 0)
             return;
         if (count < 0 && errno == EINTR)

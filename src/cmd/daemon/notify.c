@@ -69,8 +69,9 @@ void pen_notify_close(struct pen_notify *notify)
     notify->fd = -1;
 }
 
-void pen_notify_send(const struct pen_notify *notify, const char *message)
+bool pen_notify_send(const struct pen_notify *notify, const char *message)
 {
-    if (notify->fd >= 0)
-        send(notify->fd, message, strlen(message), MSG_NOSIGNAL | MSG_DONTWAIT);
+    return notify->fd < 0 ||
+           send(notify->fd, message, strlen(message), MSG_NOSIGNAL | MSG_DONTWAIT) >= 0 ||
+           (errno != EAGAIN && errno != ENOBUFS);
 }

@@ -4,6 +4,7 @@
 #ifndef PEN_CMD_DAEMON_NOTIFY_H
 #define PEN_CMD_DAEMON_NOTIFY_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 struct pen_notify {
@@ -16,7 +17,8 @@ struct pen_notify {
 void pen_notify_open(struct pen_notify *notify);
 void pen_notify_close(struct pen_notify *notify);
 
-/* Sends a message such as "READY=1". A manager that does not take it is no failure. */
-void pen_notify_send(const struct pen_notify *notify, const char *message);
+/* Sends a message such as "READY=1". Returns whether it need not be sent again: false if the
+ * manager's queue is full. */
+bool pen_notify_send(const struct pen_notify *notify, const char *message);
 
 #endif

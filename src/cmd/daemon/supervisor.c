@@ -77,6 +77,8 @@ static bool answers(const struct pen_child *child)
 
 static void ping(struct pen_child *child)
 {
+    if (child->stopping) /* it is not to be woken */
+        return;
     child->answered = false;
     pen_control_send(child->control_fd, "ping");
 }
@@ -86,10 +88,8 @@ static void ping(struct pen_child *child)
 static void notify_manager(struct supervisor *s)
 {
     const int64_t now = pen_clock_ns();
-    if (!s->told_ready && s->api.ready && s->worker.ready) {
-        s->told_ready = true;
-        pen_notify_send(&s->notify, "READY=1");
-    }
+    if (!s->told_ready && s->api.ready && s->worker.ready)
+        s->told_ready = pen_notify_send(&s->notify, "READY=1"); /* if not, in the next round */
     if (!s->told_ready || s->notify.watchdog_ns == 0 || now < s->ping_ns)
         return;
     if (answers(&s->api) && answers(&s->worker))

@@ -28,18 +28,26 @@ bool pen_sqlite_any_open(struct pen_driver *driver, bool *any, struct pen_status
     return true;
 }
 
-bool pen_sqlite_open_above(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms,
-                           bool equal, bool *any, struct pen_status *st)
+static bool any_open_to(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t batch,
+                        int64_t paused_until_ms, bool *any, struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_OPEN_ABOVE);
+    struct pen_sqlite_query query = pen_sqlite_query(store, sql);
     pen_sqlite_int(&query, batch);
     pen_sqlite_int(&query, paused_until_ms);
-    pen_sqlite_int(&query, equal);
     if (!pen_sqlite_next(&query, any, st))
         return false;
     if (*any)
         pen_sqlite_end(&query);
     return true;
+}
+
+bool pen_sqlite_open_above(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms,
+                           bool equal, bool *any, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    if (!any_open_to(store, SQL_OPEN_ABOVE, batch, paused_until_ms, any, st))
+        return false;
+    return *any || !equal || any_open_to(store, SQL_OPEN_BESIDE, batch, paused_until_ms, any, st);
 }
 
 #define COLUMN(name, value) CLAIM_##name,

@@ -13,9 +13,8 @@
  *  - No store, but its identity or its log is there: the store was moved away or removed.
  *  - A store whose row `log` is 1, without its log: the changes since the last checkpoint are gone.
  *    A handle never removes the log (SQLITE_FCNTL_PERSIST_WAL), so someone else did.
- *  - A store with another identity than the -wake file has, or with none, as before schema 12, and
- * a log with content: the log belongs to the store that was here before. SQLite would apply it to
- *    this one. The -wake file gets an identity only when the store's own file has it.
+ *  - A store with another identity than the -wake file has, and a log with content: the log belongs
+ *    to the store that was here before. SQLite would apply it to this one.
  *
  * Not noticed: a log that was emptied, which looks like one after a checkpoint; a store that was
  * replaced by an older copy of itself with its log. */
@@ -118,7 +117,7 @@ bool pen_sqlite_check_company(struct pen_sqlite_store *store, struct pen_status 
                         "that name",
                         store->path);
     const char *known = store->wake ? pen_wake_identity(store->wake) : "";
-    if (known[0] && log > 0 && strcmp(facts.identity, known) != 0)
+    if (facts.identity[0] && known[0] && log > 0 && strcmp(facts.identity, known) != 0)
         return pen_fail(st, PEN_STORAGE,
                         "%s-wal seems to be the log of another store than %s, which was put in its "
                         "place: put the other one back, or remove the files ending in -wal, -shm "

@@ -32,6 +32,7 @@
  * peer.jobs, lane.jobs the unfinished jobs
  * peer.served_us       the time that workers have worked for it, so far as it is remembered
  * lane.balance_us      how much more of it went to its oldest jobs than to others
+ * peer.virtual_us      the virtual time of its lanes; level.virtual_us: of the peers of a priority
  * peer.waiting_since_ms when it was served last, or began to wait
  * batch.spent_us       the part of the job's time that was spent under the batch's present attempt
  * batch.quarantined    a worker was lost while it held the batch
@@ -223,8 +224,14 @@ static const char step_12[] =
     " address TEXT NOT NULL,"
     " jobs INTEGER NOT NULL DEFAULT 0 CHECK (jobs >= 0),"
     " served_us INTEGER NOT NULL DEFAULT 0,"
+    " virtual_us INTEGER NOT NULL DEFAULT 0,"
     " waiting_since_ms INTEGER NOT NULL,"
     " UNIQUE (priority, address)"
+    ") STRICT;"
+    "CREATE INDEX peer_by_service ON peer(priority, served_us) WHERE jobs > 0;"
+    "CREATE TABLE level ("
+    " priority INTEGER PRIMARY KEY,"
+    " virtual_us INTEGER NOT NULL DEFAULT 0"
     ") STRICT;"
     "CREATE TABLE lane ("
     " id INTEGER PRIMARY KEY AUTOINCREMENT,"
@@ -242,6 +249,7 @@ static const char step_12[] =
     "INSERT INTO peer (priority, address, jobs, waiting_since_ms)"
     " SELECT priority, '', count(*), strftime('%s', 'now') * 1000 FROM job WHERE state < 2"
     " GROUP BY priority;"
+    "INSERT INTO level (priority) SELECT DISTINCT priority FROM peer;"
     "INSERT INTO lane (peer, label, jobs) SELECT id, '', jobs FROM peer;"
     "UPDATE job SET lane = l.id FROM peer p JOIN lane l ON l.peer = p.id"
     " WHERE p.priority = job.priority AND job.state < 2;"

@@ -16,6 +16,8 @@ static bool enter_peer(struct pen_sqlite_store *store, const struct pen_job_new 
                        int64_t now_ms, struct pen_status *st)
 {
     const enum pen_sqlite_sql statements[] = {SQL_PEER_ADD, SQL_PEER_ENTER};
+    if (!run_one(store, SQL_LEVEL_ADD, job->priority, st))
+        return false;
     for (int i = 0; i < 2; i++) {
         struct pen_sqlite_query query = pen_sqlite_query(store, statements[i]);
         pen_sqlite_int(&query, job->priority);
@@ -94,10 +96,11 @@ bool pen_sqlite_peers_remove(struct pen_driver *driver, int64_t before_ms, struc
 bool pen_sqlite_batch_spend(struct pen_driver *driver, int64_t batch, int64_t attempt,
                             int64_t spent_us, struct pen_status *st)
 {
-    /* The batch comes last: the others read what it had spent before. */
-    const enum pen_sqlite_sql statements[] = {SQL_PEER_SPEND, SQL_LANE_SPEND, SQL_JOB_SPEND,
-                                              SQL_BATCH_SPEND};
-    for (int i = 0; i < 4; i++) {
+    /* The batch comes last: the others read what it had spent before. The level reads what its
+     * peer was served before. */
+    const enum pen_sqlite_sql statements[] = {SQL_LEVEL_SPEND, SQL_PEER_SPEND, SQL_LANE_SPEND,
+                                              SQL_JOB_SPEND, SQL_BATCH_SPEND};
+    for (size_t i = 0; i < sizeof statements / sizeof statements[0]; i++) {
         struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), statements[i]);
         pen_sqlite_int(&query, batch);
         pen_sqlite_int(&query, attempt);
@@ -111,11 +114,12 @@ bool pen_sqlite_batch_spend(struct pen_driver *driver, int64_t batch, int64_t at
 /* What a claim may take. */
 struct wanted {
     int64_t paused_until_ms;
-    bool quarantined;
+    bool quarantined, aged;
 };
 
 /* Runs a choice among rows that have a batch to claim: the first two parameters are `wanted`, the
- * third is `of`. Reads the first column, and the second if there is one. */
+ * third is `of`; of the peer there is a fourth, whether aged ones come first. Reads the first
+ * column, and the second if there is one. */
 static bool choose(struct pen_sqlite_store *store, enum pen_sqlite_sql sql,
                    const struct wanted *wanted, int64_t of, int64_t out[2], bool *found,
                    struct pen_status *st)
@@ -124,6 +128,8 @@ static bool choose(struct pen_sqlite_store *store, enum pen_sqlite_sql sql,
     pen_sqlite_int(&query, wanted->paused_until_ms);
     pen_sqlite_int(&query, wanted->quarantined);
     pen_sqlite_int(&query, of);
+    if (sql == SQL_NEXT_PEER)
+        pen_sqlite_int(&query, wanted->aged);
     if (!pen_sqlite_next(&query, found, st))
         return false;
     if (*found) {
@@ -138,13 +144,14 @@ bool pen_sqlite_next_open(struct pen_driver *driver, int64_t paused_until_ms, bo
                           struct pen_claim *claim, int64_t *job, bool *found, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    const struct wanted wanted = {paused_until_ms, quarantined};
+    const struct wanted wanted = {paused_until_ms, quarantined, !store->took_aged};
     int64_t now_ms, peer[2] = {0}, lane[2] = {0}, chosen[2] = {0};
     if (!pen_sqlite_now(driver, &now_ms, st) ||
         !choose(store, SQL_NEXT_PEER, &wanted, now_ms, peer, found, st))
         return false;
     if (!*found)
         return true;
+    store->took_aged = wanted.aged && peer[1] != 0;
     if (!choose(store, SQL_NEXT_LANE, &wanted, peer[0], lane, found, st) || !*found)
         return *found;
     const enum pen_sqlite_sql rule = lane[1] > 0 ? SQL_NEXT_LEAST : SQL_NEXT_OLDEST;

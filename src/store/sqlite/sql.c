@@ -30,6 +30,15 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 #define OPEN "state = 0, worker = NULL, lease_until_ms = NULL"
 
 /* The batch ?1, leased under the attempt ?2, that has spent less than ?3. */
+/* A peer's time after its batch b has told its own: at most ten minutes above the others' least. */
+#define SERVED(peer)                                                                               \
+    "min(" peer ".served_us + ?3 - b.spent_us, coalesce((SELECT min(o.served_us) FROM peer o"      \
+    " WHERE o.priority = " peer ".priority AND o.jobs > 0 AND o.id <> " peer ".id), " peer         \
+    ".served_us + ?3) + 600000000)"
+/* Where one that comes anew begins: at the virtual time, within the times of those that are there.
+ */
+#define ENTRY(virtual_us, least_us, most_us)                                                       \
+    "coalesce(min(max(" virtual_us ", " least_us "), " most_us "), " virtual_us ")"
 #define SPENT_BATCH "b.id = ?1 AND b.attempt = ?2 AND b.state = 1 AND b.spent_us < ?3"
 
 /* The kind, name and label of a list of jobs. */
@@ -138,18 +147,18 @@ static const char *const sql_text[] = {
                           " ORDER BY removed_ms LIMIT ?3)",
 
     [SQL_ANY_OPEN] = "SELECT 1 FROM batch WHERE state = 0 LIMIT 1",
-    /* Peers that have waited so long that they come before one of higher priority, then by
-     * priority, then by the time served. A batch that a peer's worker holds counts as a second
-     * until its worker has told its time. */
+    /* Where ?4 allows it, peers first that have waited so long that they come before one of higher
+     * priority; then by priority, then by the time served. A batch that a peer's worker holds
+     * counts as a second until its worker has told its time. */
     [SQL_NEXT_PEER] =
         "WITH waiting AS MATERIALIZED (SELECT p.id, p.priority, p.served_us, p.waiting_since_ms"
         " FROM peer p WHERE p.jobs > 0 AND EXISTS (SELECT 1 FROM lane l JOIN batch b"
         " ON b.lane = l.id AND b.state = 0 JOIN job j ON j.number = b.job WHERE l.peer = p.id"
         " AND j.paused_until_ms <= ?1 AND b.quarantined <= ?2))"
-        " SELECT id FROM waiting w ORDER BY priority < (SELECT max(priority) FROM waiting)"
-        " AND priority + (?3 - waiting_since_ms) / 60000 > (SELECT max(priority) FROM waiting) "
-        "DESC,"
-        " priority DESC, served_us + 1000000 * (SELECT count(*) FROM batch h"
+        " SELECT id, priority < (SELECT max(priority) FROM waiting)"
+        " AND priority + (?3 - waiting_since_ms) / 60000 > (SELECT max(priority) FROM waiting)"
+        " AS aged FROM waiting w ORDER BY ?4 AND aged DESC, priority DESC, served_us + 1000000 * "
+        "(SELECT count(*) FROM batch h"
         " INDEXED BY batch_leased CROSS JOIN lane l ON l.id = h.lane WHERE h.state = 1 AND l.peer "
         "= w.id), id LIMIT 1",
     [SQL_NEXT_LANE] =
@@ -167,9 +176,11 @@ static const char *const sql_text[] = {
                        " WHERE b.lane = (SELECT lane FROM job WHERE number = ?1) AND b.job = ?1"
                        " AND b.state = 0 AND b.quarantined <= ?2 ORDER BY b.id LIMIT 1",
     [SQL_OPEN_ABOVE] = "SELECT 1 FROM batch b JOIN job j ON j.number = b.job"
-                       " JOIN batch own ON own.id = ?1 WHERE b.state = 0"
-                       " AND b.priority >= own.priority AND j.paused_until_ms <= ?2"
-                       " AND (b.priority > own.priority OR (?3 AND b.job <> own.job)) LIMIT 1",
+                       " WHERE b.state = 0 AND b.priority > (SELECT priority FROM batch"
+                       " WHERE id = ?1) AND j.paused_until_ms <= ?2 LIMIT 1",
+    [SQL_OPEN_BESIDE] = "SELECT 1 FROM batch own JOIN batch b ON b.priority = own.priority"
+                        " JOIN job j ON j.number = b.job WHERE own.id = ?1 AND b.state = 0"
+                        " AND b.job <> own.job AND j.paused_until_ms <= ?2 LIMIT 1",
     [SQL_HELD_BY] = "SELECT count(*), coalesce(sum(quarantined OR kind = 2), 0) FROM batch"
                     " WHERE state = 1 AND worker = ?",
     [SQL_FIRST_HELD] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
@@ -188,11 +199,17 @@ static const char *const sql_text[] = {
         " WHERE id = ?1 AND attempt = ?2 AND state = 1",
     [SQL_BATCH_EXTEND] = "UPDATE batch SET lease_until_ms = ?3"
                          " WHERE id = ?1 AND attempt = ?2 AND state = 1",
-    [SQL_PEER_SPEND] =
-        "UPDATE peer SET served_us = min(peer.served_us + ?3 - b.spent_us, coalesce((SELECT"
-        " min(o.served_us) FROM peer o WHERE o.priority = peer.priority AND o.jobs > 0"
-        " AND o.id <> peer.id), peer.served_us + ?3) + 600000000)"
-        " FROM lane l JOIN batch b ON b.lane = l.id WHERE peer.id = l.peer AND " SPENT_BATCH,
+    [SQL_LEVEL_SPEND] = "UPDATE level SET virtual_us = level.virtual_us + max(0, " SERVED(
+        "p") " - p.served_us)"
+             " / max(1, (SELECT count(*) FROM peer o WHERE o.priority = p.priority AND o.jobs > 0))"
+             " FROM peer p JOIN lane l ON l.peer = p.id JOIN batch b ON b.lane = l.id"
+             " WHERE level.priority = p.priority AND " SPENT_BATCH,
+    [SQL_PEER_SPEND] = "UPDATE peer SET served_us = " SERVED(
+        "peer") ", virtual_us = peer.virtual_us"
+                " + (?3 - b.spent_us) / max(1, (SELECT count(*) FROM lane o WHERE o.peer = "
+                "peer.id))"
+                " FROM lane l JOIN batch b ON b.lane = l.id WHERE peer.id = l.peer "
+                "AND " SPENT_BATCH,
     [SQL_LANE_SPEND] =
         "UPDATE lane SET served_us = lane.served_us + ?3 - b.spent_us,"
         " balance_us = max(-60000000, min(60000000, lane.balance_us + (?3 - b.spent_us)"
@@ -205,14 +222,25 @@ static const char *const sql_text[] = {
 
     [SQL_PEER_ADD] = "INSERT INTO peer (priority, address, waiting_since_ms) VALUES (?1, ?2, ?3)"
                      " ON CONFLICT (priority, address) DO NOTHING",
+    [SQL_LEVEL_ADD] = "INSERT INTO level (priority) VALUES (?1) ON CONFLICT (priority) DO NOTHING",
     [SQL_PEER_ENTER] =
         "UPDATE peer SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us ELSE"
-        " max(served_us, coalesce((SELECT min(o.served_us) FROM peer o"
-        " WHERE o.priority = peer.priority AND o.jobs > 0), (SELECT max(o.served_us) FROM peer o"
-        " WHERE o.priority = peer.priority))) END, waiting_since_ms = CASE WHEN EXISTS"
-        " (SELECT 1 FROM lane l JOIN batch b ON b.lane = l.id AND b.state = 0"
-        " WHERE l.peer = peer.id) THEN waiting_since_ms ELSE ?3 END"
-        " WHERE priority = ?1 AND address = ?2",
+        " max(served_us, " ENTRY(
+            "(SELECT v.virtual_us FROM level v"
+            " WHERE v.priority = peer.priority)",
+            "(SELECT min(o.served_us) FROM peer o"
+            " WHERE o.priority = peer.priority AND o.jobs > 0)",
+            "(SELECT max(o.served_us) FROM peer o"
+            " WHERE o.priority = peer.priority AND o.jobs > 0)") ") END,"
+                                                                 " waiting_since_ms = CASE WHEN "
+                                                                 "EXISTS"
+                                                                 " (SELECT 1 FROM lane l JOIN "
+                                                                 "batch b ON b.lane = l.id AND "
+                                                                 "b.state = 0"
+                                                                 " WHERE l.peer = peer.id) THEN "
+                                                                 "waiting_since_ms ELSE ?3 END"
+                                                                 " WHERE priority = ?1 AND address "
+                                                                 "= ?2",
     [SQL_PEER_SERVED] =
         "UPDATE peer SET waiting_since_ms = ?2 WHERE id = (SELECT l.peer FROM lane l"
         " JOIN batch b ON b.lane = l.id WHERE b.id = ?1)",
@@ -223,15 +251,19 @@ static const char *const sql_text[] = {
                      " WHERE priority = ?1 AND address = ?2 ON CONFLICT (peer, label) DO NOTHING",
     [SQL_LANE_ENTER] =
         "UPDATE lane SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us ELSE"
-        " max(served_us, coalesce((SELECT o.served_us FROM lane o WHERE o.peer = lane.peer"
-        " AND o.jobs > 0 ORDER BY o.served_us LIMIT 1), 0)) END" LANE_OF,
+        " max(served_us, " ENTRY(
+            "(SELECT p.virtual_us FROM peer p WHERE p.id = lane.peer)",
+            "(SELECT o.served_us FROM lane o WHERE o.peer = lane.peer"
+            " AND o.jobs > 0 ORDER BY o.served_us LIMIT 1)",
+            "(SELECT o.served_us FROM lane o WHERE o.peer = lane.peer"
+            " AND o.jobs > 0 ORDER BY o.served_us DESC LIMIT 1)") ") END" LANE_OF,
     [SQL_LANE_LEAVE] = "UPDATE lane SET jobs = jobs - 1 WHERE id = (SELECT lane FROM job"
                        " WHERE number = ?1)",
     [SQL_LANE_DROP] = "DELETE FROM lane WHERE jobs = 0 AND id = (SELECT lane FROM job"
                       " WHERE number = ?1)",
     [SQL_JOB_LANE] = "UPDATE job SET lane = (SELECT id FROM lane" LANE_OF ") WHERE number = ?4",
     [SQL_QUEUE_LENGTHS] = "SELECT coalesce(sum(jobs), 0), coalesce(sum(CASE WHEN address = ?1"
-                          " THEN jobs END), 0) FROM peer",
+                          " THEN jobs END), 0) FROM peer WHERE jobs > 0",
     [SQL_VIEW_BATCH_DONE] = "UPDATE view SET open_batches = open_batches - 1"
                             " WHERE job = ? AND view = ? RETURNING batches, open_batches",
 

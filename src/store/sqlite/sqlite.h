@@ -65,6 +65,7 @@ enum pen_sqlite_sql {
     SQL_REMOVED_PURGE,
     SQL_ANY_OPEN,
     SQL_OPEN_ABOVE,
+    SQL_OPEN_BESIDE,
     SQL_NEXT_PEER,
     SQL_NEXT_LANE,
     SQL_NEXT_OLDEST,
@@ -77,11 +78,13 @@ enum pen_sqlite_sql {
     SQL_BATCH_OPEN,
     SQL_BATCH_DONE,
     SQL_BATCH_EXTEND,
+    SQL_LEVEL_SPEND,
     SQL_PEER_SPEND,
     SQL_LANE_SPEND,
     SQL_JOB_SPEND,
     SQL_BATCH_SPEND,
     SQL_PEER_ADD,
+    SQL_LEVEL_ADD,
     SQL_PEER_ENTER,
     SQL_PEER_SERVED,
     SQL_PEER_LEAVE,
@@ -174,6 +177,7 @@ struct pen_sqlite_store {
     char identity[PEN_STORE_IDENTITY_BYTES];
     struct pen_wake *wake;
     int64_t patience_ms; /* how long to wait for locks of other handles */
+    bool took_aged;      /* the last claim took what had waited long, see next_open */
     int wal_pages;       /* length of the write-ahead log after the last commit */
     struct stat opened;  /* the file when it was first opened, for device and inode */
     bool says_log;       /* the file itself says that it needs its log, as last looked at */
