@@ -137,8 +137,6 @@ static _Noreturn void exec_child(const struct arguments *arguments, const struct
                                  int control_fd, int listen_fd)
 {
     const int kept[] = {control_fd, listen_fd, child->trace_fd, child->dead.trace_fd};
-    sigset_t none;
-    sigemptyset(&none);
     int null = open("/dev/null", O_RDWR);
     if (null >= 0) {
         dup2(null, STDIN_FILENO);
@@ -149,8 +147,7 @@ static _Noreturn void exec_child(const struct arguments *arguments, const struct
         if (kept[i] >= 0)
             fcntl(kept[i], F_SETFD, 0);
     }
-    sigprocmask(SIG_SETMASK, &none, NULL);
-    pen_signals_hold();
+    pen_signals_hold_alone();
     execv("/proc/self/exe", arguments->list);
     _exit(PEN_EXEC_FAILED);
 }

@@ -22,6 +22,12 @@ void pen_signals_hold(void)
     pthread_sigmask(SIG_BLOCK, &set, NULL);
 }
 
+void pen_signals_hold_alone(void)
+{
+    sigset_t set = handled();
+    pthread_sigmask(SIG_SETMASK, &set, NULL);
+}
+
 int pen_signals_open(int also)
 {
     sigset_t set = handled();
