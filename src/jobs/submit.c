@@ -197,8 +197,8 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
     if (json && in->traceparent)
         json_object_set_new(json, "traceparent", json_string(in->traceparent));
     job->request = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
-    job->label =
-        request->labels ? json_dumps(request->labels, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
+    const bool labelled = json_object_size(request->labels) > 0; /* no labels are none */
+    job->label = labelled ? json_dumps(request->labels, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     job->new = (struct pen_job_new){.id = job->id,
                                     .created_ms = now_ms,
                                     .kind = pen_job_kinds[request->kind],
@@ -212,7 +212,7 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
                                     .address_queue_max = jobs->limits.address_queue,
                                     .idempotency_key = in->idempotency_key};
     pen_id_make(job->new.created_ms, job->id);
-    bool ok = (job->request && (job->label || !request->labels) && prepare_scene(job, request)) ||
+    bool ok = (job->request && (job->label || !labelled) && prepare_scene(job, request)) ||
               pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
     ok = ok && prepare_views(job, request, st) && (job->answer = make_answer(job, json, st));
     json_decref(json);
