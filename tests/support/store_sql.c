@@ -39,6 +39,7 @@ static const char *const undo[] = {
     "DROP INDEX job_by_service; DROP INDEX batch_open_of_lane;"
     "ALTER TABLE batch DROP COLUMN lane; ALTER TABLE job DROP COLUMN lane;"
     "ALTER TABLE job DROP COLUMN address; DROP TABLE lane; DROP TABLE peer;"
+    "DROP TABLE level;"
     "DROP TABLE meta; DROP TABLE removed; DROP TABLE cached; DROP INDEX job_removed;"
     "DROP INDEX job_by_end; ALTER TABLE job DROP COLUMN removed_ms",
 };
