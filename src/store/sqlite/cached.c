@@ -24,12 +24,7 @@ bool pen_sqlite_cached_touch(struct pen_driver *driver, int64_t artefact, int64_
 bool pen_sqlite_cached_bytes(struct pen_driver *driver, int64_t *bytes, struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_CACHED_BYTES);
-    bool row;
-    if (!pen_sqlite_next(&query, &row, st))
-        return false;
-    *bytes = row ? pen_sqlite_column_int(&query, 0) : 0;
-    pen_sqlite_end(&query);
-    return true;
+    return pen_sqlite_value(&query, bytes, st);
 }
 
 /* The row in `cached` goes with its artefact. */

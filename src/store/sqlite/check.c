@@ -93,12 +93,6 @@ bool pen_sqlite_check(struct pen_driver *driver, struct pen_status *st)
     return pen_sqlite_check_file(store, st) && check_schema(store, st);
 }
 
-static int64_t file_bytes(const struct pen_sqlite_store *store)
-{
-    struct stat info;
-    return stat(store->path, &info) == 0 ? (int64_t)info.st_size : 0;
-}
-
 /* SQLite calls this every STEPS steps of a statement; a value other than 0 interrupts it. */
 static int is_late(void *until_ns)
 {
@@ -122,19 +116,6 @@ static bool check_tables(struct pen_sqlite_store *store, struct pen_status *st)
     return ok;
 }
 
-static bool pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,
-                   struct pen_status *st)
-{
-    sqlite3_stmt *stmt = NULL;
-    int rc = sqlite3_prepare_v2(store->db, sql, -1, &stmt, NULL);
-    if (rc == SQLITE_OK)
-        rc = sqlite3_step(stmt);
-    if (rc == SQLITE_ROW)
-        *value = sqlite3_column_int64(stmt, 0);
-    sqlite3_finalize(stmt);
-    return rc == SQLITE_ROW || pen_sqlite_error(store, rc, st);
-}
-
 /* Copies the log into the file. *all: nothing of it is left, which readers of an older state and
  * other writers may prevent. */
 static bool copy_log(struct pen_sqlite_store *store, bool *all, struct pen_status *st)
@@ -151,13 +132,14 @@ static bool copy_log(struct pen_sqlite_store *store, bool *all, struct pen_statu
 static bool check_length(struct pen_sqlite_store *store, struct pen_status *st)
 {
     const int64_t page_bytes = 4096;
-    int64_t before, after, pages;
+    int64_t before, after, pages, bytes;
     bool copied;
-    if (!pragma(store, "PRAGMA data_version", &before, st) || !copy_log(store, &copied, st))
+    if (!pen_sqlite_pragma(store, "PRAGMA data_version", &before, st) ||
+        !copy_log(store, &copied, st))
         return false;
-    int64_t bytes = file_bytes(store);
-    if (!pragma(store, "PRAGMA page_count", &pages, st) ||
-        !pragma(store, "PRAGMA data_version", &after, st))
+    pen_sqlite_file_bytes(store, "", &bytes);
+    if (!pen_sqlite_pragma(store, "PRAGMA page_count", &pages, st) ||
+        !pen_sqlite_pragma(store, "PRAGMA data_version", &after, st))
         return false;
     return !copied || after != before || bytes >= pages * page_bytes ||
            pen_sqlite_damaged(store, st,
@@ -168,7 +150,9 @@ static bool check_length(struct pen_sqlite_store *store, struct pen_status *st)
 bool pen_sqlite_check_start(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    if (file_bytes(store) <= small_bytes)
+    int64_t bytes;
+    pen_sqlite_file_bytes(store, "", &bytes);
+    if (bytes <= small_bytes)
         return pen_sqlite_check(driver, st);
     return pen_sqlite_check_log(store, st) && check_schema(store, st) && check_tables(store, st) &&
            check_length(store, st);

@@ -70,20 +70,8 @@ bool pen_sqlite_space(struct pen_driver *driver, struct pen_status *st)
            (!pen_sqlite_reserve_is_out(driver) || pen_sqlite_reserve_make(driver, st));
 }
 
-static bool count_free_pages(struct pen_sqlite_store *store, int64_t *count, struct pen_status *st)
-{
-    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_FREE_PAGES);
-    bool row;
-    if (!pen_sqlite_next(&query, &row, st))
-        return false;
-    *count = row ? pen_sqlite_column_int(&query, 0) : 0;
-    pen_sqlite_end(&query);
-    return true;
-}
-
-enum {
-    LOG_PAGES = 500
-}; /* of the log, from which housekeeping copies it, before a submit has to */
+/* The length of the log from which housekeeping copies it, before a submit has to. */
+enum { LOG_PAGES = 500 };
 
 bool pen_sqlite_keep_log_short(struct pen_driver *driver, struct pen_status *st)
 {
@@ -99,8 +87,9 @@ bool pen_sqlite_keep_log_short(struct pen_driver *driver, struct pen_status *st)
 bool pen_sqlite_reclaim(struct pen_driver *driver, bool *more, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    struct pen_sqlite_query unused = pen_sqlite_query(store, SQL_FREE_PAGES);
     int64_t pages;
-    if (!count_free_pages(store, &pages, st))
+    if (!pen_sqlite_value(&unused, &pages, st))
         return false;
     *more = pages > 0;
     if (!*more)

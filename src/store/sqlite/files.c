@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Renaming a complete file to its final name, syncing the folder to make the name durable, and who
- * holds the lock of a file. */
+/* The paths of a store's files, renaming a complete file to its final name, syncing the folder to
+ * make the name durable, and who holds the lock of a file. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -8,6 +8,22 @@
 #include <unistd.h>
 
 #include "store/sqlite/sqlite.h"
+
+void pen_sqlite_path(const struct pen_sqlite_store *store, const char *ending,
+                     char path[PEN_SQLITE_PATH_BYTES])
+{
+    snprintf(path, PEN_SQLITE_PATH_BYTES, "%s%s", store->path, ending);
+}
+
+bool pen_sqlite_file_bytes(const struct pen_sqlite_store *store, const char *ending, int64_t *bytes)
+{
+    char path[PEN_SQLITE_PATH_BYTES];
+    struct stat info;
+    pen_sqlite_path(store, ending, path);
+    const bool found = stat(path, &info) == 0;
+    *bytes = found ? (int64_t)info.st_size : 0;
+    return found;
+}
 
 bool pen_sqlite_sync_folder(const char *path)
 {

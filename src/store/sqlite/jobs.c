@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Rows of jobs, idempotency keys, scenes and views. */
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -42,14 +41,9 @@ bool pen_sqlite_key_get(struct pen_driver *driver, const char *key, unsigned cha
 bool pen_sqlite_keys_remove(struct pen_driver *driver, int64_t before_ms, int limit, bool *more,
                             struct pen_status *st)
 {
-    struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_KEYS_REMOVE);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_KEYS_REMOVE);
     pen_sqlite_int(&query, before_ms);
-    pen_sqlite_int(&query, limit);
-    if (!pen_sqlite_run(&query, st))
-        return false;
-    *more = sqlite3_changes(store->db) >= limit;
-    return true;
+    return pen_sqlite_run_limited(&query, limit, more, st);
 }
 
 bool pen_sqlite_scene_find(struct pen_driver *driver, const unsigned char sha256[32],
@@ -186,20 +180,26 @@ bool pen_sqlite_job_page(struct pen_driver *driver, const struct pen_job_filter 
     return ok;
 }
 
+bool pen_sqlite_next_job_key(struct pen_sqlite_query *query, struct pen_job_key *job, bool *found,
+                             struct pen_status *st)
+{
+    if (!pen_sqlite_next(query, found, st))
+        return false;
+    if (!*found)
+        return true;
+    *job = (struct pen_job_key){.number = pen_sqlite_column_int(query, 0),
+                                .state = (enum pen_job_state)pen_sqlite_column_int(query, 1),
+                                .scene = pen_sqlite_column_int(query, 2)};
+    pen_sqlite_end(query);
+    return true;
+}
+
 bool pen_sqlite_job_find(struct pen_driver *driver, const char *id, struct pen_job_key *job,
                          bool *found, struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_FIND);
     pen_sqlite_text(&query, id);
-    if (!pen_sqlite_next(&query, found, st))
-        return false;
-    if (!*found)
-        return true;
-    *job = (struct pen_job_key){.number = pen_sqlite_column_int(&query, 0),
-                                .state = (enum pen_job_state)pen_sqlite_column_int(&query, 1),
-                                .scene = pen_sqlite_column_int(&query, 2)};
-    pen_sqlite_end(&query);
-    return true;
+    return pen_sqlite_next_job_key(&query, job, found, st);
 }
 
 static bool count_batches(struct pen_sqlite_store *store, struct pen_counts *counts,
@@ -217,29 +217,6 @@ static bool count_batches(struct pen_sqlite_store *store, struct pen_counts *cou
     return true;
 }
 
-static bool find_oldest(struct pen_sqlite_store *store, struct pen_counts *counts,
-                        struct pen_status *st)
-{
-    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_OLDEST_QUEUED);
-    bool row;
-    if (!pen_sqlite_next(&query, &row, st))
-        return false;
-    if (row) {
-        counts->oldest_queued_ms = pen_sqlite_column_int(&query, 0);
-        pen_sqlite_end(&query);
-    }
-    return true;
-}
-
-/* The size of the store's file with this ending; 0: there is none. */
-static int64_t file_bytes(const struct pen_sqlite_store *store, const char *ending)
-{
-    char path[PATH_MAX];
-    struct stat info;
-    const int length = snprintf(path, sizeof path, "%s%s", store->path, ending);
-    return length < (int)sizeof path && stat(path, &info) == 0 ? (int64_t)info.st_size : 0;
-}
-
 bool pen_sqlite_job_counts(struct pen_driver *driver, struct pen_counts *counts,
                            struct pen_status *st)
 {
@@ -254,9 +231,13 @@ bool pen_sqlite_job_counts(struct pen_driver *driver, struct pen_counts *counts,
         if (state >= 0 && state < PEN_JOB_STATE_COUNT)
             counts->jobs[state] = pen_sqlite_column_int(&query, 1);
     }
-    if (!find_oldest(store, counts, st))
+    struct pen_sqlite_query oldest = pen_sqlite_query(store, SQL_OLDEST_QUEUED);
+    if (!pen_sqlite_value(&oldest, &counts->oldest_queued_ms, st))
         return false;
-    counts->bytes = file_bytes(store, "") + file_bytes(store, "-wal");
+    int64_t log;
+    pen_sqlite_file_bytes(store, "", &counts->bytes);
+    pen_sqlite_file_bytes(store, "-wal", &log);
+    counts->bytes += log;
     return count_batches(store, counts, st);
 }
 
@@ -320,22 +301,14 @@ bool pen_sqlite_job_end(struct pen_driver *driver, int64_t job, enum pen_job_sta
            (!*changed || pen_sqlite_share_leave(driver, job, st));
 }
 
-static bool run_for_job(struct pen_driver *driver, enum pen_sqlite_sql sql, int64_t job,
-                        struct pen_status *st)
-{
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), sql);
-    pen_sqlite_int(&query, job);
-    return pen_sqlite_run(&query, st);
-}
-
 bool pen_sqlite_job_end_batches(struct pen_driver *driver, int64_t job, struct pen_status *st)
 {
-    return run_for_job(driver, SQL_JOB_END_BATCHES, job, st);
+    return pen_sqlite_run_with(pen_sqlite_of(driver), SQL_JOB_END_BATCHES, job, st);
 }
 
 bool pen_sqlite_job_remove(struct pen_driver *driver, int64_t job, struct pen_status *st)
 {
-    return run_for_job(driver, SQL_JOB_REMOVE, job, st);
+    return pen_sqlite_run_with(pen_sqlite_of(driver), SQL_JOB_REMOVE, job, st);
 }
 
 bool pen_sqlite_job_set_deaths(struct pen_driver *driver, int64_t job, int64_t deaths,

@@ -34,20 +34,6 @@ struct facts {
     bool needs_log;
 };
 
-static void log_path(const struct pen_sqlite_store *store, char path[PEN_SQLITE_PATH_BYTES])
-{
-    snprintf(path, PEN_SQLITE_PATH_BYTES, "%s-wal", store->path);
-}
-
-/* The length of the log; -1: there is none. */
-static int64_t log_bytes(const struct pen_sqlite_store *store)
-{
-    char path[PEN_SQLITE_PATH_BYTES];
-    struct stat info;
-    log_path(store, path);
-    return stat(path, &info) == 0 ? (int64_t)info.st_size : -1;
-}
-
 /* The URI of the file, for reading it without its log and without making one. */
 static char *plain_uri(const char *path)
 {
@@ -96,7 +82,9 @@ bool pen_sqlite_may_make(const struct pen_sqlite_store *store, struct pen_status
                         "runs: put it back, or stop Penumbra",
                         store->path);
     bool known = store->wake && pen_wake_identity(store->wake)[0];
-    if (!known && log_bytes(store) <= 0)
+    int64_t log;
+    pen_sqlite_file_bytes(store, "-wal", &log);
+    if (!known && log == 0)
         return true;
     return pen_fail(st, PEN_STORAGE,
                     "the store %s is missing, but its file ending in %s is there: put the store "
@@ -108,9 +96,10 @@ bool pen_sqlite_may_make(const struct pen_sqlite_store *store, struct pen_status
 bool pen_sqlite_check_company(struct pen_sqlite_store *store, struct pen_status *st)
 {
     struct facts facts;
-    int64_t log = log_bytes(store);
+    int64_t log;
+    const bool has_log = pen_sqlite_file_bytes(store, "-wal", &log);
     read_facts(store, &facts);
-    if (facts.needs_log && log < 0)
+    if (facts.needs_log && !has_log)
         return pen_fail(st, PEN_STORAGE,
                         "%s-wal, the log of the store's last changes, is missing: put it back, or "
                         "restore a backup. To go on without these changes, make an empty file of "
@@ -225,7 +214,7 @@ bool pen_sqlite_make_independent(sqlite3 *db)
 void pen_sqlite_note_log(struct pen_sqlite_store *store)
 {
     char path[PEN_SQLITE_PATH_BYTES];
-    log_path(store, path);
+    pen_sqlite_path(store, "-wal", path);
     store->has_log = stat(path, &store->log) == 0;
 }
 
@@ -233,7 +222,7 @@ bool pen_sqlite_has_log(const struct pen_sqlite_store *store)
 {
     char path[PEN_SQLITE_PATH_BYTES];
     struct stat now;
-    log_path(store, path);
+    pen_sqlite_path(store, "-wal", path);
     return !store->has_log || (stat(path, &now) == 0 && now.st_dev == store->log.st_dev &&
                                now.st_ino == store->log.st_ino);
 }

@@ -24,14 +24,11 @@
 
 enum { PATIENCE_MS = 5000 };
 
-/* Tells whether the log has content. The last handle that closes removes an empty log, which writes
- * nothing to the database. */
-static bool has_log(const struct pen_sqlite_store *store)
+/* An empty log has nothing that a checkpoint could write to the database. */
+static bool log_is_empty(const struct pen_sqlite_store *store)
 {
-    char path[4112];
-    struct stat info;
-    snprintf(path, sizeof path, "%s-wal", store->path);
-    return stat(path, &info) != 0 || info.st_size > 0;
+    int64_t bytes;
+    return pen_sqlite_file_bytes(store, "-wal", &bytes) && bytes == 0;
 }
 
 /* Makes no checkpoint, and so writes nothing, unless the file and the handle are sound. */
@@ -43,7 +40,7 @@ static void close_database(struct pen_sqlite_store *store)
     }
     if (store->db)
         sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE,
-                          !store->sound && has_log(store), NULL);
+                          !store->sound && !log_is_empty(store), NULL);
     sqlite3_close(store->db);
     store->db = NULL;
     store->sound = false;
@@ -275,7 +272,7 @@ static bool make_store(struct pen_sqlite_store *store, const char *path, struct 
 
 static bool make_missing(struct pen_sqlite_store *store, struct pen_status *st)
 {
-    char path[4112];
+    char path[PEN_SQLITE_PATH_BYTES];
     struct stat info;
     if (lstat(store->path, &info) == 0)
         return true;
@@ -283,7 +280,7 @@ static bool make_missing(struct pen_sqlite_store *store, struct pen_status *st)
         return cannot_open(store->path, errno, st);
     if (!pen_sqlite_may_make(store, st))
         return false;
-    snprintf(path, sizeof path, "%s-new", store->path);
+    pen_sqlite_path(store, "-new", path);
     return make_store(store, path, st);
 }
 

@@ -95,6 +95,34 @@ bool pen_sqlite_run_changed(struct pen_sqlite_query *query, bool *changed, struc
     return true;
 }
 
+bool pen_sqlite_run_limited(struct pen_sqlite_query *query, int limit, bool *more,
+                            struct pen_status *st)
+{
+    pen_sqlite_int(query, limit);
+    if (!pen_sqlite_run(query, st))
+        return false;
+    *more = sqlite3_changes(query->store->db) >= limit;
+    return true;
+}
+
+bool pen_sqlite_run_with(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t number,
+                         struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, sql);
+    pen_sqlite_int(&query, number);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_value(struct pen_sqlite_query *query, int64_t *value, struct pen_status *st)
+{
+    bool row;
+    if (!pen_sqlite_next(query, &row, st))
+        return false;
+    *value = row ? pen_sqlite_column_int(query, 0) : 0;
+    pen_sqlite_end(query);
+    return true;
+}
+
 int64_t pen_sqlite_column_int(const struct pen_sqlite_query *query, int column)
 {
     return sqlite3_column_int64(query->stmt, column);
@@ -269,6 +297,20 @@ bool pen_sqlite_error(struct pen_sqlite_store *store, int rc, struct pen_status 
         return pen_fail(st, PEN_INTERNAL, "the store %s failed: %s", store->path,
                         sqlite3_errmsg(store->db));
     }
+}
+
+bool pen_sqlite_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,
+                       struct pen_status *st)
+{
+    sqlite3_stmt *stmt = NULL;
+    int rc = sqlite3_prepare_v2(store->db, sql, -1, &stmt, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(stmt);
+    if (rc == SQLITE_ROW)
+        *value = sqlite3_column_int64(stmt, 0);
+    bool ok = rc == SQLITE_ROW || pen_sqlite_error(store, rc, st);
+    sqlite3_finalize(stmt);
+    return ok;
 }
 
 bool pen_sqlite_exec(struct pen_sqlite_store *store, const char *sql, struct pen_status *st)

@@ -17,15 +17,7 @@ bool pen_sqlite_removed_next(struct pen_driver *driver, struct pen_job_key *job,
                              struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_REMOVED_NEXT);
-    if (!pen_sqlite_next(&query, found, st))
-        return false;
-    if (!*found)
-        return true;
-    *job = (struct pen_job_key){.number = pen_sqlite_column_int(&query, 0),
-                                .state = (enum pen_job_state)pen_sqlite_column_int(&query, 1),
-                                .scene = pen_sqlite_column_int(&query, 2)};
-    pen_sqlite_end(&query);
-    return true;
+    return pen_sqlite_next_job_key(&query, job, found, st);
 }
 
 /* The next rows of a job: `list` selects their numbers and lengths, `drop` removes one. */
@@ -112,15 +104,10 @@ bool pen_sqlite_removed_drop_stats(struct pen_driver *driver, const char *id, st
 bool pen_sqlite_removed_purge(struct pen_driver *driver, int64_t bare_before_ms, int64_t before_ms,
                               int limit, bool *more, struct pen_status *st)
 {
-    struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_REMOVED_PURGE);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_REMOVED_PURGE);
     pen_sqlite_int(&query, bare_before_ms);
     pen_sqlite_int(&query, before_ms);
-    pen_sqlite_int(&query, limit);
-    if (!pen_sqlite_run(&query, st))
-        return false;
-    *more = sqlite3_changes(store->db) >= limit;
-    return true;
+    return pen_sqlite_run_limited(&query, limit, more, st);
 }
 
 bool pen_sqlite_first_ended(struct pen_driver *driver, char id[PEN_ID_BYTES], int64_t *ended_ms,
@@ -128,11 +115,8 @@ bool pen_sqlite_first_ended(struct pen_driver *driver, char id[PEN_ID_BYTES], in
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     struct pen_sqlite_query counting = pen_sqlite_query(store, SQL_COUNT_ENDED);
-    bool row;
-    if (!pen_sqlite_next(&counting, &row, st))
+    if (!pen_sqlite_value(&counting, count, st))
         return false;
-    *count = row ? pen_sqlite_column_int(&counting, 0) : 0;
-    pen_sqlite_end(&counting);
     struct pen_sqlite_query query = pen_sqlite_query(store, SQL_FIRST_ENDED);
     if (!pen_sqlite_next(&query, found, st))
         return false;

@@ -15,18 +15,6 @@
 enum { RESERVE_PART = 64 /* of the disk, within these bounds */, RELEASES = 8 };
 static const int64_t reserve_min_bytes = INT64_C(256) << 10, reserve_max_bytes = INT64_C(32) << 20;
 
-static bool pragma_value(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t *value,
-                         struct pen_status *st)
-{
-    struct pen_sqlite_query query = pen_sqlite_query(store, sql);
-    bool row;
-    if (!pen_sqlite_next(&query, &row, st))
-        return false;
-    *value = row ? pen_sqlite_column_int(&query, 0) : 0;
-    pen_sqlite_end(&query);
-    return true;
-}
-
 static bool disk_room(const struct pen_sqlite_store *store, struct pen_room *room)
 {
     struct statvfs info;
@@ -41,10 +29,11 @@ bool pen_sqlite_room(struct pen_driver *driver, struct pen_room *room, struct pe
 {
     enum { PAGE_BYTES = 4096 };
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    struct pen_sqlite_query all = pen_sqlite_query(store, SQL_PAGES),
+                            empty = pen_sqlite_query(store, SQL_FREE_PAGES);
     int64_t pages, unused;
     *room = (struct pen_room){0};
-    if (!pragma_value(store, SQL_PAGES, &pages, st) ||
-        !pragma_value(store, SQL_FREE_PAGES, &unused, st))
+    if (!pen_sqlite_value(&all, &pages, st) || !pen_sqlite_value(&empty, &unused, st))
         return false;
     room->used_bytes = (pages - unused) * PAGE_BYTES;
     disk_room(store, room); /* if that is not known, the disk does not count */
@@ -56,7 +45,7 @@ static int open_reserve(const struct pen_sqlite_store *store, int flags, int64_t
 {
     char path[PEN_SQLITE_PATH_BYTES];
     struct stat info;
-    snprintf(path, sizeof path, "%s-reserve", store->path);
+    pen_sqlite_path(store, "-reserve", path);
     int fd = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW | flags, 0600);
     if (fd < 0)
         return -1;
@@ -124,13 +113,8 @@ bool pen_sqlite_meta_get(struct pen_driver *driver, const char *name, int64_t *v
                          struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_META_GET);
-    bool row;
     pen_sqlite_text(&query, name);
-    if (!pen_sqlite_next(&query, &row, st))
-        return false;
-    *value = row ? pen_sqlite_column_int(&query, 0) : 0;
-    pen_sqlite_end(&query);
-    return true;
+    return pen_sqlite_value(&query, value, st);
 }
 
 bool pen_sqlite_meta_put(struct pen_driver *driver, const char *name, int64_t value,

@@ -261,26 +261,12 @@ static const char *const steps[] = {step_1, step_2, step_3, step_4,  step_5,  st
                                     step_7, step_8, step_9, step_10, step_11, step_12};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
-static bool read_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,
-                        struct pen_status *st)
-{
-    sqlite3_stmt *stmt = NULL;
-    int rc = sqlite3_prepare_v2(store->db, sql, -1, &stmt, NULL);
-    if (rc == SQLITE_OK)
-        rc = sqlite3_step(stmt);
-    if (rc == SQLITE_ROW)
-        *value = sqlite3_column_int64(stmt, 0);
-    bool ok = rc == SQLITE_ROW || pen_sqlite_error(store, rc, st);
-    sqlite3_finalize(stmt);
-    return ok;
-}
-
 /* Reads the schema's version by SQL, because the header of the file can be older than its log. */
 static bool read_version(struct pen_sqlite_store *store, int64_t *version, struct pen_status *st)
 {
     int64_t application = 0;
-    if (!read_pragma(store, "PRAGMA application_id", &application, st) ||
-        !read_pragma(store, "PRAGMA user_version", version, st))
+    if (!pen_sqlite_pragma(store, "PRAGMA application_id", &application, st) ||
+        !pen_sqlite_pragma(store, "PRAGMA user_version", version, st))
         return false;
     if (application != SQL_APPLICATION_ID)
         return pen_fail(st, PEN_STORAGE,

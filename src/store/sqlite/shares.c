@@ -3,20 +3,11 @@
  * address with a priority, a lane one of its labels. */
 #include "store/sqlite/sqlite.h"
 
-/* Runs a statement that takes one number. */
-static bool run_one(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t number,
-                    struct pen_status *st)
-{
-    struct pen_sqlite_query query = pen_sqlite_query(store, sql);
-    pen_sqlite_int(&query, number);
-    return pen_sqlite_run(&query, st);
-}
-
 static bool enter_peer(struct pen_sqlite_store *store, const struct pen_job_new *job,
                        int64_t now_ms, struct pen_status *st)
 {
     const enum pen_sqlite_sql statements[] = {SQL_PEER_ADD, SQL_PEER_ENTER};
-    if (!run_one(store, SQL_LEVEL_ADD, job->priority, st))
+    if (!pen_sqlite_run_with(store, SQL_LEVEL_ADD, job->priority, st))
         return false;
     for (int i = 0; i < 2; i++) {
         struct pen_sqlite_query query = pen_sqlite_query(store, statements[i]);
@@ -58,8 +49,9 @@ bool pen_sqlite_share_enter(struct pen_driver *driver, const struct pen_job_new 
 bool pen_sqlite_share_leave(struct pen_driver *driver, int64_t job, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    return run_one(store, SQL_PEER_LEAVE, job, st) && run_one(store, SQL_LANE_LEAVE, job, st) &&
-           run_one(store, SQL_LANE_DROP, job, st);
+    return pen_sqlite_run_with(store, SQL_PEER_LEAVE, job, st) &&
+           pen_sqlite_run_with(store, SQL_LANE_LEAVE, job, st) &&
+           pen_sqlite_run_with(store, SQL_LANE_DROP, job, st);
 }
 
 bool pen_sqlite_share_served(struct pen_driver *driver, int64_t batch, int64_t now_ms,
@@ -90,7 +82,7 @@ bool pen_sqlite_queue_lengths(struct pen_driver *driver, const char *address, in
 
 bool pen_sqlite_peers_remove(struct pen_driver *driver, int64_t before_ms, struct pen_status *st)
 {
-    return run_one(pen_sqlite_of(driver), SQL_PEERS_REMOVE, before_ms, st);
+    return pen_sqlite_run_with(pen_sqlite_of(driver), SQL_PEERS_REMOVE, before_ms, st);
 }
 
 bool pen_sqlite_batch_spend(struct pen_driver *driver, int64_t batch, int64_t attempt,

@@ -254,6 +254,10 @@ bool pen_sqlite_prepare(struct pen_sqlite_store *store, struct pen_status *st);
 /* Runs SQL text without results, for opening. */
 bool pen_sqlite_exec(struct pen_sqlite_store *store, const char *sql, struct pen_status *st);
 
+/* Reads the number that a pragma, given as SQL text, has as its value. */
+bool pen_sqlite_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,
+                       struct pen_status *st);
+
 /* Copies the write-ahead log into the database and truncates it, if readers finish soon enough. */
 void pen_sqlite_truncate_log(struct pen_sqlite_store *store);
 
@@ -267,6 +271,13 @@ bool pen_sqlite_guard_states(struct pen_sqlite_store *store, struct pen_status *
  * pen_sqlite_close_unwritten. Fails: as pen_store_open, and PEN_NOT_FOUND. */
 bool pen_sqlite_open_to_read(struct pen_sqlite_store *store, struct pen_status *st);
 void pen_sqlite_close_unwritten(struct pen_sqlite_store *store);
+
+/* files.c: the path of the store's file with this ending, such as "-wal"; tells whether there is
+ * such a file, and its length, 0 if there is none. */
+void pen_sqlite_path(const struct pen_sqlite_store *store, const char *ending,
+                     char path[PEN_SQLITE_PATH_BYTES]);
+bool pen_sqlite_file_bytes(const struct pen_sqlite_store *store, const char *ending,
+                           int64_t *bytes);
 
 /* files.c: a lock that was waited for in vain is held by another process. Fails: always, with its
  * number. */
@@ -422,6 +433,22 @@ const struct pen_driver_ops *pen_sqlite_ops(void);
 
 /* Runs a statement; *changed: it changed a row. */
 bool pen_sqlite_run_changed(struct pen_sqlite_query *query, bool *changed, struct pen_status *st);
+
+/* Runs a statement whose last parameter is the most rows that it changes; *more: it changed so
+ * many. */
+bool pen_sqlite_run_limited(struct pen_sqlite_query *query, int limit, bool *more,
+                            struct pen_status *st);
+
+/* Runs a statement whose only parameter is a number. */
+bool pen_sqlite_run_with(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t number,
+                         struct pen_status *st);
+
+/* Reads the one number that a query has as its result; 0 if it has no row. */
+bool pen_sqlite_value(struct pen_sqlite_query *query, int64_t *value, struct pen_status *st);
+
+/* jobs.c: reads the next row of a query for a job's number, state and scene. */
+bool pen_sqlite_next_job_key(struct pen_sqlite_query *query, struct pen_job_key *job, bool *found,
+                             struct pen_status *st);
 
 /* Copies a text column to an arena; NULL for SQL's NULL. *ok becomes false when out of memory. */
 const char *pen_sqlite_column_keep(const struct pen_sqlite_query *query, int column,

@@ -145,8 +145,8 @@ static enum verdict check_file(const char *path)
 
 bool pen_sqlite_check_log(struct pen_sqlite_store *store, struct pen_status *st)
 {
-    char path[4112];
-    snprintf(path, sizeof path, "%s-wal", store->path);
+    char path[PEN_SQLITE_PATH_BYTES];
+    pen_sqlite_path(store, "-wal", path);
     enum verdict verdict = check_file(path);
     /* Other handles may be writing, so a log that seems damaged is read again. */
     for (int i = 1; i < TRIES && (verdict == WAL_BAD_HEADER || verdict == WAL_BAD_FRAME); i++)

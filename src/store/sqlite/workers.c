@@ -138,9 +138,9 @@ static struct flock lock_of(const char *id)
 /* Opens the file of the locks; *inode is its number. Returns -1 with errno. */
 static int open_lock_file(const struct pen_sqlite_store *store, int flags, ino_t *inode)
 {
-    char path[4112];
+    char path[PEN_SQLITE_PATH_BYTES];
     struct stat info;
-    snprintf(path, sizeof path, "%s-wake", store->path);
+    pen_sqlite_path(store, "-wake", path);
     int fd = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW | flags, 0600);
     if (fd >= 0 && fstat(fd, &info) != 0) {
         int error = errno;
