@@ -166,7 +166,6 @@ static bool say_log(struct pen_sqlite_store *store, bool is_set, struct pen_stat
 
 bool pen_sqlite_join_company(struct pen_sqlite_store *store, struct pen_status *st)
 {
-    struct facts facts;
     char log[8], *known = pen_wake_identity(store->wake);
     if (!get_meta(store, "identity", store->identity, sizeof store->identity, st) ||
         !get_meta(store, "log", log, sizeof log, st))
@@ -178,11 +177,8 @@ bool pen_sqlite_join_company(struct pen_sqlite_store *store, struct pen_status *
                         store->path);
     if (known[0] && strcmp(known, store->identity) != 0)
         pen_log(PEN_LOG_WARN, "the store %s is another one than before", store->path);
-    if (!say_log(store, log[0] != '0', st))
-        return false;
-    read_facts(store, &facts);
-    pen_wake_set_identity(store->wake, facts.identity);
-    return true;
+    pen_wake_set_identity(store->wake, store->identity);
+    return say_log(store, log[0] != '0', st);
 }
 
 bool pen_sqlite_settle(struct pen_driver *driver, struct pen_status *st)
