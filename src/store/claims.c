@@ -109,14 +109,9 @@ bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
 
 bool pen_charge_time(struct pen_store *store, const struct pen_claim *claim, struct pen_status *st)
 {
-    struct pen_driver *driver = store->driver;
-    int64_t now_ms;
-    if (claim->spent_us <= 0)
-        return true;
-    /* Time in which a peer is served is none in which it waits. */
-    return driver->ops->batch_spend(driver, claim->batch, claim->attempt, claim->spent_us, st) &&
-           driver->ops->now(driver, &now_ms, st) &&
-           driver->ops->share_served(driver, claim->batch, now_ms, st);
+    return claim->spent_us <= 0 ||
+           store->driver->ops->batch_spend(store->driver, claim->batch, claim->attempt,
+                                           claim->spent_us, st);
 }
 
 struct progress {

@@ -361,8 +361,9 @@ struct pen_driver_ops {
     bool (*batch_extend)(struct pen_driver *driver, int64_t batch, int64_t attempt,
                          int64_t until_ms, bool *changed, struct pen_status *st);
     /* Raises the time spent under the attempt of a leased batch to spent_us, and adds the
-     * difference to the time of its job, its lane and its peer. Does nothing if it is not leased
-     * under that attempt, or has spent more. */
+     * difference to the time of its job, its lane and its peer, which waits since now: time in
+     * which a peer is served is none in which it waits. Does nothing if it is not leased under that
+     * attempt, or has spent more. */
     bool (*batch_spend)(struct pen_driver *driver, int64_t batch, int64_t attempt, int64_t spent_us,
                         struct pen_status *st);
     /* Notes that the peer of the batch is served now. */

@@ -92,11 +92,16 @@ bool pen_sqlite_batch_spend(struct pen_driver *driver, int64_t batch, int64_t at
      * peer was served before. */
     const enum pen_sqlite_sql statements[] = {SQL_LEVEL_SPEND, SQL_PEER_SPEND, SQL_LANE_SPEND,
                                               SQL_JOB_SPEND, SQL_BATCH_SPEND};
+    int64_t now_ms;
+    if (!pen_sqlite_now(driver, &now_ms, st))
+        return false;
     for (size_t i = 0; i < sizeof statements / sizeof statements[0]; i++) {
         struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), statements[i]);
         pen_sqlite_int(&query, batch);
         pen_sqlite_int(&query, attempt);
         pen_sqlite_int(&query, spent_us);
+        if (statements[i] == SQL_PEER_SPEND)
+            pen_sqlite_int(&query, now_ms);
         if (!pen_sqlite_run(&query, st))
             return false;
     }

@@ -39,6 +39,18 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
  */
 #define ENTRY(virtual_us, least_us, most_us)                                                       \
     "coalesce(min(max(" virtual_us ", " least_us "), " most_us "), " virtual_us ")"
+#define SERVED_P SERVED("p")
+#define SERVED_PEER SERVED("peer")
+#define PEER_ENTRY                                                                                 \
+    ENTRY("(SELECT v.virtual_us FROM level v WHERE v.priority = peer.priority)",                   \
+          "(SELECT min(o.served_us) FROM peer o WHERE o.priority = peer.priority AND o.jobs > 0)", \
+          "(SELECT max(o.served_us) FROM peer o WHERE o.priority = peer.priority AND o.jobs > 0)")
+#define LANE_ENTRY                                                                                 \
+    ENTRY("(SELECT p.virtual_us FROM peer p WHERE p.id = lane.peer)",                              \
+          "(SELECT o.served_us FROM lane o WHERE o.peer = lane.peer AND o.jobs > 0"                \
+          " ORDER BY o.served_us LIMIT 1)",                                                        \
+          "(SELECT o.served_us FROM lane o WHERE o.peer = lane.peer AND o.jobs > 0"                \
+          " ORDER BY o.served_us DESC LIMIT 1)")
 #define SPENT_BATCH "b.id = ?1 AND b.attempt = ?2 AND b.state = 1 AND b.spent_us < ?3"
 
 /* The kind, name and label of a list of jobs. */
@@ -199,17 +211,16 @@ static const char *const sql_text[] = {
         " WHERE id = ?1 AND attempt = ?2 AND state = 1",
     [SQL_BATCH_EXTEND] = "UPDATE batch SET lease_until_ms = ?3"
                          " WHERE id = ?1 AND attempt = ?2 AND state = 1",
-    [SQL_LEVEL_SPEND] = "UPDATE level SET virtual_us = level.virtual_us + max(0, " SERVED(
-        "p") " - p.served_us)"
-             " / max(1, (SELECT count(*) FROM peer o WHERE o.priority = p.priority AND o.jobs > 0))"
-             " FROM peer p JOIN lane l ON l.peer = p.id JOIN batch b ON b.lane = l.id"
-             " WHERE level.priority = p.priority AND " SPENT_BATCH,
-    [SQL_PEER_SPEND] = "UPDATE peer SET served_us = " SERVED(
-        "peer") ", virtual_us = peer.virtual_us"
-                " + (?3 - b.spent_us) / max(1, (SELECT count(*) FROM lane o WHERE o.peer = "
-                "peer.id))"
-                " FROM lane l JOIN batch b ON b.lane = l.id WHERE peer.id = l.peer "
-                "AND " SPENT_BATCH,
+    [SQL_LEVEL_SPEND] =
+        "UPDATE level SET virtual_us = level.virtual_us + max(0, " SERVED_P " - p.served_us)"
+        " / max(1, (SELECT count(*) FROM peer o WHERE o.priority = p.priority AND o.jobs > 0))"
+        " FROM peer p JOIN lane l ON l.peer = p.id JOIN batch b ON b.lane = l.id"
+        " WHERE level.priority = p.priority AND " SPENT_BATCH,
+    [SQL_PEER_SPEND] =
+        "UPDATE peer SET served_us = " SERVED_PEER ", waiting_since_ms = ?4,"
+        " virtual_us = peer.virtual_us + (?3 - b.spent_us)"
+        " / max(1, (SELECT count(*) FROM lane o WHERE o.peer = peer.id))"
+        " FROM lane l JOIN batch b ON b.lane = l.id WHERE peer.id = l.peer AND " SPENT_BATCH,
     [SQL_LANE_SPEND] =
         "UPDATE lane SET served_us = lane.served_us + ?3 - b.spent_us,"
         " balance_us = max(-60000000, min(60000000, lane.balance_us + (?3 - b.spent_us)"
@@ -224,23 +235,11 @@ static const char *const sql_text[] = {
                      " ON CONFLICT (priority, address) DO NOTHING",
     [SQL_LEVEL_ADD] = "INSERT INTO level (priority) VALUES (?1) ON CONFLICT (priority) DO NOTHING",
     [SQL_PEER_ENTER] =
-        "UPDATE peer SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us ELSE"
-        " max(served_us, " ENTRY(
-            "(SELECT v.virtual_us FROM level v"
-            " WHERE v.priority = peer.priority)",
-            "(SELECT min(o.served_us) FROM peer o"
-            " WHERE o.priority = peer.priority AND o.jobs > 0)",
-            "(SELECT max(o.served_us) FROM peer o"
-            " WHERE o.priority = peer.priority AND o.jobs > 0)") ") END,"
-                                                                 " waiting_since_ms = CASE WHEN "
-                                                                 "EXISTS"
-                                                                 " (SELECT 1 FROM lane l JOIN "
-                                                                 "batch b ON b.lane = l.id AND "
-                                                                 "b.state = 0"
-                                                                 " WHERE l.peer = peer.id) THEN "
-                                                                 "waiting_since_ms ELSE ?3 END"
-                                                                 " WHERE priority = ?1 AND address "
-                                                                 "= ?2",
+        "UPDATE peer SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us"
+        " ELSE max(served_us, " PEER_ENTRY ") END, waiting_since_ms = CASE WHEN EXISTS"
+        " (SELECT 1 FROM lane l JOIN batch b ON b.lane = l.id AND b.state = 0"
+        " WHERE l.peer = peer.id) THEN waiting_since_ms ELSE ?3 END"
+        " WHERE priority = ?1 AND address = ?2",
     [SQL_PEER_SERVED] =
         "UPDATE peer SET waiting_since_ms = ?2 WHERE id = (SELECT l.peer FROM lane l"
         " JOIN batch b ON b.lane = l.id WHERE b.id = ?1)",
@@ -250,13 +249,8 @@ static const char *const sql_text[] = {
     [SQL_LANE_ADD] = "INSERT INTO lane (peer, label) SELECT id, ?3 FROM peer"
                      " WHERE priority = ?1 AND address = ?2 ON CONFLICT (peer, label) DO NOTHING",
     [SQL_LANE_ENTER] =
-        "UPDATE lane SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us ELSE"
-        " max(served_us, " ENTRY(
-            "(SELECT p.virtual_us FROM peer p WHERE p.id = lane.peer)",
-            "(SELECT o.served_us FROM lane o WHERE o.peer = lane.peer"
-            " AND o.jobs > 0 ORDER BY o.served_us LIMIT 1)",
-            "(SELECT o.served_us FROM lane o WHERE o.peer = lane.peer"
-            " AND o.jobs > 0 ORDER BY o.served_us DESC LIMIT 1)") ") END" LANE_OF,
+        "UPDATE lane SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us"
+        " ELSE max(served_us, " LANE_ENTRY ") END" LANE_OF,
     [SQL_LANE_LEAVE] = "UPDATE lane SET jobs = jobs - 1 WHERE id = (SELECT lane FROM job"
                        " WHERE number = ?1)",
     [SQL_LANE_DROP] = "DELETE FROM lane WHERE jobs = 0 AND id = (SELECT lane FROM job"
