@@ -4,6 +4,7 @@
 #define PEN_BASE_CLOCK_H
 
 #include <stdint.h>
+#include <time.h>
 
 /* Units: ns since an arbitrary start; never goes back. */
 int64_t pen_clock_ns(void);
@@ -13,6 +14,9 @@ int64_t pen_clock_cpu_ns(void);
 
 /* Units: ms since 1970-01-01 UTC. */
 int64_t pen_clock_wall_ms(void);
+
+/* The time on the monotonic clock (CLOCK_MONOTONIC) in so many ms, for waiting until then. */
+struct timespec pen_clock_after_ms(int64_t ms);
 
 /* Writes wall time in the format of RFC 3339, in UTC with milliseconds: "2026-01-31T12:00:00.000Z".
  * Years before 0 and after 9999 are clamped. */

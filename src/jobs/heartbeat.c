@@ -7,7 +7,6 @@
 
 #include <pthread.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -152,16 +151,6 @@ static void make_checkpoint(struct pen_heartbeat *heart)
     pthread_mutex_lock(&heart->lock);
 }
 
-static struct timespec after_ms(int64_t ms)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    int64_t ns = time.tv_nsec + ms * 1000000;
-    time.tv_sec += (time_t)(ns / 1000000000);
-    time.tv_nsec = (long)(ns % 1000000000);
-    return time;
-}
-
 /* Waits until the next check, or, with `sleep`, until the next claim. */
 static void pause_thread(struct pen_heartbeat *heart, bool sleep)
 {
@@ -171,7 +160,7 @@ static void pause_thread(struct pen_heartbeat *heart, bool sleep)
         heart->asleep = false;
         return;
     }
-    struct timespec until = after_ms(CHECK_MS);
+    struct timespec until = pen_clock_after_ms(CHECK_MS);
     pthread_cond_timedwait(&heart->change, &heart->lock, &until);
 }
 

@@ -4,7 +4,6 @@
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -33,11 +32,7 @@ struct pen_housekeeper {
 /* Waits; returns false if the thread has to end. */
 static bool pause_for(struct pen_housekeeper *keeper, int64_t ms)
 {
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    int64_t ns = until.tv_nsec + ms * 1000000;
-    until.tv_sec += (time_t)(ns / 1000000000);
-    until.tv_nsec = (long)(ns % 1000000000);
+    const struct timespec until = pen_clock_after_ms(ms);
     pthread_mutex_lock(&keeper->lock);
     int rc = 0;
     while (!keeper->quit && rc == 0)

@@ -8,7 +8,6 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/clock.h"
 #include "base/memory.h"
@@ -34,13 +33,6 @@ struct pen_pixel_compressor {
     struct pen_store_call spent; /* used by the thread alone; time spent on this batch */
 };
 
-static int64_t thread_cpu_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
-}
-
 /* The end of the next slice, in tiles from run.first on. */
 static int slice_end(const struct pen_pixel_compressor *p)
 {
@@ -51,12 +43,12 @@ static int slice_end(const struct pen_pixel_compressor *p)
 static bool compress_slice(struct pen_pixel_compressor *p, int first, int count,
                            struct pen_status *st)
 {
-    int64_t wall_ns = pen_clock_ns(), cpu_ns = thread_cpu_ns();
+    int64_t wall_ns = pen_clock_ns(), cpu_ns = pen_clock_thread_ns();
     pen_tiles_gather(p->run.settings, first, count, p->run.image, p->tiles);
     bool ok =
         pen_pixels_add(p->pixels, p->tiles, pen_tiles_pixels(p->run.settings, first, count), st);
     p->spent.wall_ns += pen_clock_ns() - wall_ns;
-    p->spent.cpu_ns += thread_cpu_ns() - cpu_ns;
+    p->spent.cpu_ns += pen_clock_thread_ns() - cpu_ns;
     return ok;
 }
 

@@ -55,6 +55,15 @@ bool pen_policy_retention(struct pen_store *store, struct pen_retention *out, st
     return true;
 }
 
+/* What the store and its disk have, and what it may hold. */
+static bool read_room(struct pen_store *store, struct pen_room *room, int64_t *keep_bytes,
+                      struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    return driver->ops->room(driver, room, st) &&
+           driver->ops->meta_get(driver, "keep_bytes", keep_bytes, st);
+}
+
 /* The free space of the disk below which no new job is taken. */
 static int64_t intake_bytes(const struct pen_room *room)
 {
@@ -66,24 +75,22 @@ static int64_t intake_bytes(const struct pen_room *room)
 
 bool pen_policy_intake(struct pen_store *store, struct pen_status *st)
 {
-    struct pen_driver *driver = store->driver;
+    const char *name = store->driver->name;
     struct pen_room room;
     int64_t keep_bytes;
-    if (!driver->ops->room(driver, &room, st) ||
-        !driver->ops->meta_get(driver, "keep_bytes", &keep_bytes, st))
+    if (!read_room(store, &room, &keep_bytes, st))
         return false;
     if (room.disk_bytes > 0 && room.disk_free_bytes < intake_bytes(&room))
         return pen_fail(st, PEN_STORAGE_FULL,
                         "the store %s has no space left for new jobs: its disk has %lld KiB free, "
                         "they are taken from %lld KiB on",
-                        driver->name, (long long)(room.disk_free_bytes >> 10),
+                        name, (long long)(room.disk_free_bytes >> 10),
                         (long long)(intake_bytes(&room) >> 10));
     return keep_bytes == 0 || room.used_bytes < keep_bytes ||
            pen_fail(st, PEN_STORAGE_FULL,
                     "the store %s has no space left for new jobs: it holds %lld KiB of the %lld "
                     "KiB that it may (--keep-bytes)",
-                    driver->name, (long long)(room.used_bytes >> 10),
-                    (long long)(keep_bytes >> 10));
+                    name, (long long)(room.used_bytes >> 10), (long long)(keep_bytes >> 10));
 }
 
 /* Whether the store holds more than retention allows. What was removed already, and is still to go,
@@ -138,11 +145,9 @@ bool pen_policy_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *fo
 /* How many bytes all cached forms may have; 0 if the disk runs short. */
 static bool cache_limit(struct pen_store *store, int64_t *limit, struct pen_status *st)
 {
-    struct pen_driver *driver = store->driver;
     struct pen_room room;
     int64_t keep_bytes;
-    if (!driver->ops->room(driver, &room, st) ||
-        !driver->ops->meta_get(driver, "keep_bytes", &keep_bytes, st))
+    if (!read_room(store, &room, &keep_bytes, st))
         return false;
     *limit = cache_bytes;
     if (keep_bytes > 0 && keep_bytes / CACHE_PART < *limit)

@@ -6,7 +6,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -99,13 +98,6 @@ struct call_start {
     int64_t transactions, wall_ns, cpu_ns;
 };
 
-static int64_t thread_cpu_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
-}
-
 static struct call_start begin(const struct pen_store *store, const char *name)
 {
     if (!store->observer)
@@ -113,7 +105,7 @@ static struct call_start begin(const struct pen_store *store, const char *name)
     return (struct call_start){.name = name,
                                .transactions = store->driver->transactions,
                                .wall_ns = pen_clock_ns(),
-                               .cpu_ns = thread_cpu_ns()};
+                               .cpu_ns = pen_clock_thread_ns()};
 }
 
 static bool end(const struct pen_store *store, const struct call_start *start, bool ok)
@@ -123,7 +115,7 @@ static bool end(const struct pen_store *store, const struct call_start *start, b
     struct pen_store_call call = {.name = start->name,
                                   .transactions = store->driver->transactions - start->transactions,
                                   .wall_ns = pen_clock_ns() - start->wall_ns,
-                                  .cpu_ns = thread_cpu_ns() - start->cpu_ns};
+                                  .cpu_ns = pen_clock_thread_ns() - start->cpu_ns};
     store->observer->called(store->observer->user, &call);
     return ok;
 }
