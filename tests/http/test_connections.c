@@ -3,73 +3,12 @@
  * to be gone, and others are answered meanwhile. */
 #include <poll.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "support/server.h"
 #include "support/suite.h"
-
-static void pause_ms(long ms)
-{
-    const struct timespec pause = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000};
-    nanosleep(&pause, NULL);
-}
-
-static int status_of(const struct server *server, const char *head, const char *body)
-{
-    struct answer answer;
-    server_ask(server, head, body, &answer);
-    int status = answer.status;
-    answer_release(&answer);
-    return status;
-}
-
-static void expect_alive(const struct server *server)
-{
-    ck_assert_int_eq(status_of(server, "GET /healthz HTTP/1.1", NULL), 200);
-    ck_assert_int_eq(status_of(server, "GET /v1/jobs HTTP/1.1", NULL), 200);
-}
-
-/* Opens `count` long polls on a job. */
-static void open_polls(const struct server *server, const char *path, const char *fields, int *fds,
-                       int count)
-{
-    char text[300];
-    snprintf(text, sizeof text, "GET %s?wait=50 HTTP/1.1\r\nHost: localhost\r\n%s\r\n", path,
-             fields);
-    for (int i = 0; i < count; i++) {
-        fds[i] = server_connect(server);
-        client_send(fds[i], text);
-    }
-}
-
-/* Descriptors for both ends of some hundred connections. */
-static void allow_many_files(void)
-{
-    struct rlimit files;
-    ck_assert_int_eq(getrlimit(RLIMIT_NOFILE, &files), 0);
-    files.rlim_cur = files.rlim_max < 4096 ? files.rlim_max : 4096;
-    ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &files), 0);
-}
-
-/* Waits until one of these connections can be read. */
-static int first_answered(const int *fds, int count)
-{
-    struct pollfd *list = calloc((size_t)count, sizeof *list);
-    ck_assert_ptr_nonnull(list);
-    for (int i = 0; i < count; i++)
-        list[i] = (struct pollfd){.fd = fds[i], .events = POLLIN};
-    ck_assert_int_ge(poll(list, (nfds_t)count, 40000), 1);
-    int first = 0;
-    while (!list[first].revents)
-        first++;
-    free(list);
-    return first;
-}
 
 /* A client that sends a little now and then is never idle, but has not longer for it. */
 START_TEST(test_connections__slow_requests_are_ended)
@@ -94,7 +33,7 @@ START_TEST(test_connections__slow_requests_are_ended)
         ck_assert(client_sees_end(fd, 10));
         close(fd);
     }
-    expect_alive(&server);
+    server_expect_alive(&server);
     server_stop(&server);
 }
 END_TEST
@@ -110,7 +49,7 @@ START_TEST(test_connections__idle_connections_give_way)
         client_send(fds[i], i % 2 ? "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n" : "GET /");
     }
     for (int i = 0; i < 2 * OPEN; i++)
-        expect_alive(&server);
+        server_expect_alive(&server);
     int open = 0;
     for (int i = 0; i < 3 * OPEN; i++) {
         open += !client_sees_end(fds[i], 0);
@@ -135,14 +74,14 @@ START_TEST(test_connections__short_requests_have_slots_of_their_own)
         fds[i] = server_connect(&server);
         client_send(fds[i], head);
     }
-    pause_ms(500);
+    client_pause(500);
     snprintf(head, sizeof head, "GET %s HTTP/1.1", path);
     for (int i = 0; i < OPEN; i++) {
-        expect_alive(&server);
-        ck_assert_int_eq(status_of(&server, "GET /readyz HTTP/1.1", NULL), 200);
-        ck_assert_int_eq(status_of(&server, head, NULL), 200);
+        server_expect_alive(&server);
+        ck_assert_int_eq(server_status(&server, "GET /readyz HTTP/1.1", NULL), 200);
+        ck_assert_int_eq(server_status(&server, head, NULL), 200);
     }
-    ck_assert_int_eq(status_of(&server, "GET /openapi.yaml HTTP/1.1", NULL), 503);
+    ck_assert_int_eq(server_status(&server, "GET /openapi.yaml HTTP/1.1", NULL), 503);
     for (int i = 0; i < OPEN; i++)
         close(fds[i]);
     server_stop(&server);
@@ -153,14 +92,14 @@ END_TEST
 START_TEST(test_connections__abandoned_polls_are_forgotten)
 {
     enum { WAITING = 530 }; /* more than there are places */
-    allow_many_files();
+    server_allow_many_files();
     struct server server;
     server_start(&server, &(struct server_options){0});
     char path[80], head[160];
     server_submit(&server, path);
     static int fds[WAITING];
-    open_polls(&server, path, "", fds, WAITING);
-    first_answered(fds, WAITING); /* one was refused: all places are taken */
+    server_open_polls(&server, path, "", fds, WAITING);
+    client_first_answered(fds, WAITING); /* one was refused: all places are taken */
     const struct linger reset = {.l_onoff = 1};
     for (int i = 0; i < WAITING; i++) {
         if (i % 2)
@@ -170,8 +109,8 @@ START_TEST(test_connections__abandoned_polls_are_forgotten)
     snprintf(head, sizeof head, "GET %s?wait=1 HTTP/1.1", path);
     int status = 503;
     for (int i = 0; i < 100 && status == 503; i++) {
-        status = status_of(&server, head, NULL);
-        pause_ms(50);
+        status = server_status(&server, head, NULL);
+        client_pause(50);
     }
     ck_assert_int_eq(status, 200);
     server_stop(&server);
@@ -193,7 +132,7 @@ START_TEST(test_connections__abandoned_explanations_leave_no_job)
     client_send(fd, text);
     bool listed = false;
     for (int i = 0; i < 100 && !listed; i++) {
-        pause_ms(50);
+        client_pause(50);
         server_ask(&server, "GET /v1/jobs?kind=explain HTTP/1.1", NULL, &answer);
         listed = strstr(answer.body, "\"queued\"") != NULL;
         answer_release(&answer);
@@ -201,7 +140,7 @@ START_TEST(test_connections__abandoned_explanations_leave_no_job)
     ck_assert(listed);
     close(fd);
     for (int i = 0; i < 100 && listed; i++) {
-        pause_ms(50);
+        client_pause(50);
         server_ask(&server, "GET /v1/jobs?kind=explain HTTP/1.1", NULL, &answer);
         listed = strstr(answer.body, "\"id\"") != NULL;
         answer_release(&answer);
@@ -235,14 +174,14 @@ START_TEST(test_connections__one_address_cannot_take_all_places)
     char path[80];
     server_submit(&server, path);
     int fds[2 * WAITING];
-    open_polls(&server, path, "", fds, WAITING);
+    server_open_polls(&server, path, "", fds, WAITING);
     char text[200];
     snprintf(text, sizeof text, "GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
     for (int i = WAITING; i < 2 * WAITING; i++) {
         fds[i] = server_connect(&server);
         client_send(fds[i], text);
     }
-    pause_ms(500);
+    client_pause(500);
     ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.1", "?wait=1"), 429);
     ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.1", "/events"), 429);
     ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.1", ""), 200);
@@ -264,7 +203,7 @@ START_TEST(test_connections__one_address_cannot_take_all_places)
         close(fds[i]);
     int status = 429;
     for (int i = 0; i < 100 && status == 429; i++) {
-        pause_ms(100);
+        client_pause(100);
         status = status_of_poll(&server, path, "127.0.0.1", "?wait=1");
     }
     ck_assert_int_eq(status, 200);

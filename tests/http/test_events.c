@@ -5,9 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -48,12 +46,6 @@ struct client {
 static struct server server;
 static struct pen_store *store;
 static char path[80], id[PEN_ID_BYTES];
-
-static void pause_ms(long ms)
-{
-    const struct timespec pause = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000};
-    nanosleep(&pause, NULL);
-}
 
 static void set_up(const char *job, int heartbeat_ms)
 {
@@ -226,15 +218,6 @@ static void expect_whole_pictures(const struct client *client)
         ck_assert(covered[0][i] == 1 && covered[1][i] == 1);
 }
 
-static int status_of(const char *head)
-{
-    struct answer answer;
-    server_ask(&server, head, NULL, &answer);
-    int status = answer.status;
-    answer_release(&answer);
-    return status;
-}
-
 START_TEST(test_events__follow_a_job_from_queue_to_end)
 {
     static struct client client;
@@ -276,7 +259,7 @@ START_TEST(test_events__cancelled_job_ends_its_streams)
     open_stream(&client, NULL);
     read_job_events(&client, 1);
     snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
-    ck_assert_int_eq(status_of(head), 202);
+    ck_assert_int_eq(server_status(&server, head, NULL), 202);
     read_to_end(&client);
     ck_assert_int_eq(client.count, 2);
     ck_assert_str_eq(state_of(&client.events[1]), "cancelled");
@@ -344,15 +327,17 @@ START_TEST(test_events__unusable_ids_begin_anew_and_the_last_id_ends)
     }
     snprintf(head, sizeof head, "GET %s/events HTTP/1.1\r\nLast-Event-ID: %lld", path,
              (long long) final);
-    ck_assert_int_eq(status_of(head), 204);
+    ck_assert_int_eq(server_status(&server, head, NULL), 204);
     snprintf(head, sizeof head, "HEAD %s/events HTTP/1.1", path);
-    ck_assert_int_eq(status_of(head), 200);
+    ck_assert_int_eq(server_status(&server, head, NULL), 200);
     snprintf(head, sizeof head, "POST %s/events HTTP/1.1", path);
-    ck_assert_int_eq(status_of(head), 405);
+    ck_assert_int_eq(server_status(&server, head, NULL), 405);
     snprintf(head, sizeof head, "GET %s/events?from=3 HTTP/1.1", path);
-    ck_assert_int_eq(status_of(head), 400);
-    ck_assert_int_eq(status_of("GET /v1/jobs/01890a5d-ac96-774b-bcce-b302099a8057/events HTTP/1.1"),
-                     404);
+    ck_assert_int_eq(server_status(&server, head, NULL), 400);
+    ck_assert_int_eq(
+        server_status(&server, "GET /v1/jobs/01890a5d-ac96-774b-bcce-b302099a8057/events HTTP/1.1",
+                      NULL),
+        404);
     tear_down();
 }
 END_TEST
@@ -395,15 +380,6 @@ END_TEST
 
 enum { WAITERS_MAX = 512 };
 
-/* Descriptors for both ends of some hundred connections. */
-static void allow_many_files(void)
-{
-    struct rlimit files;
-    ck_assert_int_eq(getrlimit(RLIMIT_NOFILE, &files), 0);
-    files.rlim_cur = files.rlim_max < 4096 ? files.rlim_max : 4096;
-    ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &files), 0);
-}
-
 static void open_waiters(int fds[WAITERS_MAX], const char *what)
 {
     char text[200];
@@ -416,27 +392,27 @@ static void open_waiters(int fds[WAITERS_MAX], const char *what)
 
 START_TEST(test_events__have_a_limit_of_their_own_and_release_it)
 {
-    allow_many_files();
+    server_allow_many_files();
     static int fds[WAITERS_MAX], polls[WAITERS_MAX];
     struct answer answer;
     char head[160], text[32];
     set_up(some_batches, 100);
     open_waiters(polls, "?wait=60");
     open_waiters(fds, "/events");
-    pause_ms(1000);
+    client_pause(1000);
     snprintf(head, sizeof head, "GET %s/events HTTP/1.1", path);
     server_ask(&server, head, NULL, &answer);
     ck_assert_int_eq(answer.status, 503);
     ck_assert_str_ne(answer_field(&answer, "Retry-After", text, sizeof text), "");
     answer_release(&answer);
-    ck_assert_int_eq(status_of("GET /v1/jobs HTTP/1.1"), 200);
+    ck_assert_int_eq(server_status(&server, "GET /v1/jobs HTTP/1.1", NULL), 200);
     for (int i = 0; i < WAITERS_MAX; i++)
         close(fds[i]); /* the streams disconnect, the polls stay */
     static struct client client;
     int64_t begun = pen_clock_ns();
     int status = 503;
     while (status == 503 && pen_clock_ns() - begun < INT64_C(10000000000)) {
-        pause_ms(50);
+        client_pause(50);
         int fd = server_connect(&server);
         snprintf(head, sizeof head, "GET %s/events HTTP/1.0\r\nHost: localhost\r\n\r\n", path);
         client_send(fd, head);
@@ -458,7 +434,7 @@ END_TEST
 START_TEST(test_events__reach_all_clients)
 {
     enum { CLIENTS = 100 };
-    allow_many_files();
+    server_allow_many_files();
     static struct client clients[CLIENTS];
     set_up(some_batches, 0);
     for (int i = 0; i < CLIENTS; i++)

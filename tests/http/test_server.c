@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The server against clients that disconnect, pipeline, stall, send wrong lengths, or are many. */
-#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
@@ -20,27 +19,6 @@
 static int64_t ms_since(int64_t begun_ns)
 {
     return (pen_clock_ns() - begun_ns) / 1000000;
-}
-
-static void pause_ms(long ms)
-{
-    const struct timespec pause = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000};
-    nanosleep(&pause, NULL);
-}
-
-static int status_of(const struct server *server, const char *head, const char *body)
-{
-    struct answer answer;
-    server_ask(server, head, body, &answer);
-    int status = answer.status;
-    answer_release(&answer);
-    return status;
-}
-
-static void expect_alive(const struct server *server)
-{
-    ck_assert_int_eq(status_of(server, "GET /healthz HTTP/1.1", NULL), 200);
-    ck_assert_int_eq(status_of(server, "GET /v1/jobs HTTP/1.1", NULL), 200);
 }
 
 /* Sends bytes on a new connection. Returns the status of the answer, 0 if there is none. */
@@ -69,12 +47,12 @@ START_TEST(test_server__partial_requests_are_ended)
         fds[i] = server_connect(&server);
         client_send(fds[i], parts[i]);
     }
-    expect_alive(&server);
+    server_expect_alive(&server);
     for (int i = 0; i < 5; i++) {
         ck_assert_msg(client_sees_end(fds[i], 5), "\"%s\" is still open", parts[i]);
         close(fds[i]);
     }
-    expect_alive(&server);
+    server_expect_alive(&server);
     server_stop(&server);
 }
 END_TEST
@@ -97,7 +75,7 @@ START_TEST(test_server__aborted_uploads_leave_nothing)
         close(fd);
     }
     free(part);
-    expect_alive(&server);
+    server_expect_alive(&server);
     server_stop(&server);
 }
 END_TEST
@@ -143,7 +121,7 @@ START_TEST(test_server__garbage_is_refused_or_dropped)
         int status = status_of_bytes(&server, bytes);
         ck_assert_msg(status == 0 || status >= 400, "seed %u: %d for \"%s\"", seed, status, bytes);
     }
-    expect_alive(&server);
+    server_expect_alive(&server);
     server_stop(&server);
 }
 END_TEST
@@ -159,7 +137,7 @@ START_TEST(test_server__oversized_head_is_refused)
     pen_buf_puts(&text, "\r\n");
     ck_assert_int_eq(status_of_bytes(&server, (const char *)text.data), 431);
     pen_buf_release(&text);
-    expect_alive(&server);
+    server_expect_alive(&server);
     server_stop(&server);
 }
 END_TEST
@@ -194,7 +172,7 @@ START_TEST(test_server__ambiguous_lengths_are_refused)
         ck_assert_msg(status == rows[i].status, "%s: %d", rows[i].fields, status);
     }
     ck_assert_int_eq(status_of_bytes(&server, "GET /healthz HTTP/1.1\r\n\r\n"), 400);
-    expect_alive(&server);
+    server_expect_alive(&server);
     server_stop(&server);
 }
 END_TEST
@@ -243,7 +221,7 @@ START_TEST(test_server__ambiguous_heads_are_refused)
     answer_release(&answer);
     close(fd);
     ck_assert_int_eq(status_of_bytes(&server, "GET / HTTP/2.0\r\n\r\n"), 505);
-    expect_alive(&server);
+    server_expect_alive(&server);
     server_stop(&server);
 }
 END_TEST
@@ -391,7 +369,7 @@ START_TEST(test_server__endless_chunks_are_dropped)
         open = client_send(fd, chunk);
     ck_assert(!open);
     close(fd);
-    expect_alive(&server);
+    server_expect_alive(&server);
     server_stop(&server);
 }
 END_TEST
@@ -403,9 +381,9 @@ START_TEST(test_server__body_limit_is_exact)
     char body[52];
     memset(body, ' ', 51);
     body[51] = '\0';
-    ck_assert_int_eq(status_of(&server, "POST /v1/validate HTTP/1.1", body), 413);
+    ck_assert_int_eq(server_status(&server, "POST /v1/validate HTTP/1.1", body), 413);
     body[50] = '\0';
-    ck_assert_int_eq(status_of(&server, "POST /v1/validate HTTP/1.1", body), 400);
+    ck_assert_int_eq(server_status(&server, "POST /v1/validate HTTP/1.1", body), 400);
     server_stop(&server);
 }
 END_TEST
@@ -422,19 +400,6 @@ START_TEST(test_server__old_clients_are_served)
 END_TEST
 
 enum { POLLS = 64 };
-
-/* Opens `count` long polls on a job. */
-static void open_polls(const struct server *server, const char *path, const char *fields, int *fds,
-                       int count)
-{
-    char text[300];
-    snprintf(text, sizeof text, "GET %s?wait=50 HTTP/1.1\r\nHost: localhost\r\n%s\r\n", path,
-             fields);
-    for (int i = 0; i < count; i++) {
-        fds[i] = server_connect(server);
-        client_send(fds[i], text);
-    }
-}
 
 static void expect_polls(int *fds, int count, int status, const char *part)
 {
@@ -455,11 +420,11 @@ START_TEST(test_server__long_polls_end_with_the_job)
     char path[80], cancel[120];
     server_submit(&server, path);
     int fds[POLLS];
-    open_polls(&server, path, "", fds, POLLS);
-    pause_ms(500);
+    server_open_polls(&server, path, "", fds, POLLS);
+    client_pause(500);
     int64_t begun = pen_clock_ns();
     snprintf(cancel, sizeof cancel, "POST %s/cancel HTTP/1.1", path);
-    ck_assert_int_eq(status_of(&server, cancel, NULL), 202);
+    ck_assert_int_eq(server_status(&server, cancel, NULL), 202);
     expect_polls(fds, POLLS, 200, "\"cancelled\"");
     ck_assert_int_lt(ms_since(begun), 1000);
     server_stop(&server);
@@ -484,11 +449,11 @@ START_TEST(test_server__long_poll_ends_with_its_time)
     answer_release(&answer);
     begun = pen_clock_ns();
     snprintf(head, sizeof head, "GET %s?wait=1 HTTP/1.1\r\nIf-None-Match: %s", path, etag);
-    ck_assert_int_eq(status_of(&server, head, NULL), 304);
+    ck_assert_int_eq(server_status(&server, head, NULL), 304);
     ck_assert_int_ge(ms_since(begun), 990);
     begun = pen_clock_ns();
     snprintf(head, sizeof head, "GET %s?wait=20 HTTP/1.1\r\nIf-None-Match: \"0\"", path);
-    ck_assert_int_eq(status_of(&server, head, NULL), 200);
+    ck_assert_int_eq(server_status(&server, head, NULL), 200);
     ck_assert_int_lt(ms_since(begun), 1000);
     server_stop(&server);
 }
@@ -501,53 +466,29 @@ START_TEST(test_server__long_poll_of_a_deleted_job)
     char path[80], head[160];
     server_submit(&server, path);
     snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
-    ck_assert_int_eq(status_of(&server, head, NULL), 202);
+    ck_assert_int_eq(server_status(&server, head, NULL), 202);
     snprintf(head, sizeof head, "DELETE %s HTTP/1.1", path);
-    ck_assert_int_eq(status_of(&server, head, NULL), 204);
+    ck_assert_int_eq(server_status(&server, head, NULL), 204);
     snprintf(head, sizeof head, "GET %s?wait=30 HTTP/1.1", path);
     int64_t begun = pen_clock_ns();
-    ck_assert_int_eq(status_of(&server, head, NULL), 410);
+    ck_assert_int_eq(server_status(&server, head, NULL), 410);
     ck_assert_int_lt(ms_since(begun), 1000);
     server_stop(&server);
 }
 END_TEST
 
-/* Descriptors for both ends of some hundred connections. */
-static void allow_many_files(void)
-{
-    struct rlimit files;
-    ck_assert_int_eq(getrlimit(RLIMIT_NOFILE, &files), 0);
-    files.rlim_cur = files.rlim_max < 4096 ? files.rlim_max : 4096;
-    ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &files), 0);
-}
-
-/* Waits until one of these connections can be read. */
-static int first_answered(const int *fds, int count)
-{
-    struct pollfd *list = calloc((size_t)count, sizeof *list);
-    ck_assert_ptr_nonnull(list);
-    for (int i = 0; i < count; i++)
-        list[i] = (struct pollfd){.fd = fds[i], .events = POLLIN};
-    ck_assert_int_ge(poll(list, (nfds_t)count, 40000), 1);
-    int first = 0;
-    while (!list[first].revents)
-        first++;
-    free(list);
-    return first;
-}
-
 /* Of one request too many, one is refused; which one, the threads of the server decide. */
 START_TEST(test_server__waiting_requests_are_bounded)
 {
     enum { WAITING = 512 };
-    allow_many_files();
+    server_allow_many_files();
     struct server server;
     server_start(&server, &(struct server_options){0});
     char path[80], head[160];
     server_submit(&server, path);
     static int fds[WAITING + 1];
-    open_polls(&server, path, "", fds, WAITING + 1);
-    const int refused = first_answered(fds, WAITING + 1);
+    server_open_polls(&server, path, "", fds, WAITING + 1);
+    const int refused = client_first_answered(fds, WAITING + 1);
     struct answer answer;
     char retry[16];
     client_read(fds[refused], false, &answer);
@@ -557,10 +498,10 @@ START_TEST(test_server__waiting_requests_are_bounded)
     ck_assert_str_ne(answer_field(&answer, "Retry-After", retry, sizeof retry), "");
     answer_release(&answer);
     int64_t begun = pen_clock_ns();
-    ck_assert_int_eq(status_of(&server, "GET /v1/jobs HTTP/1.1", NULL), 200);
+    ck_assert_int_eq(server_status(&server, "GET /v1/jobs HTTP/1.1", NULL), 200);
     ck_assert_int_lt(ms_since(begun), 500);
     snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
-    ck_assert_int_eq(status_of(&server, head, NULL), 202);
+    ck_assert_int_eq(server_status(&server, head, NULL), 202);
     expect_polls(fds, WAITING, 200, "\"cancelled\"");
     server_stop(&server);
 }
@@ -573,15 +514,15 @@ START_TEST(test_server__disconnected_waiters_do_no_harm)
     char path[80], head[160];
     server_submit(&server, path);
     int fds[POLLS];
-    open_polls(&server, path, "", fds, POLLS);
-    pause_ms(300);
+    server_open_polls(&server, path, "", fds, POLLS);
+    client_pause(300);
     for (int i = 0; i < POLLS; i += 2)
         close(fds[i]);
     snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
-    ck_assert_int_eq(status_of(&server, head, NULL), 202);
+    ck_assert_int_eq(server_status(&server, head, NULL), 202);
     for (int i = 1; i < POLLS; i += 2)
         expect_polls(&fds[i], 1, 200, "\"cancelled\"");
-    expect_alive(&server);
+    server_expect_alive(&server);
     server_stop(&server);
 }
 END_TEST
@@ -593,8 +534,8 @@ START_TEST(test_server__stop_answers_waiting_requests)
     char path[80];
     server_submit(&server, path);
     int fds[POLLS];
-    open_polls(&server, path, "", fds, POLLS);
-    pause_ms(300);
+    server_open_polls(&server, path, "", fds, POLLS);
+    client_pause(300);
     int64_t begun = pen_clock_ns();
     server_stop(&server);
     ck_assert_int_lt(ms_since(begun), 5000);
@@ -614,10 +555,10 @@ START_TEST(test_server__drain_refuses_new_jobs_only)
     ck_assert_int_eq(answer.status, 503);
     ck_assert_str_ne(answer_field(&answer, "Retry-After", retry, sizeof retry), "");
     answer_release(&answer);
-    ck_assert_int_eq(status_of(&server, "GET /readyz HTTP/1.1", NULL), 503);
-    ck_assert_int_eq(status_of(&server, "GET /healthz HTTP/1.1", NULL), 200);
+    ck_assert_int_eq(server_status(&server, "GET /readyz HTTP/1.1", NULL), 503);
+    ck_assert_int_eq(server_status(&server, "GET /healthz HTTP/1.1", NULL), 200);
     snprintf(head, sizeof head, "GET %s HTTP/1.1", path);
-    ck_assert_int_eq(status_of(&server, head, NULL), 200);
+    ck_assert_int_eq(server_status(&server, head, NULL), 200);
     server_stop(&server);
 }
 END_TEST
@@ -650,17 +591,17 @@ START_TEST(test_server__store_that_takes_no_writes_is_reported)
     ck_assert_ptr_nonnull(strstr(answer.body, "the store does not take writes: "));
     answer_release(&answer);
     snprintf(head, sizeof head, "GET %s HTTP/1.1", path);
-    ck_assert_int_eq(status_of(&server, head, NULL), 200);
-    ck_assert_int_eq(status_of(&server, "GET /healthz HTTP/1.1", NULL), 200);
+    ck_assert_int_eq(server_status(&server, head, NULL), 200);
+    ck_assert_int_eq(server_status(&server, "GET /healthz HTTP/1.1", NULL), 200);
 
     limit_files(RLIM_INFINITY);
     int ready = 503;
     for (int i = 0; i < 30 && ready != 200; i++) {
-        pause_ms(200);
-        ready = status_of(&server, "GET /readyz HTTP/1.1", NULL);
+        client_pause(200);
+        ready = server_status(&server, "GET /readyz HTTP/1.1", NULL);
     }
     ck_assert_int_eq(ready, 200);
-    ck_assert_int_eq(status_of(&server, "POST /v1/jobs HTTP/1.1", job), 202);
+    ck_assert_int_eq(server_status(&server, "POST /v1/jobs HTTP/1.1", job), 202);
     server_stop(&server);
 }
 END_TEST
@@ -754,7 +695,7 @@ START_TEST(test_server__jobs_are_rendered)
     ck_assert_ptr_nonnull(strstr(answer.body, "\"succeeded\""));
     answer_release(&answer);
     snprintf(head, sizeof head, "GET %s/image HTTP/1.1", path);
-    ck_assert_int_eq(status_of(&server, head, NULL), 200);
+    ck_assert_int_eq(server_status(&server, head, NULL), 200);
     server_stop(&server);
 }
 END_TEST

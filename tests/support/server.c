@@ -9,8 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/time.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/log.h"
@@ -204,6 +206,21 @@ void server_ask(const struct server *server, const char *head, const char *body,
     pen_buf_release(&text);
 }
 
+int server_status(const struct server *server, const char *head, const char *body)
+{
+    struct answer answer;
+    server_ask(server, head, body, &answer);
+    int status = answer.status;
+    answer_release(&answer);
+    return status;
+}
+
+void server_expect_alive(const struct server *server)
+{
+    ck_assert_int_eq(server_status(server, "GET /healthz HTTP/1.1", NULL), 200);
+    ck_assert_int_eq(server_status(server, "GET /v1/jobs HTTP/1.1", NULL), 200);
+}
+
 void server_submit(const struct server *server, char path[80])
 {
     struct answer answer;
@@ -213,4 +230,44 @@ void server_submit(const struct server *server, char path[80])
     ck_assert_msg(answer.status == 202, "%s", (const char *)answer.text.data);
     answer_field(&answer, "Location", path, 80);
     answer_release(&answer);
+}
+
+void server_open_polls(const struct server *server, const char *path, const char *fields, int *fds,
+                       int count)
+{
+    char text[300];
+    snprintf(text, sizeof text, "GET %s?wait=50 HTTP/1.1\r\nHost: localhost\r\n%s\r\n", path,
+             fields);
+    for (int i = 0; i < count; i++) {
+        fds[i] = server_connect(server);
+        client_send(fds[i], text);
+    }
+}
+
+int client_first_answered(const int *fds, int count)
+{
+    struct pollfd *list = calloc((size_t)count, sizeof *list);
+    ck_assert_ptr_nonnull(list);
+    for (int i = 0; i < count; i++)
+        list[i] = (struct pollfd){.fd = fds[i], .events = POLLIN};
+    ck_assert_int_ge(poll(list, (nfds_t)count, 40000), 1);
+    int first = 0;
+    while (!list[first].revents)
+        first++;
+    free(list);
+    return first;
+}
+
+void client_pause(long ms)
+{
+    const struct timespec pause = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000};
+    nanosleep(&pause, NULL);
+}
+
+void server_allow_many_files(void)
+{
+    struct rlimit files;
+    ck_assert_int_eq(getrlimit(RLIMIT_NOFILE, &files), 0);
+    files.rlim_cur = files.rlim_max < 4096 ? files.rlim_max : 4096;
+    ck_assert_int_eq(setrlimit(RLIMIT_NOFILE, &files), 0);
 }

@@ -65,7 +65,25 @@ bool client_sees_end(int fd, int seconds);
 void server_ask(const struct server *server, const char *head, const char *body,
                 struct answer *answer);
 
+/* The status of the answer to such a request. */
+int server_status(const struct server *server, const char *head, const char *body);
+
+/* The server answers whether it is alive, and reads its store. The test fails if it does not. */
+void server_expect_alive(const struct server *server);
+
 /* Submits a small job and writes its path. */
 void server_submit(const struct server *server, char path[80]);
+
+/* Opens `count` long polls on a job, with further fields in lines of their own. */
+void server_open_polls(const struct server *server, const char *path, const char *fields, int *fds,
+                       int count);
+
+/* Waits until one of these connections can be read; returns its place. */
+int client_first_answered(const int *fds, int count);
+
+void client_pause(long ms);
+
+/* Allows descriptors for both ends of some hundred connections. */
+void server_allow_many_files(void);
 
 #endif
