@@ -203,7 +203,7 @@ $(TEST_BIN): $(BUILD)/tests/%: tests/%.c $(TEST_SUPPORT_LIB) $(BUILD)/libservice
 $(BUILD)/tests/math/%: TEST_LIBS := -lquadmath
 
 # The fuzz targets with a main of their own, which replays kept inputs.
-$(REPLAYS): $(BUILD)/tests/fuzz/replay_%: tests/fuzz/fuzz_%.c tests/fuzz/replay.c tests/fuzz/fuzz.h \
+$(REPLAYS): $(BUILD)/tests/fuzz/replay_%: tests/fuzz/fuzz_%.c tests/fuzz/replay.c $(wildcard tests/fuzz/*.h) \
     $(BUILD)/libservice.a $(BUILD)/librender.a
 	@mkdir -p $(@D)
 	$(call say,CC ,$<)

@@ -17,6 +17,8 @@
 
 enum { EVENTS = 128, LINGER_S = 2 };
 static const int64_t second_ns = INT64_C(1000000000);
+/* A reader that has taken nothing for so long gives way to a new connection. */
+static const int64_t stalled_ns = 2 * INT64_C(1000000000);
 
 static void append(struct conn *conn, enum conn_wait wait)
 {
@@ -116,9 +118,6 @@ const char *pen_http_loop_date(struct loop *loop)
     return loop->date;
 }
 
-/* A reader that has taken nothing for so long gives way to a new connection. */
-static const int64_t STALLED_NS = 2 * INT64_C(1000000000);
-
 /* Closes the connection that can best be spared. Returns false if all are at work. */
 static bool close_idlest(struct loop *loop)
 {
@@ -131,7 +130,7 @@ static bool close_idlest(struct loop *loop)
         return true;
     }
     struct conn *reader = loop->list[WAIT_READER].first;
-    if (!reader || loop->now_ns - reader->since_ns < STALLED_NS)
+    if (!reader || loop->now_ns - reader->since_ns < stalled_ns)
         return false;
     pen_http_conn_close(reader);
     return true;

@@ -1,27 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Any bytes as a scene in JSON: every error has a place, and an accepted scene is accepted again as
  * it is written, and then written to the same bytes. */
-#include "fuzz/fuzz.h"
-#include "io/document.h"
-
-static void check_written(const struct pen_document *document)
-{
-    struct pen_limits limits = pen_limits_default();
-    struct pen_errors errors = {0};
-    struct pen_scene_desc desc;
-    struct pen_status st;
-    struct pen_buf out = {0}, again = {0};
-    struct pen_arena *arena = pen_arena_new(0);
-    must(pen_json_write(document->json, &out));
-    json_t *json = pen_json_parse((char *)out.data, out.bytes, &limits, &st);
-    must(json && pen_scene_read(json, "", &limits, arena, &desc, &errors));
-    must(pen_json_write(json, &again));
-    must(again.bytes == out.bytes && memcmp(again.data, out.data, out.bytes) == 0);
-    pen_buf_release(&again);
-    json_decref(json);
-    pen_arena_free(arena);
-    pen_buf_release(&out);
-}
+#include "fuzz/scene.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

@@ -92,7 +92,7 @@ static int64_t count_jobs(struct pen_store *store)
 START_TEST(test_identity__is_made_once_and_a_backup_has_another)
 {
     char identity[PEN_STORE_IDENTITY_BYTES];
-    struct pen_backup backup;
+    struct pen_backup backup = {0};
     struct pen_status st;
     store_bed_open(&bed);
     snprintf(identity, sizeof identity, "%s", pen_store_identity(bed.store));
@@ -166,7 +166,7 @@ START_TEST(test_identity__a_missing_log_is_noticed)
     ck_assert_int_eq(rename(beside("-wal"), beside(".wal")), 0);
     unlink(beside("-shm"));
     struct pen_status st;
-    struct pen_backup backup;
+    struct pen_backup backup = {0};
     refuse(bed.url, PEN_STORAGE, "-wal, the log of the store's last changes, is missing");
     ck_assert(!is_there("-wal"));
     ck_assert(!pen_store_backup(bed.url, beside(".backup"), false, &backup, &st));

@@ -14,7 +14,8 @@
  * and TCP_USER_TIMEOUT), a client that closes its connection by epoll at once.
  *
  * When there are as many connections as allowed, one more takes the place of the one that has been
- * idle longest: one that is being closed, waits for a request, or has not sent its head. */
+ * idle longest: one that is being closed, waits for a request, or has not sent its head; else of a
+ * reader that has taken nothing for 2 s. */
 #ifndef PEN_HTTP_INTERNAL_LOOP_H
 #define PEN_HTTP_INTERNAL_LOOP_H
 
