@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Runs a command on a terminal of its own: display.py COLUMNS SECONDS KEYS COMMAND….
 
-Presses KEYS as soon as the command has printed something, and prints what it printed. Ends with the
-command's exit code, 128 and the signal that ended it, or 99 if it has not ended in time.
+Presses KEYS as soon as the command has printed something, or KEYS of TIME@KEYS so many seconds after its
+start; prints what the command printed. Ends with its exit code, with 128 and the signal that ended it, or
+with 99 if it has not ended in time.
 """
 import fcntl
 import os
@@ -14,12 +15,14 @@ import sys
 import termios
 import time
 
-columns, seconds, keys, command = int(sys.argv[1]), float(sys.argv[2]), sys.argv[3], sys.argv[4:]
+columns, seconds, command = int(sys.argv[1]), float(sys.argv[2]), sys.argv[4:]
+press_after, at, keys = sys.argv[3].rpartition("@")
 pid, terminal = pty.fork()
 if pid == 0:
     fcntl.ioctl(0, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
     os.execvp(command[0], command)
-end = time.monotonic() + seconds
+start = time.monotonic()
+end = start + seconds
 text, code = b"", None
 while code is None and time.monotonic() < end:
     if select.select([terminal], [], [], 0.05)[0]:
@@ -27,7 +30,7 @@ while code is None and time.monotonic() < end:
             text += os.read(terminal, 65536)
         except OSError:  # the command has closed the terminal
             pass
-    if text and keys:
+    if keys and (time.monotonic() >= start + float(press_after) if at else text):
         os.write(terminal, keys.encode())
         keys = ""
     done, status = os.waitpid(pid, os.WNOHANG)

@@ -63,6 +63,12 @@ exits "q ends top" 0 display 80 q "$penumbra" top --interval 60
 fits "top fits 80 columns" 80
 prints "with ids of running jobs" stdout "$long"
 exits "so does Ctrl-C, as a signal" 130 display 80 "$(printf '\003')" "$penumbra" top --interval 60
+# A signal that comes while top waits for an answer, and not for a key.
+api=$(child api)
+kill -STOP "$api"
+(sleep $((4 * patience)) && kill -CONT "$api") &
+exits "and Ctrl-C during a request" 130 display 80 "$((2 * patience))@$(printf '\003')" "$penumbra" top --interval 60
+wait $!
 exits "top on 120 columns" 0 display 120 q "$penumbra" top --interval 60
 fits "top fits 120 columns" 120
 prints "with bars" stdout "["

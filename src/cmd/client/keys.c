@@ -9,6 +9,7 @@
 
 #include "base/clock.h"
 
+static const int signals[PEN_KEYS_SIGNALS] = {SIGINT, SIGTERM, SIGHUP};
 static atomic_int stop_signal; /* set by a signal handler; 0: none has come */
 
 static void note_signal(int signal)
@@ -18,15 +19,19 @@ static void note_signal(int signal)
 
 void pen_keys_begin(struct pen_keys *keys)
 {
-    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
     struct sigaction action = {.sa_handler = note_signal};
     *keys = (struct pen_keys){.on = false};
     keys->on = isatty(STDIN_FILENO) && tcgetpgrp(STDIN_FILENO) == getpgrp() &&
                tcgetattr(STDIN_FILENO, &keys->before) == 0;
     if (!keys->on)
         return;
-    for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++)
-        sigaction(signals[i], &action, NULL);
+    sigset_t held;
+    sigemptyset(&held);
+    for (int i = 0; i < PEN_KEYS_SIGNALS; i++)
+        sigaddset(&held, signals[i]);
+    sigprocmask(SIG_BLOCK, &held, &keys->mask_before);
+    for (int i = 0; i < PEN_KEYS_SIGNALS; i++)
+        sigaction(signals[i], &action, &keys->actions_before[i]);
     struct termios single = keys->before;
     single.c_lflag &= ~(tcflag_t)(ICANON | ECHO);
     tcsetattr(STDIN_FILENO, TCSANOW, &single);
@@ -47,28 +52,36 @@ static bool read_keys(void)
     return got > 0;
 }
 
+/* The signals are blocked except while this waits: one that comes between two waits ends the next
+ * one at once. With handlers alone it would be noted just before a wait that then takes its whole
+ * time. */
 bool pen_keys_wait(const struct pen_keys *keys, int milliseconds)
 {
     struct pollfd fd = {.fd = keys->on ? STDIN_FILENO : -1, .events = POLLIN};
     int64_t end_ns = pen_clock_ns() + (int64_t)milliseconds * 1000000;
     for (;;) {
-        int64_t left_ms = (end_ns - pen_clock_ns()) / 1000000;
-        int ready = poll(&fd, 1, left_ms > 0 ? (int)left_ms : 0);
+        int64_t left_ns = end_ns - pen_clock_ns();
+        if (left_ns < 0)
+            left_ns = 0;
+        struct timespec left = {.tv_sec = left_ns / 1000000000, .tv_nsec = left_ns % 1000000000};
+        int ready = ppoll(&fd, 1, &left, keys->on ? &keys->mask_before : NULL);
         if (atomic_load(&stop_signal) || (ready > 0 && !read_keys()))
             return false;
-        if (left_ms <= 0)
+        if (left_ns == 0)
             return true;
     }
 }
 
 void pen_keys_end(struct pen_keys *keys)
 {
-    if (keys->on)
-        tcsetattr(STDIN_FILENO, TCSANOW, &keys->before);
+    if (!keys->on)
+        return;
     keys->on = false;
+    tcsetattr(STDIN_FILENO, TCSANOW, &keys->before);
+    sigprocmask(SIG_SETMASK, &keys->mask_before, NULL); /* one that waits is noted here */
+    for (int i = 0; i < PEN_KEYS_SIGNALS; i++)
+        sigaction(signals[i], &keys->actions_before[i], NULL);
     int stopped_by = atomic_load(&stop_signal);
-    if (stopped_by) {
-        signal(stopped_by, SIG_DFL);
+    if (stopped_by)
         raise(stopped_by);
-    }
 }

@@ -3,12 +3,17 @@
 #ifndef PEN_CMD_CLIENT_KEYS_H
 #define PEN_CMD_CLIENT_KEYS_H
 
+#include <signal.h>
 #include <stdbool.h>
 #include <termios.h>
+
+enum { PEN_KEYS_SIGNALS = 3 };
 
 struct pen_keys {
     bool on; /* standard input is a terminal, and this process is in its foreground */
     struct termios before;
+    struct sigaction actions_before[PEN_KEYS_SIGNALS];
+    sigset_t mask_before;
 };
 
 /* Begins to read keys without waiting for a line and without showing them. Signals of the terminal
