@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "base/clock.h"
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
+#include "http/internal/listener.h"
 #include "http/internal/request.h"
 #include "http/internal/watch.h"
 
@@ -47,20 +47,20 @@ static void add_queue(struct pen_buf *out, const struct pen_counts *counts, int6
           (double)counts->leased_batches);
 }
 
-static void add_batch_seconds(struct pen_buf *out, struct pen_store *store)
+static void add_timing(struct pen_buf *out, struct pen_store *store, enum pen_timing timing,
+                       const char *name, const char *help)
 {
-    const char *const name = "penumbra_batch_seconds";
+    const struct pen_histogram times = pen_store_timing(store, timing);
     uint64_t sum = 0;
-    head(out, name, "histogram", "Time that workers worked on the batches that were committed.");
-    for (int i = 0; i <= PEN_TALLY_BUCKETS; i++) {
-        sum += pen_store_tally(store, (enum pen_tally)(PEN_TALLY_BATCH_BUCKET + i));
-        if (i < PEN_TALLY_BUCKETS)
-            pen_buf_printf(out, "%s_bucket{le=\"%g\"} %llu\n", name, pen_tally_bucket_seconds(i),
-                           (unsigned long long)sum);
+    head(out, name, "histogram", help);
+    for (int i = 0; i < PEN_TIMING_BUCKETS; i++) {
+        sum += times.count[i];
+        pen_buf_printf(out, "%s_bucket{le=\"%g\"} %llu\n", name, times.bounds_s[i],
+                       (unsigned long long)sum);
     }
+    sum += times.count[PEN_TIMING_BUCKETS];
     pen_buf_printf(out, "%s_bucket{le=\"+Inf\"} %llu\n%s_sum %.6f\n%s_count %llu\n", name,
-                   (unsigned long long)sum, name,
-                   (double)pen_store_tally(store, PEN_TALLY_BATCH_US) * 1e-6, name,
+                   (unsigned long long)sum, name, (double)times.sum_us * 1e-6, name,
                    (unsigned long long)sum);
 }
 
@@ -73,7 +73,8 @@ static void add_work(struct pen_buf *out, struct pen_store *store)
         pen_buf_printf(
             out, "%s{result=\"%s\"} %llu\n", commits, results[i],
             (unsigned long long)pen_store_tally(store, (enum pen_tally)(PEN_TALLY_COMMIT_OK + i)));
-    add_batch_seconds(out, store);
+    add_timing(out, store, PEN_TIMING_BATCH, "penumbra_batch_seconds",
+               "Time that workers worked on the batches that were committed.");
     counter(out, "penumbra_rays_total", "Rays traced by render batches.",
             pen_store_tally(store, PEN_TALLY_RAYS));
     counter(out, "penumbra_leases_expired_total",
@@ -93,6 +94,28 @@ static double resident_bytes(void)
     if (file)
         fclose(file);
     return (double)resident * (double)sysconf(_SC_PAGESIZE);
+}
+
+static void add_store(struct pen_buf *out, struct pen_store *store, int64_t bytes)
+{
+    gauge(out, "penumbra_store_bytes", "Size of the store's files.", (double)bytes);
+    add_timing(out, store, PEN_TIMING_READ, "penumbra_store_read_seconds",
+               "Time that reading transactions of all processes took.");
+    add_timing(out, store, PEN_TIMING_WRITE, "penumbra_store_write_seconds",
+               "Time that writing transactions of all processes took, with the wait for others.");
+}
+
+static void add_connections(struct pen_buf *out, struct pen_http *http)
+{
+    static const char *const states[WAITS] = {
+        [WAIT_IDLE] = "idle",        [WAIT_HEAD] = "head",      [WAIT_BODY] = "body",
+        [WAIT_READER] = "answering", [WAIT_LINGER] = "closing", [WAIT_WORK] = "waiting"};
+    const char *const name = "penumbra_http_connections";
+    int counts[WAITS];
+    pen_http_listener_counts(http->listener, counts);
+    head(out, name, "gauge", "Open connections by what they wait for.");
+    for (enum conn_wait wait = 0; wait < WAITS; wait++)
+        pen_buf_printf(out, "%s{state=\"%s\"} %d\n", name, states[wait], counts[wait]);
 }
 
 static void add_process(struct pen_buf *out, struct pen_http *http)
@@ -118,17 +141,14 @@ enum outcome pen_http_handle_metrics(struct request *request, struct pen_jobs *j
     struct pen_status st;
     struct pen_buf out = {0};
     int64_t now_ms;
-    const int64_t begun_ns = pen_clock_ns();
     if (!pen_store_counts(store, &counts, &st) || !pen_store_now(store, &now_ms, &st)) {
         pen_http_request_fail(request, &st);
         return OUTCOME_ANSWERED;
     }
-    const double seconds = (double)(pen_clock_ns() - begun_ns) * 1e-9;
     add_queue(&out, &counts, now_ms);
     add_work(&out, store);
-    gauge(&out, "penumbra_store_read_seconds", "Time that reading the store for this took.",
-          seconds);
-    gauge(&out, "penumbra_store_bytes", "Size of the store's files.", (double)counts.bytes);
+    add_store(&out, store, counts.bytes);
+    add_connections(&out, request->http);
     add_process(&out, request->http);
     pen_http_reply_body(&request->reply, 200, out.failed ? NULL : pen_http_blob_take(&out),
                         "text/plain; version=0.0.4; charset=utf-8");

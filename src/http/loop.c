@@ -29,6 +29,7 @@ static void append(struct conn *conn, enum conn_wait wait)
     conn->previous = list->last;
     *(list->last ? &list->last->next : &list->first) = conn;
     list->last = conn;
+    atomic_fetch_add_explicit(&list->count, 1, memory_order_relaxed);
 }
 
 static void take_out(struct conn *conn)
@@ -36,6 +37,7 @@ static void take_out(struct conn *conn)
     struct conn_list *list = &conn->loop->list[conn->wait];
     *(conn->previous ? &conn->previous->next : &list->first) = conn->next;
     *(conn->next ? &conn->next->previous : &list->last) = conn->previous;
+    atomic_fetch_sub_explicit(&list->count, 1, memory_order_relaxed);
 }
 
 void pen_http_loop_wait(struct conn *conn, enum conn_wait wait)

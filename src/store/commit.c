@@ -185,6 +185,6 @@ bool pen_policy_commit(struct pen_store *store, const struct pen_claim *claim,
     else if (st->code == PEN_STALE)
         pen_store_tally_add(store, PEN_TALLY_COMMIT_STALE, 1);
     if (ok && !commit.duplicate)
-        pen_tally_batch(store, claim->spent_us);
+        pen_timing_add(store, PEN_TIMING_BATCH, claim->spent_us);
     return ok;
 }

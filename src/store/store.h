@@ -608,7 +608,6 @@ bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, in
 
 /* Counters of what all processes have done since the store's shared memory was made (SQLite: the
  * -wake file). They are for monitoring; a crash may lose the last ones. */
-enum { PEN_TALLY_BUCKETS = 12 };
 enum pen_tally {
     PEN_TALLY_COMMIT_OK,
     PEN_TALLY_COMMIT_DUPLICATE,
@@ -616,16 +615,28 @@ enum pen_tally {
     PEN_TALLY_LEASES_LOST,   /* expired, or their worker found dead */
     PEN_TALLY_RAYS,          /* of render batches; added by workers */
     PEN_TALLY_WORKER_STARTS, /* added by workers */
-    PEN_TALLY_BATCH_US,      /* time spent on the batches that were committed */
-    PEN_TALLY_BATCH_BUCKET, /* how many of them took up to pen_tally_bucket_seconds(0), then (1) …
-                             */
-    PEN_TALLY_COUNT = PEN_TALLY_BATCH_BUCKET + PEN_TALLY_BUCKETS + 1 /* the last bucket: longer */
+    PEN_TALLY_TIMINGS        /* those of enum pen_timing follow */
+};
+
+/* Histograms of times, counted likewise. A write transaction's time includes the wait for other
+ * writers; a read is a transaction of several statements. */
+enum pen_timing {
+    PEN_TIMING_BATCH, /* that workers spent on the batches that were committed */
+    PEN_TIMING_READ,
+    PEN_TIMING_WRITE,
+    PEN_TIMING_COUNT
+};
+enum { PEN_TIMING_BUCKETS = 12 };
+struct pen_histogram {
+    const double *bounds_s; /* PEN_TIMING_BUCKETS upper bounds, ascending */
+    uint64_t count[PEN_TIMING_BUCKETS + 1]; /* of times above the bound before; the last: longer */
+    uint64_t sum_us;
 };
 
 /* Threads: any. */
 void pen_store_tally_add(struct pen_store *store, enum pen_tally tally, uint64_t count);
 uint64_t pen_store_tally(struct pen_store *store, enum pen_tally tally);
-double pen_tally_bucket_seconds(int bucket);
+struct pen_histogram pen_store_timing(struct pen_store *store, enum pen_timing timing);
 
 /* Signals between all handles of a store: two counters that only grow. PEN_SIGNAL_WORK grows when a
  * batch becomes claimable, PEN_SIGNAL_CHANGES (the change notification) when a job changes. A

@@ -3,32 +3,60 @@
  * memory, not in the database: a commit costs nothing more, and a crash may lose the last ones. */
 #include "store/internal/policy.h"
 
-/* The upper bounds of the buckets of batch times. */
-static const double bucket_seconds[PEN_TALLY_BUCKETS] = {0.01, 0.03, 0.1, 0.3, 1,    3,
-                                                         10,   30,   100, 300, 1000, 10000};
+enum { TIMING_WORDS = 1 + PEN_TIMING_BUCKETS + 1 }; /* the sum, then the buckets */
+_Static_assert(PEN_TALLY_TIMINGS + PEN_TIMING_COUNT * TIMING_WORDS <= PEN_TALLY_WORDS,
+               "the shared memory has space for all sums");
 
-double pen_tally_bucket_seconds(int bucket)
+static const double bounds_s[PEN_TIMING_COUNT][PEN_TIMING_BUCKETS] = {
+    [PEN_TIMING_BATCH] = {0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100, 300, 1000, 10000},
+    [PEN_TIMING_READ] = {1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30},
+    [PEN_TIMING_WRITE] = {1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30}};
+
+static _Atomic uint64_t *words(struct pen_store *store)
 {
-    return bucket_seconds[bucket];
+    return store->driver->ops->tallies(store->driver);
+}
+
+static void add(_Atomic uint64_t *word, uint64_t count)
+{
+    atomic_fetch_add_explicit(word, count, memory_order_relaxed);
+}
+
+static uint64_t value(_Atomic uint64_t *word)
+{
+    return atomic_load_explicit(word, memory_order_relaxed);
 }
 
 void pen_store_tally_add(struct pen_store *store, enum pen_tally tally, uint64_t count)
 {
-    atomic_fetch_add_explicit(&store->driver->ops->tallies(store->driver)[tally], count,
-                              memory_order_relaxed);
+    add(&words(store)[tally], count);
 }
 
 uint64_t pen_store_tally(struct pen_store *store, enum pen_tally tally)
 {
-    return atomic_load_explicit(&store->driver->ops->tallies(store->driver)[tally],
-                                memory_order_relaxed);
+    return value(&words(store)[tally]);
 }
 
-void pen_tally_batch(struct pen_store *store, int64_t spent_us)
+static _Atomic uint64_t *timing_words(struct pen_store *store, enum pen_timing timing)
 {
+    return words(store) + PEN_TALLY_TIMINGS + (int)timing * TIMING_WORDS;
+}
+
+void pen_timing_add(struct pen_store *store, enum pen_timing timing, int64_t us)
+{
+    _Atomic uint64_t *word = timing_words(store, timing);
     int bucket = 0;
-    while (bucket < PEN_TALLY_BUCKETS && (double)spent_us > bucket_seconds[bucket] * 1e6)
+    while (bucket < PEN_TIMING_BUCKETS && (double)us > bounds_s[timing][bucket] * 1e6)
         bucket++;
-    pen_store_tally_add(store, (enum pen_tally)(PEN_TALLY_BATCH_BUCKET + bucket), 1);
-    pen_store_tally_add(store, PEN_TALLY_BATCH_US, spent_us > 0 ? (uint64_t)spent_us : 0);
+    add(&word[0], us > 0 ? (uint64_t)us : 0);
+    add(&word[1 + bucket], 1);
+}
+
+struct pen_histogram pen_store_timing(struct pen_store *store, enum pen_timing timing)
+{
+    _Atomic uint64_t *word = timing_words(store, timing);
+    struct pen_histogram out = {.bounds_s = bounds_s[timing], .sum_us = value(&word[0])};
+    for (int i = 0; i <= PEN_TIMING_BUCKETS; i++)
+        out.count[i] = value(&word[1 + i]);
+    return out;
 }

@@ -2,9 +2,10 @@
 /* Transactions and blobs of the policy, over the operations of a driver. */
 #include <stdlib.h>
 
+#include "base/clock.h"
 #include "store/internal/policy.h"
 
-bool pen_store_write(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st)
+static bool write_once(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     if (!driver->ops->begin_write(driver, st))
@@ -18,13 +19,29 @@ bool pen_store_write(struct pen_store *store, pen_body *body, void *arg, struct 
     return false;
 }
 
-bool pen_store_read(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st)
+static bool read_once(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     if (!driver->ops->begin_read(driver, st))
         return false;
     bool ok = body(store, arg, st);
     driver->ops->rollback(driver);
+    return ok;
+}
+
+bool pen_store_write(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st)
+{
+    int64_t begun_ns = pen_clock_ns();
+    bool ok = write_once(store, body, arg, st);
+    pen_timing_add(store, PEN_TIMING_WRITE, (pen_clock_ns() - begun_ns) / 1000);
+    return ok;
+}
+
+bool pen_store_read(struct pen_store *store, pen_body *body, void *arg, struct pen_status *st)
+{
+    int64_t begun_ns = pen_clock_ns();
+    bool ok = read_once(store, body, arg, st);
+    pen_timing_add(store, PEN_TIMING_READ, (pen_clock_ns() - begun_ns) / 1000);
     return ok;
 }
 

@@ -39,6 +39,8 @@ expect batches-timed "$(metric penumbra_batch_seconds_count) $(metric 'penumbra_
 expect time-was-told "$(metric penumbra_batch_seconds_sum | awk '{ print ($1 > 0) }')" 1
 expect rays "$(metric penumbra_rays_total)" "$rays"
 expect store-bytes "$(metric penumbra_store_bytes | awk '{ print ($1 > 4096) }')" 1
+expect reads-timed "$(metric penumbra_store_read_seconds_count | awk '{ print ($1 > 0) }')" 1
+expect writes-timed "$(metric penumbra_store_write_seconds_count | awk '{ print ($1 >= 3) }')" 1 # submit, claim, commit
 expect memory "$(metric process_resident_memory_bytes | awk '{ print ($1 > 1000000) }')" 1
 
 # A stream is counted while it is open, a waiting job by its age, and a killed worker by what it held.
@@ -53,6 +55,7 @@ for _ in $(seq 500); do
     sleep 0.02
 done
 expect streams-and-leases "$(metric penumbra_sse_clients) $(metric penumbra_batches_leased)" "1 1"
+expect a-stream-waits "$(metric 'penumbra_http_connections{state="waiting"}')" 2 # and this request itself
 expect waiting "$(metric penumbra_queue_depth)" 1
 expect its-age "$(metric penumbra_queue_oldest_seconds | awk '{ print ($1 > 0) }')" 1
 kill "$stream"

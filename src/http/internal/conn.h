@@ -46,7 +46,15 @@ enum conn_state {
 
 /* What a connection waits for: the lists of a loop. In each list the connections are in the order
  * of `since_ns`. Those for which no time is set in the loop wait without a limit. */
-enum conn_wait { WAIT_IDLE, WAIT_HEAD, WAIT_BODY, WAIT_READER, WAIT_LINGER, WAIT_WORK, WAITS };
+enum conn_wait {
+    WAIT_IDLE,   /* its next request */
+    WAIT_HEAD,   /* the rest of a head, or of a first request */
+    WAIT_BODY,   /* the rest of a body */
+    WAIT_READER, /* its client, which reads an answer */
+    WAIT_LINGER, /* its client, which has been answered for the last time */
+    WAIT_WORK,   /* its answer, or the next event of its stream */
+    WAITS
+};
 
 struct conn {
     struct loop *loop;

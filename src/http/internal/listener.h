@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "base/status.h"
+#include "http/internal/conn.h"
 
 struct listener;
 struct pen_http;
@@ -22,6 +23,9 @@ bool pen_http_listener_accept(struct listener *listener, struct pen_status *st);
 
 /* Ends the acceptor thread. No new connections are accepted; those that exist go on. */
 void pen_http_listener_stop_accepting(struct listener *listener);
+
+/* Counts the open connections by what they wait for. Threads: any. */
+void pen_http_listener_counts(struct listener *listener, int counts[WAITS]);
 
 /* Closes all connections and frees the listener. No request may be with another
  * thread. NULL is allowed. */

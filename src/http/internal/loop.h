@@ -47,6 +47,7 @@ struct loop {
     int64_t now_ns; /* when the loop last woke */
     struct conn_list {
         struct conn *first, *last;
+        atomic_int count; /* atomic: relaxed, only this thread changes it, /metrics reads it */
     } list[WAITS];
     struct conn *ready; /* connections that can go on without an event */
     struct conn *dead;  /* closed, freed at the end of a turn; linked by `next` */

@@ -46,7 +46,7 @@ enum pen_fault {
 };
 
 /* The number of shared words that health.c uses. */
-enum { PEN_HEALTH_WORDS = 16 };
+enum { PEN_HEALTH_WORDS = 16, PEN_TALLY_WORDS = 64 };
 
 /* The head of every driver's handle. */
 struct pen_driver {
@@ -222,7 +222,7 @@ struct pen_driver_ops {
     /* PEN_HEALTH_WORDS words, zero at first, shared by as many handles of the store as possible.
      * Used by health.c only. */
     _Atomic uint32_t *(*health_words)(struct pen_driver *driver);
-    /* PEN_TALLY_COUNT sums, zero at first, shared likewise. Used by tally.c only. Threads: any. */
+    /* PEN_TALLY_WORDS sums, zero at first, shared likewise. Used by tally.c only. Threads: any. */
     _Atomic uint64_t *(*tallies)(struct pen_driver *driver);
     /* Takes the lock on the store's recovery; returns false if another handle has it. *lock is for
      * repair_unlock. */

@@ -51,8 +51,8 @@ bool pen_take_next(struct pen_store *store, struct pen_next *next, struct pen_st
 bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
                      struct pen_batch_row *row, bool *held, struct pen_status *st);
 
-/* tally.c: counts a batch that was committed. */
-void pen_tally_batch(struct pen_store *store, int64_t spent_us);
+/* tally.c: counts a time. */
+void pen_timing_add(struct pen_store *store, enum pen_timing timing, int64_t us);
 
 /* As pen_store_outranked. */
 bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int64_t now_ms,

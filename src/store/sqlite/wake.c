@@ -31,7 +31,7 @@ _Static_assert((int)PEN_SIGNAL_CHANGES + 1 == SIGNAL_COUNT && (int)SIGNAL_COUNT 
                "a counter for each signal, before the health words");
 _Static_assert((FIRST_WORD + PEN_HEALTH_WORDS) * sizeof(uint32_t) <= IDENTITY_AT &&
                    IDENTITY_AT + PEN_STORE_IDENTITY_BYTES <= TALLY_AT &&
-                   TALLY_AT + PEN_TALLY_COUNT * sizeof(uint64_t) <= FILE_BYTES,
+                   TALLY_AT + PEN_TALLY_WORDS * sizeof(uint64_t) <= FILE_BYTES,
                "the file has space for all words, the identity and the sums");
 
 struct pen_wake {
@@ -40,7 +40,7 @@ struct pen_wake {
                                   the wait. The health words follow at FIRST_WORD */
     int fd;                    /* of the mapped file; -1: there is none, and `own` is used */
     _Atomic uint32_t own[(IDENTITY_AT + PEN_STORE_IDENTITY_BYTES) / sizeof(uint32_t) + 1];
-    _Atomic uint64_t own_tally[PEN_TALLY_COUNT];
+    _Atomic uint64_t own_tally[PEN_TALLY_WORDS];
 };
 
 /* Extends a short file by writing zeros. A hole could not be filled on a full disk, and storing to
