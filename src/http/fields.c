@@ -89,6 +89,8 @@ bool pen_etag_listed(const char *if_none_match, const char *etag)
     const char *at = if_none_match + strspn(if_none_match, " \t");
     if (*at == '*')
         return true;
+    if (strncmp(etag, "W/", 2) == 0)
+        etag += 2; /* If-None-Match compares weakly (RFC 9110, 13.1.2) */
     size_t length = strlen(etag);
     while (*at) {
         at += strspn(at, " \t,");

@@ -150,7 +150,9 @@ static enum pen_range_kind granted_range(const struct reply_conditions *conditio
                                          const char *etag, size_t size, uint64_t *first,
                                          uint64_t *count)
 {
-    if (!conditions->range || (conditions->if_range && strcmp(conditions->if_range, etag) != 0))
+    const bool weak = strncmp(etag, "W/", 2) == 0; /* never If-Range's (RFC 9110, 13.1.5) */
+    if (!conditions->range ||
+        (conditions->if_range && (weak || strcmp(conditions->if_range, etag) != 0)))
         return PEN_RANGE_WHOLE;
     return pen_range_parse(conditions->range, size, first, count);
 }

@@ -104,9 +104,11 @@ bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes
     return true;
 }
 
+/* A queued job's tag is weak: its place in the queue changes without a revision. */
 static void tag_of(const struct snapshot *snapshot, char etag[ETAG_BYTES])
 {
-    snprintf(etag, ETAG_BYTES, "\"%" PRId64 "\"", snapshot->revision);
+    const char *weak = snapshot->state == PEN_JOB_QUEUED ? "W/" : "";
+    snprintf(etag, ETAG_BYTES, "%s\"%" PRId64 "\"", weak, snapshot->revision);
 }
 
 bool pen_http_snapshot_is_due(const struct snapshot *snapshot, const struct request *request)

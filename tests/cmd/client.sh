@@ -160,6 +160,9 @@ exits "wait for several, one of them cancelled" 6 "$penumbra" wait "$id" "$long_
 prints "wait prints the state of each job" stdout "$id succeeded"
 exits "delete" 0 "$penumbra" delete "$id" "$long_id"
 exits "wait for a deleted job" 4 "$penumbra" wait "$id"
+exits "statistics stay" 0 "$penumbra" stats "$id"
+exits "unless they are deleted, too" 0 "$penumbra" delete --stats "$id"
+exits "then there are none" 4 "$penumbra" stats "$id"
 exits "wait for an id that is no UUID" 4 "$penumbra" wait nonsense/../x --json
 expect "prints a problem document with status 404" "$(jq .status stdout)" 404
 

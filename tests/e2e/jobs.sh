@@ -155,6 +155,26 @@ expect preview-unfinished "$status $(header content-type)" "200 image/png"
 call "$big" -X DELETE
 expect_problem delete-unfinished 409
 
+# The place of jobs that wait behind it, since their priority is lower
+waiting='{"scene": "builtin:spheres", "priority": -50, "render": {"width": 8, "height": 8}}'
+submit "$waiting"
+second=$job
+submit "$waiting"
+expect submit-without-place "$(body 'has("queue_position")')" false
+third=$job
+call "$third"
+expect place-of-the-last "$(body .queue_position) $(header etag)" "2 W/\"$(body .revision)\""
+tag=$(header etag)
+call "$third" -H "If-None-Match: $tag"
+expect weak-tag-not-modified "$status" 304
+call "$second/cancel" -X POST
+expect no-place-any-more "$(body 'has("queue_position")')" false
+call "$third"
+expect place-moves-up "$(body .queue_position) $(header etag)" "1 $tag"
+call "$big"
+expect running-has-no-place "$(body 'has("queue_position")') $(header etag)" "false \"$(body .revision)\""
+call "$third/cancel" -X POST
+
 # A waiting GET ends when the job changes, here by a cancel.
 curl -s -m 60 "$url$big?wait=50" >"$work/waited" &
 waiter=$!
@@ -191,7 +211,7 @@ while [ -n "$next" ]; do
     next=$(header link | sed -n 's/^<\(.*\)>.*/\1/p')
 done
 total=$(printf '%s\n' $seen | wc -l | tr -d ' ')
-expect pages-hold-every-job-once "$total $(printf '%s\n' $seen | sort -u | wc -l | tr -d ' ')" "7 7"
+expect pages-hold-every-job-once "$total $(printf '%s\n' $seen | sort -u | wc -l | tr -d ' ')" "9 9"
 call "/v1/jobs?state=cancelled"
 expect list-by-state "$(body '[.jobs[].state] | unique | join(" ")')" cancelled
 call "/v1/jobs?kind=benchmark"

@@ -250,6 +250,9 @@ START_TEST(test_message__etag_lists)
     ck_assert(pen_etag_listed("\"7\"", "\"7\""));
     ck_assert(pen_etag_listed("W/\"7\"", "\"7\""));
     ck_assert(pen_etag_listed("\"5\", \"6\" ,W/\"7\"", "\"7\""));
+    ck_assert(pen_etag_listed("W/\"7\"", "W/\"7\""));
+    ck_assert(pen_etag_listed("\"7\"", "W/\"7\""));
+    ck_assert(!pen_etag_listed("\"77\"", "W/\"7\""));
     ck_assert(pen_etag_listed(" * ", "\"7\""));
     ck_assert(!pen_etag_listed("\"77\"", "\"7\""));
     ck_assert(!pen_etag_listed("7", "\"7\""));

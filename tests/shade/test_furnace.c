@@ -67,7 +67,7 @@ static quad ball_left(vec3 d, double radius, double ior, int surfaces)
 
 START_TEST(test_furnace__h113_ball)
 {
-    for (int surfaces = 1; surfaces <= 11; surfaces++) {
+    for (int surfaces = 1; surfaces <= 11; surfaces += random_stride()) {
         const double ior = 1.2 + 0.1 * surfaces;
         int inside = 0;
         furnace_begin(surfaces);
@@ -176,7 +176,7 @@ START_TEST(test_furnace__h113_flat_faces)
 {
     for (int shape = HEAD_ON; shape < SHAPES; shape++) {
         int inside = 0;
-        for (int surfaces = 1; surfaces <= 11; surfaces += 2) {
+        for (int surfaces = 1; surfaces <= 11; surfaces += 2 * random_stride()) {
             struct convex solid = {.count = 0};
             furnace_begin(surfaces);
             const double ior = 1.3 + 0.05 * surfaces;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Shares: who is served next, by workers that render nothing and only tell how long they took. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "support/store.h"
@@ -328,7 +329,65 @@ START_TEST(test_shares__queue_is_bounded_in_all_and_for_each_address)
 }
 END_TEST
 
-PEN_SUITE("shares", test_shares__addresses_get_the_same_time_whatever_they_queue,
+/* The place of a job in the queue. */
+static int64_t place_of(int number)
+{
+    char id[PEN_ID_BYTES];
+    struct pen_status st;
+    int64_t place;
+    snprintf(id, sizeof id, "01900000-0000-7000-8000-%012d", number);
+    store_must(pen_store_queue_place(bed.store, id, &place, &st), &st, "place");
+    return place;
+}
+
+/* Jobs of one batch, of three addresses, one with two labels, and of two priorities. */
+static int submit_mixture(void)
+{
+    struct pen_status st;
+    submit_many(5, 0, "10.0.0.1", "a");
+    submit_many(2, 0, "10.0.0.1", "b");
+    submit_many(9, 1, "10.0.0.2", "");
+    submit_many(1, 2, "10.0.0.3", "");
+    for (int i = 0; i < 3; i++)
+        store_must(submit_job(3, "10.0.0.2", "", 1, 7, 0, 0, &st), &st, "submit");
+    return next_job;
+}
+
+/* Each job that begins was the first of the queue, and began near the place that it had at first.
+ */
+START_TEST(test_shares__places)
+{
+    int64_t first_place[JOBS_MAX];
+    open_bed();
+    const int count = submit_mixture();
+    for (int i = 0; i < count; i++) {
+        first_place[i] = place_of(i);
+        ck_assert_int_ge(first_place[i], 1);
+        ck_assert_int_le(first_place[i], count);
+    }
+    for (int turn = 1; turn <= count; turn++) {
+        int64_t place[JOBS_MAX], last = 0;
+        for (int i = 0; i < count; i++) {
+            place[i] = place_of(i);
+            last = place[i] > last ? place[i] : last;
+        }
+        ck_assert_int_eq(last, count + 1 - turn);
+        struct pen_claim claim = store_claim(bed.store, "w");
+        int number = -1;
+        ck_assert_int_eq(sscanf(claim.job_id, "01900000-0000-7000-8000-%d", &number), 1);
+        ck_assert_msg(place[number] == 1, "turn %d: job %d was at %d", turn, number,
+                      (int)place[number]);
+        ck_assert_int_eq(place_of(number), 0);
+        ck_assert_int_le(llabs(first_place[number] - turn), 2);
+        claim.spent_us = SECOND_US;
+        ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    }
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("shares", test_shares__places,
+          test_shares__addresses_get_the_same_time_whatever_they_queue,
           test_shares__it_is_time_that_is_shared_not_batches,
           test_shares__labels_divide_the_share_of_their_address,
           test_shares__new_labels_take_nothing_from_other_addresses,

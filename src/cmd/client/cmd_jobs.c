@@ -14,7 +14,7 @@
 struct values {
     struct pen_remote remote;
     const char *output, *format, *view, *layer;
-    bool quiet, json, report;
+    bool quiet, json, report, stats;
 };
 
 /* Carries a subcommand out for one job and reports errors. Returns the exit code. */
@@ -114,7 +114,8 @@ static int delete_one(struct pen_client *client, const char *id, const struct va
 {
     struct pen_errors errors = {0};
     json_t *none;
-    bool ok = pen_remote_job(client, "DELETE", id, "", &none, &errors);
+    bool ok =
+        pen_remote_job(client, "DELETE", id, values->stats ? "?stats=true" : "", &none, &errors);
     json_decref(none);
     if (!ok)
         return pen_report_errors_json(NULL, values->json, &errors);
@@ -127,6 +128,16 @@ static int delete_one(struct pen_client *client, const char *id, const struct va
 
 static const struct pen_option state_options[] = {
     PEN_QUIET_OPTION(struct values, "no progress bar, no states"),
+    PEN_JSON_OPTION(struct values, "print each job as a line of JSON"),
+    PEN_REMOTE_OPTIONS(struct values),
+    {0}};
+
+static const struct pen_option delete_options[] = {
+    {.name = "stats",
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct values, stats),
+     .help = "remove also the statistics, which stay for five years otherwise; later, too"},
+    PEN_QUIET_OPTION(struct values, "print nothing"),
     PEN_JSON_OPTION(struct values, "print each job as a line of JSON"),
     PEN_REMOTE_OPTIONS(struct values),
     {0}};
@@ -237,7 +248,7 @@ const struct pen_command pen_command_delete = {
     .name = "delete",
     .arguments = "ID…",
     .summary = "Removes jobs that have ended, with their results.",
-    .options = state_options,
+    .options = delete_options,
     .min_args = 1,
     .max_args = -1,
     .run = run_delete,

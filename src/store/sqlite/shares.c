@@ -63,6 +63,15 @@ bool pen_sqlite_share_served(struct pen_driver *driver, int64_t batch, int64_t n
     return pen_sqlite_run(&query, st);
 }
 
+bool pen_sqlite_queue_place(struct pen_driver *driver, const char *id, int64_t *place,
+                            struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_QUEUE_PLACE);
+    *place = 0;
+    pen_sqlite_text(&query, id);
+    return pen_sqlite_value(&query, place, st);
+}
+
 bool pen_sqlite_queue_lengths(struct pen_driver *driver, const char *address, int64_t *all,
                               int64_t *of_address, struct pen_status *st)
 {
