@@ -88,7 +88,7 @@ rows() {
                 done
             done
         done
-        for target in ${TARGETS:-0.08 0.06 0.04 0.03 0.02 0.01 0.005}; do
+        for target in ${TARGETS:-0.06 0.04 0.03 0.025 0.022 0.02 0.018 0.015 0.01 0.009 0.007 0.005}; do
             name=picture-pen-$target
             printf 'picture\tpenumbra\t%s\t%s\t%s\n' "$name" "target_error $target" \
                 "$(pen "$folder/$name" "target_error=$target")"
