@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "http/internal/queue.h"
 
 enum { SLOTS = 1024 };
 static const int64_t max_age_ns = INT64_C(1000000000);
@@ -20,6 +21,7 @@ struct slot {
 };
 
 struct snapshot_cache {
+    struct queue *queue;
     pthread_mutex_t lock;
     struct slot slot[SLOTS]; /* guarded by lock */
 };
@@ -27,8 +29,14 @@ struct snapshot_cache {
 struct snapshot_cache *pen_http_snapshot_cache_new(void)
 {
     struct snapshot_cache *cache = calloc(1, sizeof *cache);
-    if (cache)
-        pthread_mutex_init(&cache->lock, NULL);
+    struct queue *queue = pen_http_queue_new();
+    if (!cache || !queue) {
+        free(cache);
+        pen_http_queue_free(queue);
+        return NULL;
+    }
+    cache->queue = queue;
+    pthread_mutex_init(&cache->lock, NULL);
     return cache;
 }
 
@@ -36,8 +44,10 @@ void pen_http_snapshot_cache_free(struct snapshot_cache *cache)
 {
     for (int i = 0; cache && i < SLOTS; i++)
         pen_http_snapshot_release(&cache->slot[i].snapshot);
-    if (cache)
+    if (cache) {
         pthread_mutex_destroy(&cache->lock);
+        pen_http_queue_free(cache->queue);
+    }
     free(cache);
 }
 
@@ -84,6 +94,15 @@ static void remember(struct snapshot_cache *cache, uint32_t changes, int64_t rea
     pen_http_blob_unref(old);
 }
 
+/* Adds the place in the queue; null where it is not known. */
+static bool add_place(struct snapshot_cache *cache, struct pen_jobs *jobs, const char *id,
+                      json_t *job)
+{
+    const int64_t place = pen_http_queue_place(cache->queue, jobs, id);
+    return json_object_set_new(job, "queue_position",
+                               place > 0 ? json_integer(place) : json_null()) == 0;
+}
+
 bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes,
                                   struct pen_jobs *jobs, const char *id, struct snapshot *out,
                                   struct pen_status *st)
@@ -96,7 +115,8 @@ bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes
         return false;
     *out = (struct snapshot){.state = job.state, .revision = job.revision};
     snprintf(out->id, sizeof out->id, "%s", id);
-    out->json = pen_http_blob_json(job.json);
+    if (job.state != PEN_JOB_QUEUED || add_place(cache, jobs, id, job.json))
+        out->json = pen_http_blob_json(job.json);
     json_decref(job.json);
     if (!out->json)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the job");

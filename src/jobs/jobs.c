@@ -42,17 +42,6 @@ struct pen_store *pen_jobs_store(struct pen_jobs *jobs)
     return jobs->store;
 }
 
-/* Adds the place in the queue; null once the job has begun. */
-static bool add_place(struct pen_jobs *jobs, const char *id, json_t *job, struct pen_status *st)
-{
-    int64_t place;
-    if (!pen_store_queue_place(jobs->store, id, &place, st))
-        return false;
-    json_t *value = place > 0 ? json_integer(place) : json_null();
-    return json_object_set_new(job, "queue_position", value) == 0 ||
-           pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
-}
-
 bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
                   struct pen_status *st)
 {
@@ -62,12 +51,7 @@ bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot
     *out = (struct pen_job_snapshot){
         .json = pen_job_json(&job, st), .state = job.state, .revision = job.revision};
     pen_job_record_release(&job);
-    if (!out->json)
-        return false;
-    if (out->state != PEN_JOB_QUEUED || add_place(jobs, id, out->json, st))
-        return true;
-    json_decref(out->json);
-    return false;
+    return out->json != NULL;
 }
 
 /* A cursor is the letter j and the number of the last job on its page. The letter keeps clients

@@ -66,8 +66,7 @@ struct pen_job_snapshot {
     int64_t revision;
 };
 
-/* Reads a job. Of a queued one the object has also its place in the queue, which changes without a
- * revision. Fails: PEN_NOT_FOUND; PEN_GONE (it was removed), as every other call about a job. */
+/* Reads a job. Fails: PEN_NOT_FOUND; PEN_GONE (it was removed), as every other call about a job. */
 bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
                   struct pen_status *st);
 

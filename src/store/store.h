@@ -241,11 +241,10 @@ void pen_job_record_release(struct pen_job_record *job);
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
                    struct pen_status *st);
 
-/* Which of the queued jobs begins next, as far as the shares of now tell (README.md, "Shares"):
- * *place is 1 for the first; 0 if the job is not queued, or there is none of this id. Cost: grows
- * with the number of queued jobs, 50 ns for each. */
-bool pen_store_queue_place(struct pen_store *store, const char *id, int64_t *place,
-                           struct pen_status *st);
+/* Appends the ids of the queued jobs, PEN_ID_BYTES each, in the order in which they begin as far as
+ * the shares of now tell (README.md, "Shares"). Fails: PEN_NO_MEMORY. Cost: grows with the number
+ * of queued jobs, some us for each. */
+bool pen_store_queue(struct pen_store *store, struct pen_buf *ids, struct pen_status *st);
 
 struct pen_job_filter {
     int state;        /* enum pen_job_state, or -1: any */

@@ -329,15 +329,20 @@ START_TEST(test_shares__queue_is_bounded_in_all_and_for_each_address)
 }
 END_TEST
 
-/* The place of a job in the queue. */
-static int64_t place_of(int number)
+/* The queue, as numbers of jobs. */
+static int read_queue(int number[JOBS_MAX])
 {
-    char id[PEN_ID_BYTES];
+    struct pen_buf ids = {0};
     struct pen_status st;
-    int64_t place;
-    snprintf(id, sizeof id, "01900000-0000-7000-8000-%012d", number);
-    store_must(pen_store_queue_place(bed.store, id, &place, &st), &st, "place");
-    return place;
+    store_must(pen_store_queue(bed.store, &ids, &st), &st, "queue");
+    const int count = (int)(ids.bytes / PEN_ID_BYTES);
+    ck_assert_int_lt(count, JOBS_MAX);
+    for (int i = 0; i < count; i++)
+        ck_assert_int_eq(sscanf((const char *)ids.data + i * PEN_ID_BYTES,
+                                "01900000-0000-7000-8000-%d", &number[i]),
+                         1);
+    pen_buf_release(&ids);
+    return count;
 }
 
 /* Jobs of one batch, of three addresses, one with two labels, and of two priorities. */
@@ -355,38 +360,30 @@ static int submit_mixture(void)
 
 /* Each job that begins was the first of the queue, and began near the place that it had at first.
  */
-START_TEST(test_shares__places)
+START_TEST(test_shares__the_queue_is_in_the_order_in_which_jobs_begin)
 {
-    int64_t first_place[JOBS_MAX];
+    int queue[JOBS_MAX], first_place[JOBS_MAX] = {0};
     open_bed();
     const int count = submit_mixture();
-    for (int i = 0; i < count; i++) {
-        first_place[i] = place_of(i);
-        ck_assert_int_ge(first_place[i], 1);
-        ck_assert_int_le(first_place[i], count);
-    }
+    ck_assert_int_eq(read_queue(queue), count);
+    for (int i = 0; i < count; i++)
+        first_place[queue[i]] = i + 1;
     for (int turn = 1; turn <= count; turn++) {
-        int64_t place[JOBS_MAX], last = 0;
-        for (int i = 0; i < count; i++) {
-            place[i] = place_of(i);
-            last = place[i] > last ? place[i] : last;
-        }
-        ck_assert_int_eq(last, count + 1 - turn);
+        ck_assert_int_eq(read_queue(queue), count + 1 - turn);
         struct pen_claim claim = store_claim(bed.store, "w");
         int number = -1;
         ck_assert_int_eq(sscanf(claim.job_id, "01900000-0000-7000-8000-%d", &number), 1);
-        ck_assert_msg(place[number] == 1, "turn %d: job %d was at %d", turn, number,
-                      (int)place[number]);
-        ck_assert_int_eq(place_of(number), 0);
-        ck_assert_int_le(llabs(first_place[number] - turn), 2);
+        ck_assert_msg(queue[0] == number, "turn %d: job %d began, not %d", turn, number, queue[0]);
+        ck_assert_int_le(abs(first_place[number] - turn), 2);
         claim.spent_us = SECOND_US;
         ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     }
+    ck_assert_int_eq(read_queue(queue), 0);
     store_bed_close(&bed);
 }
 END_TEST
 
-PEN_SUITE("shares", test_shares__places,
+PEN_SUITE("shares", test_shares__the_queue_is_in_the_order_in_which_jobs_begin,
           test_shares__addresses_get_the_same_time_whatever_they_queue,
           test_shares__it_is_time_that_is_shared_not_batches,
           test_shares__labels_divide_the_share_of_their_address,

@@ -36,7 +36,7 @@ static const char *const undo[] = {
     "ALTER TABLE worker DROP COLUMN lock_file",
     "ALTER TABLE job DROP COLUMN estimate_ms",
     "ALTER TABLE job DROP COLUMN spent_us; ALTER TABLE batch DROP COLUMN spent_us",
-    "DROP INDEX job_queued; DROP INDEX job_by_service; DROP INDEX batch_open_of_lane;"
+    "DROP INDEX job_by_service; DROP INDEX batch_open_of_lane;"
     "ALTER TABLE batch DROP COLUMN lane; ALTER TABLE job DROP COLUMN lane;"
     "ALTER TABLE job DROP COLUMN address; DROP TABLE lane; DROP TABLE peer;"
     "DROP TABLE level;"

@@ -372,9 +372,8 @@ struct pen_driver_ops {
     /* The number of unfinished jobs, in all and of an address. */
     bool (*queue_lengths)(struct pen_driver *driver, const char *address, int64_t *all,
                           int64_t *of_address, struct pen_status *st);
-    /* The place of a queued job among those; 0: it is not queued, or there is no such job. */
-    bool (*queue_place)(struct pen_driver *driver, const char *id, int64_t *place,
-                        struct pen_status *st);
+    /* Appends the ids of the queued jobs, PEN_ID_BYTES each, the one that begins next first. */
+    bool (*queue)(struct pen_driver *driver, struct pen_buf *ids, struct pen_status *st);
     /* Forgets what addresses were served that have no unfinished jobs and were not served since. */
     bool (*peers_remove)(struct pen_driver *driver, int64_t before_ms, struct pen_status *st);
     /* Subtracts one from the view's open batches. *batches is the number of its batches, *open the

@@ -255,8 +255,7 @@ static const char step_12[] =
     " WHERE p.priority = job.priority AND job.state < 2;"
     "UPDATE batch SET lane = job.lane FROM job WHERE job.number = batch.job AND job.lane > 0;"
     "CREATE INDEX batch_open_of_lane ON batch(lane, job, id) WHERE state = 0;"
-    "CREATE INDEX job_by_service ON job(lane, spent_us, number) WHERE state < 2;"
-    "CREATE INDEX job_queued ON job(lane, number) WHERE state = 0;";
+    "CREATE INDEX job_by_service ON job(lane, spent_us, number) WHERE state < 2;";
 
 static const char *const steps[] = {step_1, step_2, step_3, step_4,  step_5,  step_6,
                                     step_7, step_8, step_9, step_10, step_11, step_12};

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Shares: which batch is next, and what its choice is judged by (README.md, "Shares"). A peer is an
  * address with a priority, a lane one of its labels. */
+#include <stdio.h>
+
 #include "store/sqlite/sqlite.h"
 
 static bool enter_peer(struct pen_sqlite_store *store, const struct pen_job_new *job,
@@ -63,13 +65,17 @@ bool pen_sqlite_share_served(struct pen_driver *driver, int64_t batch, int64_t n
     return pen_sqlite_run(&query, st);
 }
 
-bool pen_sqlite_queue_place(struct pen_driver *driver, const char *id, int64_t *place,
-                            struct pen_status *st)
+bool pen_sqlite_queue(struct pen_driver *driver, struct pen_buf *ids, struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_QUEUE_PLACE);
-    *place = 0;
-    pen_sqlite_text(&query, id);
-    return pen_sqlite_value(&query, place, st);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_QUEUE);
+    bool ok;
+    while (pen_sqlite_next_row(&query, &ok, st)) {
+        char id[PEN_ID_BYTES] = "";
+        snprintf(id, sizeof id, "%s", pen_sqlite_column_text(&query, 0));
+        pen_buf_add(ids, id, sizeof id);
+    }
+    pen_sqlite_end(&query);
+    return ok && (!ids->failed || pen_fail(st, PEN_NO_MEMORY, "no memory for the queue"));
 }
 
 bool pen_sqlite_queue_lengths(struct pen_driver *driver, const char *address, int64_t *all,

@@ -258,24 +258,15 @@ static const char *const sql_text[] = {
     [SQL_JOB_LANE] = "UPDATE job SET lane = (SELECT id FROM lane" LANE_OF ") WHERE number = ?4",
     [SQL_QUEUE_LENGTHS] = "SELECT coalesce(sum(jobs), 0), coalesce(sum(CASE WHEN address = ?1"
                           " THEN jobs END), 0) FROM peer WHERE jobs > 0",
-    /* Of the queued jobs those begin before a job that are older in its lane; of another lane of
-     * the peer as many, and one more if that lane is served first; likewise of the other peers. */
-    [SQL_QUEUE_PLACE] =
-        "WITH own AS (SELECT l.id, l.peer, l.served_us, (SELECT count(*) FROM job o"
-        " WHERE o.lane = l.id AND o.state = 0 AND o.number < j.number) AS before"
-        " FROM job j JOIN lane l ON l.id = j.lane WHERE j.id = ?1 AND j.state = 0),"
-        " peer_of AS (SELECT p.id, p.priority, p.served_us, own.before + (SELECT"
-        " coalesce(sum(min(own.before + ((l.served_us, l.id) < (own.served_us, own.id)),"
-        " (SELECT count(*) FROM job o WHERE o.lane = l.id AND o.state = 0))), 0)"
-        " FROM lane l WHERE l.peer = own.peer AND l.id <> own.id) AS before"
-        " FROM own JOIN peer p ON p.id = own.peer),"
-        " others AS (SELECT p.id, p.priority, p.served_us, (SELECT count(*) FROM lane l JOIN job o"
-        " ON o.lane = l.id AND o.state = 0 WHERE l.peer = p.id) AS queued FROM peer p"
-        " WHERE p.jobs > 0)"
-        " SELECT 1 + own.before + (SELECT coalesce(sum(CASE WHEN o.priority > own.priority"
-        " THEN queued ELSE min(queued, own.before + ((o.served_us, o.id) <"
-        " (own.served_us, own.id))) END), 0) FROM others o WHERE o.priority >= own.priority"
-        " AND o.id <> own.id) FROM peer_of own",
+    /* Lanes take turns within their peer, peers within their priority; those first that were served
+     * least. */
+    [SQL_QUEUE] =
+        "WITH of_lane AS (SELECT j.id, j.lane, row_number() OVER (PARTITION BY j.lane"
+        " ORDER BY j.number) AS turn FROM job j WHERE j.state = 0),"
+        " of_peer AS (SELECT o.id, l.peer, row_number() OVER (PARTITION BY l.peer"
+        " ORDER BY o.turn, l.served_us, l.id) AS turn FROM of_lane o JOIN lane l ON l.id = o.lane)"
+        " SELECT o.id FROM of_peer o JOIN peer p ON p.id = o.peer"
+        " ORDER BY p.priority DESC, o.turn, p.served_us, p.id",
     [SQL_VIEW_BATCH_DONE] = "UPDATE view SET open_batches = open_batches - 1"
                             " WHERE job = ? AND view = ? RETURNING batches, open_batches",
 

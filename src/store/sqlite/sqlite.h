@@ -95,7 +95,7 @@ enum pen_sqlite_sql {
     SQL_LANE_DROP,
     SQL_JOB_LANE,
     SQL_QUEUE_LENGTHS,
-    SQL_QUEUE_PLACE,
+    SQL_QUEUE,
     SQL_VIEW_BATCH_DONE,
     SQL_ANY_LOST,
     SQL_LOST_JOBS,
@@ -386,7 +386,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(batch_spend)                                                                                \
     OP(share_served)                                                                               \
     OP(queue_lengths)                                                                              \
-    OP(queue_place)                                                                                \
+    OP(queue)                                                                                      \
     OP(peers_remove)                                                                               \
     OP(view_batch_done)                                                                            \
     OP(any_lost)                                                                                   \
