@@ -277,7 +277,7 @@ END_TEST
 static void check_newcomers(bool addresses)
 {
     const int64_t us[4] = {5 * SECOND_US, SECOND_US};
-    char name[24];
+    char name[40];
     open_bed();
     submit(0, "10.0.0.1", "a", 10);
     int missing = 2;
