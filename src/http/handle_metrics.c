@@ -99,6 +99,11 @@ static double resident_bytes(void)
 static void add_store(struct pen_buf *out, struct pen_store *store, int64_t bytes)
 {
     gauge(out, "penumbra_store_bytes", "Size of the store's files.", (double)bytes);
+    counter(out, "penumbra_store_checked_total",
+            "Stored documents, pixels and pictures that the background check has read.",
+            pen_store_tally(store, PEN_TALLY_SCRUBBED));
+    gauge(out, "penumbra_store_damaged", "Those that it found damaged in its last whole pass.",
+          (double)pen_store_tally(store, PEN_TALLY_DAMAGED));
     add_timing(out, store, PEN_TIMING_READ, "penumbra_store_read_seconds",
                "Time that reading transactions of all processes took.");
     add_timing(out, store, PEN_TIMING_WRITE, "penumbra_store_write_seconds",

@@ -60,10 +60,13 @@ enum outcome pen_http_handle_api_file(struct request *request, struct pen_jobs *
     return OUTCOME_ANSWERED;
 }
 
-static enum outcome answer_health(struct request *request, const char *state)
+/* `damaged`: how many stored blobs are, as far as the background check knows. */
+static enum outcome answer_health(struct request *request, const char *state, int64_t damaged)
 {
-    pen_http_reply_json(&request->reply, 200,
-                        json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION));
+    json_t *answer = json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION);
+    if (damaged > 0)
+        json_object_set_new(answer, "damaged", json_integer(damaged));
+    pen_http_reply_json(&request->reply, 200, answer);
     pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
     return OUTCOME_ANSWERED;
 }
@@ -71,7 +74,7 @@ static enum outcome answer_health(struct request *request, const char *state)
 enum outcome pen_http_handle_healthz(struct request *request, struct pen_jobs *jobs)
 {
     (void)jobs;
-    return answer_health(request, "ok");
+    return answer_health(request, "ok", 0);
 }
 
 enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *jobs)
@@ -132,7 +135,8 @@ enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jo
     else
         ready = check_reason(http, &st);
     if (ready)
-        return answer_health(request, "ready");
+        return answer_health(request, "ready",
+                             (int64_t)pen_store_tally(pen_jobs_store(jobs), PEN_TALLY_DAMAGED));
     pen_http_request_fail(request, &st);
     return OUTCOME_ANSWERED;
 }

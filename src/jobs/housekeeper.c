@@ -10,13 +10,17 @@
 #include "jobs/jobs.h"
 
 enum {
-    ROUND_MS = 1000,       /* between rounds, if there is nothing to do */
-    PURGE_MS = 600000,     /* between calls of pen_store_purge */
-    LOG_MS = 60000,        /* between log lines about a store that fails */
-    PAUSE_MS = 5,          /* the shortest pause after a slice */
-    EXPIRED_AT_ONCE = 16,  /* jobs that retention removes between two pauses */
-    KEY_AGE_MS = 86400000, /* idempotency keys hold for 24 hours */
-    STATS_AGE_DAYS = 1827  /* statistics of removed jobs stay for five years */
+    ROUND_MS = 1000,        /* between rounds, if there is nothing to do */
+    PURGE_MS = 600000,      /* between calls of pen_store_purge */
+    LOG_MS = 60000,         /* between log lines about a store that fails */
+    PAUSE_MS = 5,           /* the shortest pause after a slice */
+    EXPIRED_AT_ONCE = 16,   /* jobs that retention removes between two pauses */
+    KEY_AGE_MS = 86400000,  /* idempotency keys hold for 24 hours */
+    STATS_AGE_DAYS = 1827,  /* statistics of removed jobs stay for five years */
+    SCRUB_AGAIN_MS = 60000, /* the background check begins so long after a start or a failure, */
+    SCRUB_MS = 86400000,    /* and again so long after its end. It works this long, */
+    SCRUB_SLICE_MS = 50,    /* or until a blob ends, and then pauses */
+    SCRUB_PAUSES = 19       /* times as long: a twentieth of a thread's and a disk's time */
 };
 
 struct pen_housekeeper {
@@ -27,6 +31,8 @@ struct pen_housekeeper {
     pthread_cond_t change;
     bool quit;                    /* guarded by lock */
     int64_t purged_ns, logged_ns; /* used by the thread alone */
+    struct pen_scrub scrub;       /* used by the thread alone */
+    int64_t scrub_ns;             /* used by the thread alone: when the check goes on */
 };
 
 /* Waits; returns false if the thread has to end. */
@@ -93,6 +99,25 @@ static void purge_if_due(struct pen_housekeeper *keeper)
         note_failure(keeper, &st);
 }
 
+/* Checks the next blobs if it is time. */
+static void scrub_if_due(struct pen_housekeeper *keeper)
+{
+    struct pen_status st;
+    const int64_t begun_ns = pen_clock_ns();
+    bool ok = true, more = true;
+    if (begun_ns < keeper->scrub_ns)
+        return;
+    while (ok && more && pen_clock_ns() - begun_ns < (int64_t)SCRUB_SLICE_MS * 1000000)
+        ok = pen_store_scrub(keeper->store, &keeper->scrub, &more, &st);
+    const int64_t now_ns = pen_clock_ns();
+    if (!ok)
+        note_failure(keeper, &st);
+    if (ok && more)
+        keeper->scrub_ns = now_ns + SCRUB_PAUSES * (now_ns - begun_ns);
+    else
+        keeper->scrub_ns = now_ns + (int64_t)(ok ? SCRUB_MS : SCRUB_AGAIN_MS) * 1000000;
+}
+
 /* After a slice it pauses for as long as the slice took: others have the store half of the time. */
 static void *run(void *user)
 {
@@ -101,6 +126,7 @@ static void *run(void *user)
     while (pause_for(keeper, pause_ms)) {
         int64_t begun_ns = pen_clock_ns();
         purge_if_due(keeper);
+        scrub_if_due(keeper);
         bool more = do_slice(keeper);
         int64_t took_ms = (pen_clock_ns() - begun_ns) / 1000000;
         pause_ms = more ? (took_ms > PAUSE_MS ? took_ms : PAUSE_MS) : ROUND_MS;
@@ -125,6 +151,7 @@ struct pen_housekeeper *pen_housekeeper_new(const char *store_url, struct pen_st
         return NULL;
     }
     keeper->purged_ns = pen_clock_ns();
+    keeper->scrub_ns = keeper->purged_ns + (int64_t)SCRUB_AGAIN_MS * 1000000;
     pthread_condattr_init(&monotonic);
     pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_cond_init(&keeper->change, &monotonic);

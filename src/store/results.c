@@ -33,13 +33,18 @@ static bool load_pixels(struct pen_store *store, void *arg, struct pen_status *s
     return pen_blob_load(store, PEN_BLOB_PIXELS, row->batch, row->bytes, st);
 }
 
+bool pen_decode_pixels(struct pen_store *store, int64_t pixels, struct pen_status *st)
+{
+    if (!reserve_pixels(store, pixels, st))
+        return false;
+    struct pen_bytes encoded = {store->blob.data, store->blob.bytes};
+    return pen_pixels_decode(store->compressor, &encoded, store->rgb, pixels, st);
+}
+
 static bool decode_pixels(struct pen_store *store, struct pen_pixels_row *row,
                           struct pen_status *st)
 {
-    if (!pen_store_read(store, load_pixels, row, st) || !reserve_pixels(store, row->pixels, st))
-        return false;
-    struct pen_bytes encoded = {store->blob.data, store->blob.bytes};
-    return pen_pixels_decode(store->compressor, &encoded, store->rgb, row->pixels, st);
+    return pen_store_read(store, load_pixels, row, st) && pen_decode_pixels(store, row->pixels, st);
 }
 
 bool pen_policy_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,

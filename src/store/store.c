@@ -566,6 +566,14 @@ bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_statu
     return ok;
 }
 
+bool pen_store_scrub(struct pen_store *store, struct pen_scrub *scrub, bool *more,
+                     struct pen_status *st)
+{
+    *more = false;
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, pen_policy_scrub(store, scrub, more, st));
+}
+
 bool pen_store_set_retention(struct pen_store *store, const struct pen_retention *retention,
                              struct pen_status *st)
 {

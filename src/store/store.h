@@ -518,6 +518,18 @@ bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats_
  * caller that repeats it should pause between, so that other writers get their turn. */
 bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_status *st);
 
+/* The background check of stored scene documents, pixels, pictures and reports, which the check at
+ * a start leaves out. Each call checks the next one by its checksum; what is damaged is logged with
+ * its job, and counted (PEN_TALLY_DAMAGED). It begins at {0}; *more is false at the end of a pass,
+ * and *scrub is {0} again. Fails: as a reader's call, if the store itself cannot be read. */
+struct pen_scrub {
+    int kind;      /* of the last one that was checked */
+    int64_t after; /* its number */
+    int64_t damaged;
+};
+bool pen_store_scrub(struct pen_store *store, struct pen_scrub *scrub, bool *more,
+                     struct pen_status *st);
+
 /* Checkpoints. A database writes changes to a log first and later copies them to their place. That
  * copying, a checkpoint, makes some commits slow. A handle can leave it to another handle:
  *  1. It calls pen_store_delegate_checkpoints once.
@@ -620,6 +632,8 @@ enum pen_tally {
     PEN_TALLY_LEASES_LOST,   /* expired, or their worker found dead */
     PEN_TALLY_RAYS,          /* of render batches; added by workers */
     PEN_TALLY_WORKER_STARTS, /* added by workers */
+    PEN_TALLY_SCRUBBED,      /* blobs that pen_store_scrub has checked */
+    PEN_TALLY_DAMAGED,       /* those that it found damaged in its last whole pass: a state */
     PEN_TALLY_TIMINGS        /* those of enum pen_timing follow */
 };
 

@@ -32,6 +32,11 @@ void pen_store_tally_add(struct pen_store *store, enum pen_tally tally, uint64_t
     add(&words(store)[tally], count);
 }
 
+void pen_tally_set(struct pen_store *store, enum pen_tally tally, uint64_t state)
+{
+    atomic_store_explicit(&words(store)[tally], state, memory_order_relaxed);
+}
+
 uint64_t pen_store_tally(struct pen_store *store, enum pen_tally tally)
 {
     return value(&words(store)[tally]);

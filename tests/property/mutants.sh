@@ -33,7 +33,7 @@ cp -a Makefile src "$dir/control"
     cp -a include scenes api deploy "$dir/control"
     mkdir "$dir/control/tests"
     cp -a tests/property tests/support tests/golden tests/accel tests/shade tests/scene tests/math \
-        tests/render tests/study "$dir/control/tests"
+        tests/render tests/io tests/study "$dir/control/tests"
     (cd "$dir/control" && $make -s -j"${JOBS:-$(nproc)}" $stability $films) >"$dir/control.log" 2>&1 || {
         tail -n 20 "$dir/control.log"
         echo "mutants: the source as it is does not build" >&2

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The worker's housekeeping: a thread of its own, with its own handle on the store, that does what
  * no client waits for. It removes jobs that retention no longer keeps, what deletes have left,
- * forms of pictures that were not used for long, keys and statistics that are too old, and gives
- * free space back. It works in slices and pauses between them, so that submits and commits get
- * their turn. Several workers may do so at the same time; a worker that is killed leaves nothing
- * undone that another one would not go on with. */
+ * forms of pictures that were not used for long, keys and statistics that are too old, gives free
+ * space back, and checks what is stored once a day. It works in slices and pauses between them, so
+ * that submits and commits get their turn. Several workers may do so at the same time; a worker
+ * that is killed leaves nothing undone that another one would not go on with. */
 #ifndef PEN_JOBS_INTERNAL_HOUSEKEEPER_H
 #define PEN_JOBS_INTERNAL_HOUSEKEEPER_H
 

@@ -72,6 +72,18 @@ enum pen_blob_kind {
     PEN_BLOB_ARTEFACT /* numbered as the artefact */
 };
 
+enum { PEN_BLOB_KINDS = PEN_BLOB_ARTEFACT + 1 };
+
+struct pen_blob_row {
+    int64_t number;
+    size_t bytes;
+    int64_t pixels;    /* of a batch */
+    int64_t checksum;  /* of an artefact */
+    bool has_checksum; /* false: stored under a schema without checksums */
+    char job[PEN_ID_BYTES];
+    char name[64]; /* of an artefact: its layer and format */
+};
+
 /* A new blob: its length, and its first range, which is stored with its row. */
 struct pen_blob_start {
     size_t total;
@@ -405,6 +417,10 @@ struct pen_driver_ops {
     /* Fails: PEN_NOT_FOUND (there is no such blob, or it is shorter). */
     bool (*blob_read)(struct pen_driver *driver, enum pen_blob_kind kind, int64_t number,
                       size_t offset, void *to, size_t bytes, struct pen_status *st);
+    /* The blob of a kind with the next number after `after`; row->bytes is its length, and the job
+     * is one to which it belongs ("": none). */
+    bool (*blob_next)(struct pen_driver *driver, enum pen_blob_kind kind, int64_t after,
+                      struct pen_blob_row *row, bool *found, struct pen_status *st);
     bool (*pixels_add)(struct pen_driver *driver, int64_t batch,
                        const struct pen_blob_start *pixels, struct pen_status *st);
     bool (*pixels_page)(struct pen_driver *driver, int64_t job, int view, int64_t after,

@@ -51,6 +51,12 @@ bool pen_take_next(struct pen_store *store, struct pen_next *next, struct pen_st
 bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
                      struct pen_batch_row *row, bool *held, struct pen_status *st);
 
+/* Decodes the pixels that were loaded into store->blob, into store->rgb. */
+bool pen_decode_pixels(struct pen_store *store, int64_t pixels, struct pen_status *st);
+
+/* tally.c: sets a sum that is a state. */
+void pen_tally_set(struct pen_store *store, enum pen_tally tally, uint64_t value);
+
 /* tally.c: counts a time. */
 void pen_timing_add(struct pen_store *store, enum pen_timing timing, int64_t us);
 
@@ -153,6 +159,8 @@ bool pen_policy_worker_seen(struct pen_store *store, const struct pen_worker_new
 bool pen_policy_worker_gone(struct pen_store *store, const char *id, struct pen_status *st);
 bool pen_policy_workers(struct pen_store *store, pen_worker_fn *each, void *user,
                         struct pen_status *st);
+bool pen_policy_scrub(struct pen_store *store, struct pen_scrub *scrub, bool *more,
+                      struct pen_status *st);
 bool pen_policy_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
                       struct pen_status *st);
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Blobs in ranges, by SQLite's incremental input and output; a blob of one range is written with
  * its row. Source: https://www.sqlite.org/c3ref/blob_open.html */
+#include <stdio.h>
+
 #include "store/sqlite/sqlite.h"
 
 static const struct {
@@ -64,6 +66,32 @@ bool pen_sqlite_blob_read(struct pen_driver *driver, enum pen_blob_kind kind, in
     }
     sqlite3_blob_close(blob);
     return ok;
+}
+
+bool pen_sqlite_blob_next(struct pen_driver *driver, enum pen_blob_kind kind, int64_t after,
+                          struct pen_blob_row *row, bool *found, struct pen_status *st)
+{
+    static const enum pen_sqlite_sql statements[] = {[PEN_BLOB_SCENE] = SQL_NEXT_SCENE,
+                                                     [PEN_BLOB_PIXELS] = SQL_NEXT_PIXELS,
+                                                     [PEN_BLOB_ARTEFACT] = SQL_NEXT_ARTEFACT};
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), statements[kind]);
+    pen_sqlite_int(&query, after);
+    if (!pen_sqlite_next(&query, found, st))
+        return false;
+    if (!*found)
+        return true;
+    *row = (struct pen_blob_row){
+        .number = pen_sqlite_column_int(&query, 0),
+        .bytes = (size_t)pen_sqlite_column_int(&query, 1),
+        .pixels = pen_sqlite_column_int(&query, 2),
+        .checksum = pen_sqlite_column_int(&query, 3),
+        .has_checksum = sqlite3_column_type(query.stmt, 3) != SQLITE_NULL,
+    };
+    const char *job = pen_sqlite_column_text(&query, 4);
+    snprintf(row->job, sizeof row->job, "%s", job ? job : "");
+    snprintf(row->name, sizeof row->name, "%s", pen_sqlite_column_text(&query, 5));
+    pen_sqlite_end(&query);
+    return true;
 }
 
 /* Binds a new blob. One of several ranges is bound as zeros, which the ranges then replace. */

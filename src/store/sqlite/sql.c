@@ -267,6 +267,15 @@ static const char *const sql_text[] = {
         " ORDER BY o.turn, l.served_us, l.id) AS turn FROM of_lane o JOIN lane l ON l.id = o.lane)"
         " SELECT o.id FROM of_peer o JOIN peer p ON p.id = o.peer"
         " ORDER BY p.priority DESC, o.turn, p.served_us, p.id",
+    [SQL_NEXT_SCENE] = "SELECT s.id, length(s.document), 0, NULL, (SELECT min(j.id) FROM job j"
+                       " WHERE j.scene = s.id AND j.removed_ms = 0), ''"
+                       " FROM scene s WHERE s.id > ? ORDER BY s.id LIMIT 1",
+    [SQL_NEXT_PIXELS] = "SELECT p.batch, length(p.data), b.pixels, NULL, j.id, '' FROM pixels p"
+                        " JOIN batch b ON b.id = p.batch JOIN job j ON j.number = b.job"
+                        " WHERE p.batch > ? ORDER BY p.batch LIMIT 1",
+    [SQL_NEXT_ARTEFACT] = "SELECT a.id, length(a.data), 0, a.checksum, j.id,"
+                          " a.layer || ' ' || a.format FROM artefact a"
+                          " JOIN job j ON j.number = a.job WHERE a.id > ? ORDER BY a.id LIMIT 1",
     [SQL_VIEW_BATCH_DONE] = "UPDATE view SET open_batches = open_batches - 1"
                             " WHERE job = ? AND view = ? RETURNING batches, open_batches",
 

@@ -96,6 +96,9 @@ enum pen_sqlite_sql {
     SQL_JOB_LANE,
     SQL_QUEUE_LENGTHS,
     SQL_QUEUE,
+    SQL_NEXT_SCENE,
+    SQL_NEXT_PIXELS,
+    SQL_NEXT_ARTEFACT,
     SQL_VIEW_BATCH_DONE,
     SQL_ANY_LOST,
     SQL_LOST_JOBS,
@@ -387,6 +390,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(share_served)                                                                               \
     OP(queue_lengths)                                                                              \
     OP(queue)                                                                                      \
+    OP(blob_next)                                                                                  \
     OP(peers_remove)                                                                               \
     OP(view_batch_done)                                                                            \
     OP(any_lost)                                                                                   \
