@@ -29,14 +29,12 @@ struct snapshot_cache {
 struct snapshot_cache *pen_http_snapshot_cache_new(void)
 {
     struct snapshot_cache *cache = calloc(1, sizeof *cache);
-    struct queue *queue = pen_http_queue_new();
-    if (!cache || !queue) {
+    if (cache && !(cache->queue = pen_http_queue_new())) {
         free(cache);
-        pen_http_queue_free(queue);
         return NULL;
     }
-    cache->queue = queue;
-    pthread_mutex_init(&cache->lock, NULL);
+    if (cache)
+        pthread_mutex_init(&cache->lock, NULL);
     return cache;
 }
 

@@ -221,8 +221,7 @@ bool pen_policy_artefact(struct pen_store *store, const char *id, int view, cons
     const struct pen_buf *blob = &store->blob;
     if (!pen_store_read(store, read_artefact, &artefact, st))
         return false;
-    if (artefact.row.has_checksum &&
-        artefact.row.checksum != pen_checksum(blob->data, blob->bytes)) {
+    if (!pen_blob_is_intact(store, artefact.row.has_checksum, artefact.row.checksum)) {
         pen_fail(st, PEN_STORAGE,
                  "the stored %s %s of job %s is damaged: its bytes are not those that were stored",
                  layer, format, id);

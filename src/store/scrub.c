@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The background check of blobs. A blob is read in a transaction of its own, so that it cannot be
  * removed meanwhile, and checked after it. */
-#include <stdio.h>
-
 #include "base/log.h"
 #include "store/internal/policy.h"
 
@@ -42,7 +40,7 @@ static bool check(struct pen_store *store, const struct next *next, struct pen_s
     case PEN_BLOB_ARTEFACT:
         break;
     }
-    return !next->row.has_checksum || next->row.checksum == pen_checksum(blob->data, blob->bytes) ||
+    return pen_blob_is_intact(store, next->row.has_checksum, next->row.checksum) ||
            pen_fail(st, PEN_STORAGE, "its bytes are not those that were stored");
 }
 

@@ -83,6 +83,11 @@ static bool reserve_blob(struct pen_store *store, size_t bytes, struct pen_statu
     return true;
 }
 
+bool pen_blob_is_intact(const struct pen_store *store, bool has_checksum, int64_t checksum)
+{
+    return !has_checksum || checksum == pen_checksum(store->blob.data, store->blob.bytes);
+}
+
 bool pen_blob_load(struct pen_store *store, enum pen_blob_kind kind, int64_t number, size_t bytes,
                    struct pen_status *st)
 {

@@ -68,34 +68,27 @@ START_TEST(test_scrub__reads_everything_once)
 }
 END_TEST
 
-/* Changes the last byte of one blob of a kind, or cuts it off. */
+/* A changed byte, a blob that was cut off, an empty one, and one that is longer. */
 START_TEST(test_scrub__finds_what_has_changed)
 {
-    static const struct {
-        const char *change, *back;
-    } changes[] = {
-        {"UPDATE scene SET document = CAST(substr(document, 1, length(document) - 1) || x'55' AS "
-         "BLOB)"
-         " WHERE id = 1",
-         NULL},
-        {"UPDATE pixels SET data = substr(data, 1, length(data) - 1)"
-         " WHERE batch = (SELECT max(batch) FROM pixels)",
-         NULL},
-        {"UPDATE artefact SET data = x'' WHERE id = (SELECT min(id) FROM artefact)", NULL},
-        {"UPDATE artefact SET data = x'646570746800'"
-         " WHERE id = (SELECT max(id) FROM artefact)",
-         "UPDATE artefact SET data = x'6465707468'"
-         " WHERE id = (SELECT max(id) FROM artefact)"},
-    };
+    static const char *const changes[] = {
+        "UPDATE scene SET document ="
+        " CAST(substr(document, 1, length(document) - 1) || x'55' AS BLOB) WHERE id = 1",
+        "UPDATE pixels SET data = substr(data, 1, length(data) - 1)"
+        " WHERE batch = (SELECT max(batch) FROM pixels)",
+        "UPDATE artefact SET data = x'' WHERE id = (SELECT min(id) FROM artefact)",
+        "UPDATE artefact SET data = x'646570746800' WHERE id = (SELECT max(id) FROM artefact)"};
+    static const char back[] =
+        "UPDATE artefact SET data = x'6465707468' WHERE id = (SELECT max(id) FROM artefact)";
     fill();
     const int count = blobs();
     int64_t damaged;
     for (int i = 0; i < 4; i++) {
-        store_run_sql(&bed, changes[i].change, NULL, 0);
+        store_run_sql(&bed, changes[i], NULL, 0);
         ck_assert_int_eq(pass(&damaged), count);
         ck_assert_int_eq(damaged, i + 1);
     }
-    store_run_sql(&bed, changes[3].back, NULL, 0);
+    store_run_sql(&bed, back, NULL, 0);
     ck_assert_int_eq(pass(&damaged), count);
     ck_assert_int_eq(damaged, 3);
     store_bed_close(&bed);

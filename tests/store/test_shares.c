@@ -56,11 +56,17 @@ static void open_bed(void)
     memset(got_us, 0, sizeof got_us);
 }
 
-static int kind_of(const struct pen_claim *claim)
+/* The number of a job with this id. */
+static int number_of(const char *id)
 {
     int number = -1;
-    ck_assert_int_eq(sscanf(claim->job_id, "01900000-0000-7000-8000-%d", &number), 1);
-    return of[number];
+    ck_assert_int_eq(sscanf(id, "01900000-0000-7000-8000-%d", &number), 1);
+    return number;
+}
+
+static int kind_of(const struct pen_claim *claim)
+{
+    return of[number_of(claim->job_id)];
 }
 
 /* Claims and commits a batch that takes us[kind]; returns the kind of its job. */
@@ -338,9 +344,7 @@ static int read_queue(int number[JOBS_MAX])
     const int count = (int)(ids.bytes / PEN_ID_BYTES);
     ck_assert_int_lt(count, JOBS_MAX);
     for (int i = 0; i < count; i++)
-        ck_assert_int_eq(sscanf((const char *)ids.data + i * PEN_ID_BYTES,
-                                "01900000-0000-7000-8000-%d", &number[i]),
-                         1);
+        number[i] = number_of((const char *)ids.data + i * PEN_ID_BYTES);
     pen_buf_release(&ids);
     return count;
 }
@@ -371,8 +375,7 @@ START_TEST(test_shares__the_queue_is_in_the_order_in_which_jobs_begin)
     for (int turn = 1; turn <= count; turn++) {
         ck_assert_int_eq(read_queue(queue), count + 1 - turn);
         struct pen_claim claim = store_claim(bed.store, "w");
-        int number = -1;
-        ck_assert_int_eq(sscanf(claim.job_id, "01900000-0000-7000-8000-%d", &number), 1);
+        const int number = number_of(claim.job_id);
         ck_assert_msg(queue[0] == number, "turn %d: job %d began, not %d", turn, number, queue[0]);
         ck_assert_int_le(abs(first_place[number] - turn), 2);
         claim.spent_us = SECOND_US;

@@ -45,7 +45,7 @@ enum pen_fault {
     PEN_FAULT_COUNT
 };
 
-/* The number of shared words that health.c uses. */
+/* The numbers of shared words that health.c and tally.c use. */
 enum { PEN_HEALTH_WORDS = 16, PEN_TALLY_WORDS = 64 };
 
 /* The head of every driver's handle. */
@@ -74,6 +74,7 @@ enum pen_blob_kind {
 
 enum { PEN_BLOB_KINDS = PEN_BLOB_ARTEFACT + 1 };
 
+/* A blob with what its check needs, and to what it belongs. */
 struct pen_blob_row {
     int64_t number;
     size_t bytes;

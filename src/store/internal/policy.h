@@ -51,6 +51,10 @@ bool pen_take_next(struct pen_store *store, struct pen_next *next, struct pen_st
 bool pen_check_fence(struct pen_store *store, const struct pen_claim *claim,
                      struct pen_batch_row *row, bool *held, struct pen_status *st);
 
+/* Whether the blob that was loaded into store->blob has this checksum, if one was stored with it.
+ */
+bool pen_blob_is_intact(const struct pen_store *store, bool has_checksum, int64_t checksum);
+
 /* Decodes the pixels that were loaded into store->blob, into store->rgb. */
 bool pen_decode_pixels(struct pen_store *store, int64_t pixels, struct pen_status *st);
 

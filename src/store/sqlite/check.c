@@ -100,7 +100,8 @@ static int is_late(void *until_ns)
 }
 
 /* The tables on which everything else depends, as far as the time allows. Values of many pages,
- * which are most of a large store, are checked when they are read: they have checksums. */
+ * which are most of a large store, have checksums: they are checked when they are read, and in the
+ * background (scrub.c). */
 static bool check_tables(struct pen_sqlite_store *store, struct pen_status *st)
 {
     static const char *const checks[] = {
