@@ -35,10 +35,11 @@ enum pen_purpose {
  *    pen_disk_of_square, is where blurred ray i from a surface crosses the cone (shade/blur.c); if
  *    that is beyond the horizon, the first of points 64 i to 64 i + 63 of pen_random2 that is not.
  *    pixel_sample is that of the camera ray, node the surface's.
- * With a target error a pixel has replicates, each a sequence of camera rays that can be continued.
- * There pixel_sample tells the replicate for every purpose, and the points of camera ray i follow
- * those of the rays before it in one sequence: with n points for each camera ray, those of ray i
- * are n i to n i + n - 1.
+ * With a target error the camera rays of a pixel are a sequence that can be continued. There
+ * pixel_sample is the same for all of them and for every purpose, and the points of camera ray i
+ * follow those of the rays before it in one sequence: with n points for each camera ray, those of
+ * ray i are n i to n i + n - 1. An audit takes several such sequences, with scramblings of their
+ * own, its replicates; pixel_sample tells them apart.
  * Nothing else may enter a key: not the tile, the thread, the accelerator, the number of samples.
  */
 enum { PEN_SAMPLE_REPLICATE = 1 << 30 };
@@ -47,7 +48,8 @@ struct pen_sample_key {
     uint64_t seed;
     uint32_t x, y;         /* pixel, from the top left of the view */
     uint32_t pixel_sample; /* index of the camera ray within its pixel; 0 for PIXEL and LENS;
-                            * for a replicate PEN_SAMPLE_REPLICATE + its number */
+                            * PEN_SAMPLE_REPLICATE + its number for a sequence, 0 unless there
+                            * are several */
     uint32_t node;         /* of the path tree: pen_sample_node; 0 for PIXEL and LENS */
     uint32_t purpose;      /* enum pen_purpose */
     uint32_t light;        /* place of the light in the document, else 0 */

@@ -53,29 +53,30 @@ void pen_adaptive_free(struct pen_adaptive *a)
     free(a);
 }
 
-void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3])
+void pen_pixel_double(struct pen_pixel_sums *sums)
 {
-    double kept = 0;
-    for (int r = 0; r < PEN_REPLICATES; r++)
-        kept += sums->kept[r];
     for (int c = 0; c < 3; c++) {
-        double sum = 0;
-        for (int r = 0; r < PEN_REPLICATES; r++)
-            sum += sums->sum[r][c];
-        rgb[c] = kept > 0 ? sum / kept : 0;
+        sums->sum[0][c] += sums->sum[1][c];
+        sums->sum[1][c] = 0;
     }
+    sums->kept[0] += sums->kept[1];
+    sums->kept[1] = 0;
 }
 
-/* The mean square error of one encoded value, from those of the replicates: the variance of their
- * mean, and the square of what the curve of the transfer function adds. */
-static double channel_error(const double encoded[PEN_REPLICATES], double of_mean)
+void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3])
 {
-    double mean = 0, squares = 0;
-    for (int r = 0; r < PEN_REPLICATES; r++)
-        mean += encoded[r] / PEN_REPLICATES;
-    for (int r = 0; r < PEN_REPLICATES; r++)
-        squares += (encoded[r] - mean) * (encoded[r] - mean);
-    return squares / (PEN_REPLICATES * (PEN_REPLICATES - 1)) + (of_mean - mean) * (of_mean - mean);
+    const double kept = (double)sums->kept[0] + sums->kept[1];
+    for (int c = 0; c < 3; c++)
+        rgb[c] = kept > 0 ? (sums->sum[0][c] + sums->sum[1][c]) / kept : 0;
+}
+
+/* The mean square error of one encoded value, from those of the halves: the variance of their mean,
+ * and the square of what the curve of the transfer function adds. */
+static double channel_error(const double encoded[2], double of_mean)
+{
+    const double apart = (encoded[0] - encoded[1]) / 2;
+    const double curved = of_mean - (encoded[0] + encoded[1]) / 2;
+    return apart * apart + curved * curved;
 }
 
 void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel)
@@ -87,20 +88,25 @@ void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel)
     pen_pixel_mean(sums, mean);
     for (int c = 0; c < 3; c++) {
         const double value = pen_encode_unit_near(mean[c], transfer);
-        double encoded[PEN_REPLICATES];
-        for (int r = 0; r < PEN_REPLICATES; r++)
-            encoded[r] = sums->kept[r] > 0
-                             ? pen_encode_unit_near(sums->sum[r][c] / sums->kept[r], transfer)
-                             : value;
+        double encoded[2];
+        for (int half = 0; half < 2; half++)
+            encoded[half] =
+                sums->kept[half] > 0
+                    ? pen_encode_unit_near(sums->sum[half][c] / sums->kept[half], transfer)
+                    : value;
         error += channel_error(encoded, value) / 3;
         a->estimates[pixel].value[c] = (float)value;
     }
     a->estimates[pixel].error = (float)error;
 }
 
-uint32_t pen_adaptive_more(const struct pen_adaptive *a, const struct pen_pixel_sums *sums)
+uint32_t pen_adaptive_begin_pixel(struct pen_adaptive *a, size_t pixel)
 {
-    return sums->samples > 0 ? sums->samples : pen_settings_pilot(a->settings);
+    struct pen_pixel_sums *sums = &a->sums[pixel];
+    if (sums->samples == 0)
+        return pen_settings_pilot(a->settings);
+    sums->before = a->estimates[pixel].error;
+    return sums->samples;
 }
 
 struct pen_sample_spread pen_adaptive_spread(const struct pen_adaptive *a)
@@ -108,7 +114,7 @@ struct pen_sample_spread pen_adaptive_spread(const struct pen_adaptive *a)
     uint64_t by_log[33] = {0}, pixels = pixels_of(a), seen = 0, sum = 0;
     struct pen_sample_spread spread = {.mean = 0};
     for (size_t i = 0; i < pixels; i++) {
-        const uint32_t n = a->sums[i].samples * PEN_REPLICATES;
+        const uint32_t n = a->sums[i].samples;
         by_log[n > 0 ? 32 - __builtin_clz(n) : 0]++;
         sum += n;
     }

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[8] = "PENADP2";
+static const char magic[8] = "PENADP3";
 
 /* What comes before the build's text, the times of tiles, the sums, and the wanted pixels. */
 struct header {
@@ -104,6 +104,7 @@ bool pen_adaptive_load(struct pen_adaptive *adaptive, const void *bytes, size_t 
         rest += h.tiles * sizeof *stats->tile_ms;
     }
     memcpy(adaptive->sums, rest, pixels_of(s) * sizeof *adaptive->sums);
+    adaptive->refined = h.adaptive.rounds > 0;
     memcpy(adaptive->wanted, rest + pixels_of(s) * sizeof *adaptive->sums, pixels_of(s));
     for (size_t i = 0; i < pixels_of(s); i++) {
         double mean[3];

@@ -15,8 +15,6 @@
 /* 99.99 % of Student's distribution with 7 degrees of freedom are within this. */
 static const double STUDENT = 7.8846;
 
-enum { PAIRS = PEN_AUDIT_REPLICATES / PEN_REPLICATES };
-
 enum verdict { RIGHT, UNDECIDED, WRONG };
 
 struct job {
@@ -59,7 +57,7 @@ static uint32_t samples_for(const struct job *job, size_t at)
     const struct pen_audit_task *task = job->task;
     double all = task->samples;
     if (all == 0 && task->adaptive)
-        all = (double)PEN_AUDIT_TIMES * PEN_REPLICATES * task->adaptive->sums[at].samples;
+        all = (double)PEN_AUDIT_TIMES * task->adaptive->sums[at].samples;
     else if (all == 0)
         all = (double)PEN_AUDIT_TIMES * pen_camera_samples(job->input.lens.open, task->settings);
     if (job->task->samples == 0 && all < PEN_AUDIT_LEAST)
@@ -68,28 +66,31 @@ static uint32_t samples_for(const struct job *job, size_t at)
     return each < 1 << 30 ? (uint32_t)each : 1U << 30;
 }
 
-/* Renders the replicates of a pixel: their sums, and that of all. */
+/* Renders the replicates of a pixel: their sums, and the colour that all of them give. */
 static void render_again(const struct job *job, int thread, size_t at,
-                         struct pen_pixel_sums pair[PAIRS], double rgb[3])
+                         struct pen_pixel_sums replicate[PEN_AUDIT_REPLICATES], double rgb[3])
 {
     const size_t width = (size_t)job->task->settings->width;
     const uint32_t samples = samples_for(job, at);
+    struct pen_sample_range ranges[PEN_AUDIT_REPLICATES];
     struct pen_ray_counts rays = {.primary = 0};
     double kept = 0;
+    for (uint32_t r = 0; r < PEN_AUDIT_REPLICATES; r++) {
+        replicate[r] = (struct pen_pixel_sums){.samples = 0};
+        ranges[r] = (struct pen_sample_range){.x = (int)(at % width),
+                                              .y = (int)(at / width),
+                                              .replicate = r,
+                                              .end = samples,
+                                              .sums = &replicate[r]};
+    }
+    pen_trace_samples(job->kernel, &job->input, job->scratch[thread], ranges, PEN_AUDIT_REPLICATES,
+                      &rays);
     rgb[0] = rgb[1] = rgb[2] = 0;
-    for (uint32_t p = 0; p < PAIRS; p++) {
-        pair[p] = (struct pen_pixel_sums){.samples = 0};
-        const struct pen_sample_range range = {.x = (int)(at % width),
-                                               .y = (int)(at / width),
-                                               .replicate = p * PEN_REPLICATES,
-                                               .end = samples,
-                                               .sums = &pair[p]};
-        pen_trace_samples(job->kernel, &job->input, job->scratch[thread], &range, 1, &rays);
-        for (int r = 0; r < PEN_REPLICATES; r++) {
-            kept += pair[p].kept[r];
-            for (int c = 0; c < 3; c++)
-                rgb[c] += pair[p].sum[r][c];
-        }
+    for (int r = 0; r < PEN_AUDIT_REPLICATES; r++) {
+        pen_pixel_double(&replicate[r]);
+        kept += replicate[r].kept[0];
+        for (int c = 0; c < 3; c++)
+            rgb[c] += replicate[r].sum[0][c];
     }
     for (int c = 0; c < 3; c++)
         rgb[c] = kept > 0 ? rgb[c] / kept : 0;
@@ -116,16 +117,15 @@ static enum verdict audit_pixel(const struct job *job, int thread, size_t at)
     const enum pen_transfer transfer = job->task->settings->transfer == PEN_SETTING_LINEAR
                                            ? PEN_TRANSFER_LINEAR
                                            : PEN_TRANSFER_SRGB;
-    struct pen_pixel_sums pair[PAIRS];
+    struct pen_pixel_sums again[PEN_AUDIT_REPLICATES];
     enum verdict worst = RIGHT;
     double mean[3];
-    render_again(job, thread, at, pair, mean);
+    render_again(job, thread, at, again, mean);
     for (int c = 0; c < 3; c++) {
         double replicate[PEN_AUDIT_REPLICATES];
         for (int i = 0; i < PEN_AUDIT_REPLICATES; i++) {
-            const struct pen_pixel_sums *sums = &pair[i / PEN_REPLICATES];
-            const uint32_t kept = sums->kept[i % PEN_REPLICATES];
-            const double linear = kept > 0 ? sums->sum[i % PEN_REPLICATES][c] / kept : mean[c];
+            const uint32_t kept = again[i].kept[0];
+            const double linear = kept > 0 ? again[i].sum[0][c] / kept : mean[c];
             replicate[i] = pen_encode_unit(linear, transfer);
         }
         const double shown = pen_encode_unit((double)job->task->rgb[3 * at + (size_t)c], transfer);

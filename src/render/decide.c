@@ -27,7 +27,13 @@ static const double STEP = 0.6;
  * whatever it refines, and without this the last rounds would refine a few pixels each. */
 static const double LEAST_ROUND = 1.0 / 32;
 
+/* The rate at which it falls across an edge; where a picture is smooth it falls faster. */
+static const double EDGE_RATE = 1.5;
+
 enum { SLICES = 64 };
+
+/* Numbers of samples, by their binary logarithm. */
+enum { SIZES = 32 };
 
 /* Levels of priority: eighths of powers of two, from 0 on; below 2^LOWEST all are 0. */
 enum { EIGHTHS = 8, LOWEST = -120, LEVELS = 128 * EIGHTHS };
@@ -35,7 +41,10 @@ enum { EIGHTHS = 8, LOWEST = -120, LEVELS = 128 * EIGHTHS };
 /* What is known of the pixels of a slice; then, added up, of all. */
 struct slice {
     int first_row, end_row;
-    double error, squares;    /* of the pixels' own estimates */
+    double before[SIZES], after[SIZES];                 /* see overstatement: sums of errors, */
+    double before_squares[SIZES], after_squares[SIZES]; /* and of their squares */
+    double error, squares;                              /* of the pixels' own estimates, */
+    double least_error;                                 /* and what these may be in truth */
     double around;            /* errors as neighbours tell them: of all pixels, */
     double at_level[LEVELS];  /* of those with that priority, */
     uint64_t samples[LEVELS]; /* whose next round takes so many samples, */
@@ -47,7 +56,8 @@ struct slice {
 struct pass {
     struct pen_adaptive *adaptive;
     struct slice *slices;
-    void (*visit)(struct pen_adaptive *adaptive, struct slice *slice);
+    double overstatement[SIZES];
+    void (*visit)(struct pen_adaptive *adaptive, const struct pass *pass, struct slice *slice);
     atomic_int next;
 };
 
@@ -57,7 +67,7 @@ static void visit_slices(void *user, int thread)
     int i;
     (void)thread;
     while ((i = atomic_fetch_add_explicit(&pass->next, 1, memory_order_relaxed)) < SLICES)
-        pass->visit(pass->adaptive, &pass->slices[i]);
+        pass->visit(pass->adaptive, pass, &pass->slices[i]);
 }
 
 static void run_pass(struct pen_thread_pool *pool, struct pass *pass)
@@ -90,7 +100,7 @@ static struct slice *slices_of(struct pen_adaptive *a, struct pen_status *st)
 /* Whether a pixel may not have twice as many samples. */
 static bool is_capped(const struct pen_adaptive *a, size_t pixel)
 {
-    return 2.0 * PEN_REPLICATES * a->sums[pixel].samples > a->settings->max_samples;
+    return 2.0 * a->sums[pixel].samples > a->settings->max_samples;
 }
 
 static double square_difference(const struct pen_pixel_estimate *a,
@@ -124,22 +134,75 @@ static double unseen_edge(const struct pen_adaptive *a, int x, int y)
         const double square = square_difference(&a->estimates[at], other);
         most = square > most ? square : most;
     }
-    const double n = (double)PEN_REPLICATES * a->sums[at].samples;
+    const double n = a->sums[at].samples;
     return n > 0 ? UNSEEN * most / (n * n) : 0;
 }
 
-/* Sets what is known of each pixel by itself. */
-static void visit_own(struct pen_adaptive *a, struct slice *slice)
+static int size_of(uint32_t samples)
 {
+    return samples > 0 ? 31 - __builtin_clz(samples) : 0;
+}
+
+/* Adds up what doublings have brought. */
+static void visit_doubled(struct pen_adaptive *a, const struct pass *pass, struct slice *slice)
+{
+    (void)pass;
+    const size_t width = (size_t)a->settings->width;
+    const size_t end = (size_t)slice->end_row * width;
+    for (size_t at = (size_t)slice->first_row * width; at < end; at++) {
+        const double before = (double)a->sums[at].before, after = (double)a->estimates[at].error;
+        const int size = size_of(a->sums[at].samples);
+        slice->before[size] += before;
+        slice->after[size] += after;
+        slice->before_squares[size] += before * before;
+        slice->after_squares[size] += after * after;
+    }
+}
+
+static void add_doubled(const struct slice *slices, struct slice *all)
+{
+    for (int i = 0; i < SLICES; i++)
+        for (int size = 0; size < SIZES; size++) {
+            all->before[size] += slices[i].before[size];
+            all->after[size] += slices[i].after[size];
+            all->before_squares[size] += slices[i].before_squares[size];
+            all->after_squares[size] += slices[i].after_squares[size];
+        }
+}
+
+/* By how much the estimates of pixels with 2n samples are above their errors, at least. With q(n)
+ * the mean square error of n samples, the halves of 2n tell q(n) - q(2n) (adaptive.h), and those of
+ * n told q(n/2) - q(n). If q falls by a factor R with each doubling, the first is (R - 1) q(2n),
+ * and R is the ratio of the two. Their sums over many pixels tell it with an interval, whose lower
+ * end counts. Errors of an edge fall by 2^1.5; more is not taken into account, nor less than 2:
+ * samples are not worse than independent ones. The pilot's pixels have no earlier estimate, and the
+ * factor of the others may not be theirs, since they were not chosen to be refined. */
+static double overstatement(const struct slice *all, int size)
+{
+    const double before = all->before[size], after = all->after[size];
+    if (!(before > 0) || !(after > 0))
+        return 1;
+    const double off = SPREAD * sqrt(all->before_squares[size] / (before * before) +
+                                     all->after_squares[size] / (after * after));
+    const double factor = before / after * (1 - off) - 1, most = pen_pow(2, EDGE_RATE) - 1;
+    return factor < 1 ? 1 : factor < most ? factor : most;
+}
+
+/* Sets what is known of each pixel by itself. */
+static void visit_own(struct pen_adaptive *a, const struct pass *pass, struct slice *slice)
+{
+    const double most = pen_pow(2, EDGE_RATE) - 1;
     size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
     for (int y = slice->first_row; y < slice->end_row; y++)
         for (int x = 0; x < a->settings->width; x++, at++) {
             a->unseen[at] = (float)unseen_edge(a, x, y);
-            const float own = a->estimates[at].error;
+            const double told = (double)a->estimates[at].error;
+            const float own = (float)(told / pass->overstatement[size_of(a->sums[at].samples)]);
             a->errors[at] = own > a->unseen[at] ? own : a->unseen[at];
             const double error = (double)a->errors[at];
             slice->error += error;
             slice->squares += error * error;
+            slice->least_error += told / most;
         }
 }
 
@@ -188,8 +251,9 @@ static int priority_of(const struct pen_adaptive *a, size_t at, double around)
 }
 
 /* Sorts the errors by what can be done about them. */
-static void visit_around(struct pen_adaptive *a, struct slice *slice)
+static void visit_around(struct pen_adaptive *a, const struct pass *pass, struct slice *slice)
 {
+    (void)pass;
     size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
     for (int y = slice->first_row; y < slice->end_row; y++)
         for (int x = 0; x < a->settings->width; x++, at++) {
@@ -203,7 +267,7 @@ static void visit_around(struct pen_adaptive *a, struct slice *slice)
                 const int priority = priority_of(a, at, around);
                 a->priority[at] = (uint16_t)(1 + priority);
                 slice->at_level[priority] += around;
-                slice->samples[priority] += (uint64_t)PEN_REPLICATES * a->sums[at].samples;
+                slice->samples[priority] += a->sums[at].samples;
             }
         }
 }
@@ -214,6 +278,7 @@ static void add_slices(const struct slice *slices, struct slice *all)
     for (int i = 0; i < SLICES; i++) {
         const struct slice *s = &slices[i];
         all->error += s->error;
+        all->least_error += s->least_error;
         all->squares += s->squares;
         all->around += s->around;
         all->capped_error += s->capped_error;
@@ -281,7 +346,8 @@ static struct pen_decision decision_of(const struct slice *all, double pixels,
                                        const struct pen_goal *goal)
 {
     const double mean = all->error / pixels, off = SPREAD * sqrt(all->squares) / pixels;
-    const double high = mean + off, low = mean > off ? mean - off : 0;
+    const double least = all->least_error / pixels - off;
+    const double high = mean + off, low = least > 0 ? least : 0;
     struct pen_decision d = {.error = sqrt(mean),
                              .low = sqrt(low),
                              .high = sqrt(high),
@@ -309,6 +375,15 @@ bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool,
     if (!pass.slices)
         return false;
     struct slice *all = &pass.slices[SLICES];
+    for (int i = 0; i < SIZES; i++)
+        pass.overstatement[i] = 1;
+    if (a->refined) {
+        pass.visit = visit_doubled;
+        run_pass(pool, &pass);
+        add_doubled(pass.slices, all);
+        for (int i = 0; i < SIZES; i++)
+            pass.overstatement[i] = overstatement(all, i);
+    }
     pass.visit = visit_own;
     run_pass(pool, &pass);
     pass.visit = visit_around;
@@ -322,6 +397,7 @@ uint64_t pen_adaptive_select(struct pen_adaptive *a, int level)
 {
     const size_t pixels = (size_t)a->settings->width * (size_t)a->settings->height;
     uint64_t selected = 0;
+    a->refined = true;
     for (size_t at = 0; at < pixels; at++) {
         a->wanted[at] = a->priority[at] > level;
         selected += a->wanted[at];

@@ -66,7 +66,7 @@ bool pen_forecast_growth(struct pen_thread_pool *pool, const struct pen_forecast
     if (!render_small(pool, task, shrink / 2, &small, ray_ms, st) ||
         !render_small(pool, task, shrink, &large, ray_ms, st))
         return false;
-    const double pilot = (double)PEN_REPLICATES * pen_settings_pilot(task->settings);
+    const double pilot = pen_settings_pilot(task->settings);
     const double more = large / pilot - 1, ratio = more > 0 ? (small / pilot - 1) / more : 1;
     const double power = within(0, log2_of(ratio), LARGEST_POWER);
     growth->expected = 1 + more * pen_pow(shrink, power);

@@ -60,7 +60,7 @@ static const struct pen_pixel_sums *sums_at(const struct job *job, int x, int y)
 static double samples_at(const struct job *job, int x, int y)
 {
     if (job->adaptive)
-        return (double)PEN_REPLICATES * sums_at(job, x, y)->samples;
+        return sums_at(job, x, y)->samples;
     return pen_camera_samples(job->input.lens.open, job->task->settings);
 }
 

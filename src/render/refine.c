@@ -14,7 +14,8 @@ struct sample_list {
     struct pen_kernel_scratch *scratch;
     struct pen_ray_counts *rays;
     struct pen_camera_sample sample[PEN_KERNEL_SAMPLES];
-    struct pen_pixel_sums *sums[PEN_KERNEL_SAMPLES]; /* of the samples' pixels */
+    struct pen_pixel_sums *sums[PEN_KERNEL_SAMPLES]; /* of the samples' pixels, */
+    unsigned char half[PEN_KERNEL_SAMPLES];          /* and to which half a sample belongs */
     int count;
 };
 
@@ -28,13 +29,13 @@ static void trace_list(struct sample_list *list)
                           list->rays);
     for (int i = 0; i < list->count; i++) {
         struct pen_pixel_sums *sums = list->sums[i];
-        const uint32_t replicate = list->sample[i].replicate % PEN_REPLICATES;
+        const int half = list->half[i];
         if (isnan(radiance[i].x))
             continue; /* dropped */
-        sums->kept[replicate]++;
-        sums->sum[replicate][0] += radiance[i].x;
-        sums->sum[replicate][1] += radiance[i].y;
-        sums->sum[replicate][2] += radiance[i].z;
+        sums->kept[half]++;
+        sums->sum[half][0] += radiance[i].x;
+        sums->sum[half][1] += radiance[i].y;
+        sums->sum[half][2] += radiance[i].z;
     }
     list->count = 0;
 }
@@ -51,14 +52,14 @@ void pen_trace_samples(const struct pen_kernel *kernel, const struct pen_kernel_
     list.count = 0;
     for (int p = 0; p < count; p++) {
         const struct pen_sample_range *r = &ranges[p];
-        for (uint32_t k = 0; k < PEN_REPLICATES; k++)
-            for (uint32_t i = r->first; i < r->end; i++) {
-                if (list.count == PEN_KERNEL_SAMPLES)
-                    trace_list(&list);
-                list.sums[list.count] = r->sums;
-                list.sample[list.count++] =
-                    (struct pen_camera_sample){r->x, r->y, r->replicate + k, i};
-            }
+        pen_pixel_double(r->sums);
+        for (uint32_t i = r->first; i < r->end; i++) {
+            if (list.count == PEN_KERNEL_SAMPLES)
+                trace_list(&list);
+            list.sums[list.count] = r->sums;
+            list.half[list.count] = i >= r->end / 2;
+            list.sample[list.count++] = (struct pen_camera_sample){r->x, r->y, r->replicate, i};
+        }
         r->sums->samples = r->end;
     }
     trace_list(&list);
@@ -94,13 +95,9 @@ void pen_refine_block(const struct pen_render_task *task, const struct pen_kerne
         if (task->pixel_begins)
             task->pixel_begins(task->pixel_user, thread, x, y);
         struct pen_pixel_sums *sums = &task->adaptive->sums[at];
-        const uint32_t first = sums->samples;
-        ranges[count] =
-            (struct pen_sample_range){.x = x,
-                                      .y = y,
-                                      .first = first,
-                                      .end = first + pen_adaptive_more(task->adaptive, sums),
-                                      .sums = sums};
+        const uint32_t first = sums->samples, more = pen_adaptive_begin_pixel(task->adaptive, at);
+        ranges[count] = (struct pen_sample_range){
+            .x = x, .y = y, .first = first, .end = first + more, .sums = sums};
         if (task->pixel_by_pixel)
             pen_trace_samples(kernel, input, scratch, &ranges[count], 1, rays);
         count++;

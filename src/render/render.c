@@ -283,9 +283,11 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
     return ok;
 }
 
-/* Renders a pixel; with `samples` above 0, that many of each replicate. */
-static bool render_pixel(const struct pen_kernel_input *input, int x, int y, uint32_t samples,
-                         double rgb[3], struct pen_ray_counts *rays, struct pen_status *st)
+/* Renders a pixel; with `refined` above 0, with so many samples, in the rounds that lead to them
+ * from the pilot's: the order in which samples are added has a part in the last bits. */
+static bool render_pixel(const struct pen_kernel_input *input, int x, int y, uint32_t pilot,
+                         uint32_t refined, double rgb[3], struct pen_ray_counts *rays,
+                         struct pen_status *st)
 {
     struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(input);
     const struct pen_kernel *kernel = pen_kernel_select(input->effects, pen_cpu_isa());
@@ -295,12 +297,15 @@ static bool render_pixel(const struct pen_kernel_input *input, int x, int y, uin
     fegetenv(&caller);
     fesetenv(FE_DFL_ENV);
     *rays = (struct pen_ray_counts){0};
-    if (samples == 0) {
+    if (refined == 0) {
         kernel->pixel(input, scratch, x, y, rgb, rays);
     } else {
         struct pen_pixel_sums sums = {.samples = 0};
-        const struct pen_sample_range range = {.x = x, .y = y, .end = samples, .sums = &sums};
-        pen_trace_samples(kernel, input, scratch, &range, 1, rays);
+        for (uint32_t end = pilot; end <= refined; end *= 2) {
+            const struct pen_sample_range range = {
+                .x = x, .y = y, .first = sums.samples, .end = end, .sums = &sums};
+            pen_trace_samples(kernel, input, scratch, &range, 1, rays);
+        }
         pen_pixel_mean(&sums, rgb);
     }
     fesetenv(&caller);
@@ -313,7 +318,7 @@ bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_
                       struct pen_status *st)
 {
     const struct pen_kernel_input input = pen_kernel_input_of(scene, view, settings);
-    return render_pixel(&input, x, y, 0, rgb, rays, st);
+    return render_pixel(&input, x, y, 0, 0, rgb, rays, st);
 }
 
 bool pen_render_refined_pixel(const struct pen_scene *scene, int view,
@@ -322,7 +327,8 @@ bool pen_render_refined_pixel(const struct pen_scene *scene, int view,
 {
     const struct pen_kernel_input input = pen_kernel_input_of(scene, view, &adaptive->sampling);
     const size_t at = (size_t)y * (size_t)adaptive->settings->width + (size_t)x;
-    return render_pixel(&input, x, y, adaptive->sums[at].samples, rgb, rays, st);
+    return render_pixel(&input, x, y, pen_settings_pilot(adaptive->settings),
+                        adaptive->sums[at].samples, rgb, rays, st);
 }
 
 bool pen_dropped_warning(const struct pen_ray_counts *rays, char *text, size_t bytes)

@@ -44,8 +44,8 @@ void pen_settings_set_quality(struct pen_settings *s, enum pen_quality quality)
     }
 }
 
-/* Points on each light, and rays of each cone, for each camera ray of a replicate. All points of a
- * replicate are one sequence. Where a light is partly hidden, 16 shadow rays take about as long as
+/* Points on each light, and rays of each cone, for each camera ray with a target error. All points
+ * of a pixel are one sequence. Where a light is partly hidden, 16 shadow rays take about as long as
  * a tenth to a half of the rest of a path (accel/disk_packet.h); a blurred ray takes as long as a
  * path. */
 enum { ADAPTIVE_LIGHT_SAMPLES = 16, ADAPTIVE_BLUR_SAMPLES = 4 };
@@ -53,7 +53,7 @@ enum { ADAPTIVE_LIGHT_SAMPLES = 16, ADAPTIVE_BLUR_SAMPLES = 4 };
 uint32_t pen_settings_pilot(const struct pen_settings *settings)
 {
     static const double fine = 0.01;
-    return settings->target_error < fine ? 2 : 1;
+    return settings->target_error < fine ? 4 : 2;
 }
 
 struct pen_settings pen_settings_sampling(const struct pen_settings *settings)
@@ -62,7 +62,7 @@ struct pen_settings pen_settings_sampling(const struct pen_settings *settings)
     if (!pen_settings_adaptive(settings))
         return s;
     s.target_error = 0;
-    s.samples_per_pixel = s.lens_samples = PEN_REPLICATES * (int)pen_settings_pilot(settings);
+    s.samples_per_pixel = s.lens_samples = (int)pen_settings_pilot(settings);
     s.light_samples = ADAPTIVE_LIGHT_SAMPLES;
     s.blur_samples = ADAPTIVE_BLUR_SAMPLES;
     return s;

@@ -46,13 +46,10 @@ static inline int pen_tree_surfaces_max(const struct pen_settings *settings, boo
     return rays <= INT_MAX / most ? most * rays : INT_MAX;
 }
 
-/* With a target error, the camera rays of a pixel are PEN_REPLICATES independent sequences, its
- * replicates. */
-enum { PEN_REPLICATES = 2 };
-
-/* The samples of each replicate with which every pixel begins: one, or two with a target below
- * 0.01. A finer picture is to miss fewer of the things that are smaller than a pixel; for a coarse
- * one, two samples more would take as long as all the rest. */
+/* The samples with which every pixel begins with a target error: two, the least from which an error
+ * can be told, or four with a target below 0.01. A finer picture is to miss fewer of the things
+ * that are smaller than a pixel; for a coarse one, two samples more would take as long as all the
+ * rest. A power of two. */
 uint32_t pen_settings_pilot(const struct pen_settings *settings);
 
 /* The target of a render that has only a time: out of reach. */

@@ -68,7 +68,7 @@ struct pen_camera_point {
  * its own, of which any beginning may be averaged (math/sample.h: struct pen_sample_key). */
 struct pen_camera_sample {
     int x, y;           /* the pixel */
-    uint32_t replicate; /* from 0 on */
+    uint32_t replicate; /* from 0 on; audits alone have several */
     uint32_t index;     /* in the replicate, from 0 on */
 };
 

@@ -560,16 +560,16 @@ mutant adaptive_unseen_rate render/test_decide 0 "an unseen edge is as uncertain
 edit src/render/decide.c 1 's/UNSEEN \* most \/ \(n \* n\)/UNSEEN * most \/ n/'
 judge_test
 
-mutant adaptive_variance render/test_decide 0 "the variance of a mean is divided by n n, not by n (n - 1)"
-edit src/render/adaptive.c 1 's/\(PEN_REPLICATES \* \(PEN_REPLICATES - 1\)\)/(PEN_REPLICATES * PEN_REPLICATES)/'
+mutant adaptive_variance render/test_decide 0 "halves tell half of what they are apart, squared, divided by two"
+edit src/render/adaptive.c 1 's/return apart \* apart \+/return apart * apart \/ 2 +/'
 judge_test
 
-mutant adaptive_one render/test_decide 0 "the variance of one replicate is taken for that of the mean"
-edit src/render/adaptive.c 1 's/\(PEN_REPLICATES \* \(PEN_REPLICATES - 1\)\)/(PEN_REPLICATES - 1)/'
+mutant adaptive_one render/test_decide 0 "the variance of one half is taken for that of the mean"
+edit src/render/adaptive.c 1 's/return apart \* apart \+/return 2 * apart * apart +/'
 judge_test
 
 mutant adaptive_curve render/test_decide 0 "what the curve of the transfer function adds to an error is left out"
-edit src/render/adaptive.c 1 's/ \+ \(of_mean - mean\) \* \(of_mean - mean\);/ + 0 * of_mean;/'
+edit src/render/adaptive.c 1 's/ \+ curved \* curved;/ + 0 * curved;/'
 judge_test
 
 mutant adaptive_linear render/test_decide 0 "errors are those of linear values"
@@ -601,11 +601,11 @@ edit src/render/decide.c 1 's/^( *slice->capped_error \+= )around;/\10;/'
 judge_test
 
 mutant adaptive_most render/test_adaptive 0 "pixels may have twice max_samples"
-edit src/render/decide.c 1 's/return 2\.0 \* PEN_REPLICATES/return 1.0 * PEN_REPLICATES/'
+edit src/render/decide.c 1 's/return 2\.0 \* a->sums/return 1.0 * a->sums/'
 judge_test
 
 mutant adaptive_half render/test_adaptive 0 "pixels may have half of max_samples"
-edit src/render/decide.c 1 's/return 2\.0 \* PEN_REPLICATES/return 4.0 * PEN_REPLICATES/'
+edit src/render/decide.c 1 's/return 2\.0 \* a->sums/return 4.0 * a->sums/'
 judge_test
 
 mutant adaptive_order render/test_decide 0 "each thread adds up the slices that it takes, and the order is that of threads"
@@ -621,7 +621,7 @@ edit src/render/decide.c 1 's/^(static const double LEAST_ROUND = )1\.0 \/ 32;/\
 judge_test
 
 mutant adaptive_pilot io/test_limits 0 "fine pictures begin with as few samples as coarse ones"
-edit src/scene/settings.c 1 's/return settings->target_error < fine \? 2 : 1;/return settings->target_error < fine ? 1 : 1;/'
+edit src/scene/settings.c 1 's/return settings->target_error < fine \? 4 : 2;/return settings->target_error < fine ? 2 : 2;/'
 judge_test
 
 mutant adaptive_all render/test_adaptive 0 "a round refines every pixel"
@@ -633,20 +633,48 @@ edit src/render/rounds.c 1 's/(\.level = repeat .*) : d->level\};/\1 : 0 * d->le
 judge_test
 
 mutant adaptive_again render/test_adaptive 0 "a doubling takes the samples again that were taken"
-edit src/render/refine.c 1 's/r->replicate \+ k, i\};/r->replicate + k, i - r->first};/'
+edit src/render/refine.c 1 's/r->replicate, i\};/r->replicate, i - r->first};/'
 judge_test
 
 mutant adaptive_lights render/test_adaptive 0 "each camera ray takes the same points on a light"
 edit src/shade/internal/block_body.h 1 's/b->ray\[i\] = samples\[i\]\.index;/b->ray[i] = 0 * samples[i].index;/'
 judge_test
 
-mutant adaptive_shared render/test_adaptive 0 "replicates share their scrambling"
+mutant adaptive_shared render/test_audit 0 "the sequences of an audit share their scrambling"
 edit src/shade/internal/pixel_sample.h 1 's/PEN_SAMPLE_REPLICATE \+ sample->replicate,/PEN_SAMPLE_REPLICATE,/'
 edit src/shade/internal/block_body.h 1 's/PEN_SAMPLE_REPLICATE \+ samples\[i\]\.replicate;/PEN_SAMPLE_REPLICATE;/'
 judge_test
 
 mutant adaptive_triple render/test_adaptive 0 "a round triples the samples"
-edit src/render/adaptive.c 1 's/return sums->samples > 0 \? sums->samples :/return sums->samples > 0 ? 2 * sums->samples :/'
+edit src/render/adaptive.c 1 's/^    return sums->samples;$/    return 2 * sums->samples;/'
+judge_test
+
+mutant adaptive_halves render/test_adaptive 0 "samples belong to the second half from the first quarter on"
+edit src/render/refine.c 1 's/ = i >= r->end \/ 2;/ = i >= r->end \/ 4;/'
+judge_test
+
+mutant adaptive_folded render/test_adaptive 0 "new samples are added to the second half of the old ones"
+edit src/render/refine.c 1 's/^        pen_pixel_double\(r->sums\);$//'
+judge_test
+
+mutant adaptive_told render/test_decide 0 "what halves tell is never too much"
+edit src/render/decide.c 1 's/return factor < 1 \? 1 : factor < most \? factor : most;/return factor < 0 ? factor : 1;/'
+judge_test
+
+mutant adaptive_smooth render/test_decide 0 "errors fall faster than those of edges"
+edit src/render/decide.c 1 's/return factor < 1 \? 1 : factor < most \? factor : most;/return factor < 1 ? 1 : factor + 0 * most;/'
+judge_test
+
+mutant adaptive_worse render/test_decide 0 "samples are worse than independent ones"
+edit src/render/decide.c 1 's/return factor < 1 \? 1 : factor < most/return factor < most/'
+judge_test
+
+mutant adaptive_surely render/test_decide 0 "the ratio of two doublings has no interval"
+edit src/render/decide.c 1 's/before \/ after \* \(1 - off\) - 1,/before \/ after * (1 + 0 * off) - 1,/'
+judge_test
+
+mutant adaptive_forgets render/test_adaptive 0 "the error before a doubling is not noted"
+edit src/render/adaptive.c 1 's/^    sums->before = a->estimates\[pixel\]\.error;$//'
 judge_test
 
 mutant adaptive_rays render/test_adaptive 0 "the statistics have the rays of the last round only"

@@ -187,10 +187,10 @@ START_TEST(test_adaptive__points_on_lights_go_on_from_camera_ray_to_camera_ray)
         struct picture p = picture_of(scene, &kit.settings, 1);
         for (int i = 0; i < 4; i++, pixels++) {
             const struct pen_pixel_sums *sums = &p.adaptive->sums[i];
-            ck_assert_uint_eq(sums->samples, 64);
-            for (int r = 0; r < PEN_REPLICATES; r++) {
-                const double off = sums->sum[r][0] / 64 / 0.9 - disk_beyond(0.3);
-                squares += off * off / PEN_REPLICATES;
+            ck_assert_uint_eq(sums->samples, 128);
+            for (int half = 0; half < 2; half++) {
+                const double off = sums->sum[half][0] / 64 / 0.9 - disk_beyond(0.3);
+                squares += off * off / 2;
             }
         }
         ck_assert(!p.stats.adaptive.met);
@@ -281,6 +281,7 @@ START_TEST(test_adaptive__film_pixels_and_layers_tell_of_the_same_samples)
         .scene = scene, .settings = &kit.settings, .layer = PEN_LAYER_SAMPLES, .rgb = samples};
     ck_assert(pen_layer_render(pool, &task, &st));
     double sum = 0;
+    int noted = 0;
     for (int i = 0; i < 24 * 24; i++) {
         struct pen_ray_counts rays;
         double rgb[3];
@@ -289,7 +290,12 @@ START_TEST(test_adaptive__film_pixels_and_layers_tell_of_the_same_samples)
         ck_assert((float)rgb[0] == p.rgb[3 * i]);
         ck_assert((double)samples[3 * i] == (double)rays.primary);
         sum += (double)rays.primary;
+        const struct pen_pixel_sums *sums = &p.adaptive->sums[i];
+        ck_assert(sums->kept[0] == sums->samples / 2 && sums->kept[1] == sums->samples / 2);
+        ck_assert(sums->samples > 4 || sums->before == 0);
+        noted += sums->before > 0;
     }
+    ck_assert_int_gt(noted, 24);
     ck_assert(sum == (double)p.stats.rays.primary);
     ck_assert(fabs(sum / (24 * 24) - p.stats.adaptive.samples.mean) < 1e-9);
     task.adaptive = p.adaptive; /* gives the same without rendering again */
@@ -368,16 +374,14 @@ static void take_noise(struct pen_adaptive *a, uint64_t *state)
     const int width = a->settings->width;
     for (int i = 0; i < width * a->settings->height; i++) {
         struct pen_pixel_sums *sums = &a->sums[i];
-        const uint32_t more = pen_adaptive_more(a, sums);
         if (!a->wanted[i])
             continue;
-        for (int r = 0; r < PEN_REPLICATES; r++)
-            for (uint32_t n = 0; n < more; n++) {
-                sums->kept[r]++;
+        sums->samples += pen_adaptive_begin_pixel(a, (size_t)i);
+        pen_pixel_double(sums);
+        for (int half = 0; half < 2; half++)
+            for (; sums->kept[half] < sums->samples / 2; sums->kept[half]++)
                 for (int c = 0; c < 3; c++)
-                    sums->sum[r][c] += 0.5 + deviation_at(i % width, i / width) * normal(state);
-            }
-        sums->samples += more;
+                    sums->sum[half][c] += 0.5 + deviation_at(i % width, i / width) * normal(state);
         pen_adaptive_estimate(a, (size_t)i);
     }
 }

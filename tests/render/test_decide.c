@@ -31,12 +31,13 @@ static void end(struct pen_adaptive *a)
     pen_adaptive_free(a);
 }
 
-/* Sets a replicate of a pixel to samples of one grey value. */
-static void set_grey(struct pen_pixel_sums *sums, int replicate, double value, uint32_t samples)
+/* Sets a half of a pixel's samples to so many of one grey value. */
+static void set_grey(struct pen_pixel_sums *sums, int half, double value, uint32_t samples)
 {
-    sums->samples = sums->kept[replicate] = samples;
+    sums->kept[half] = samples;
+    sums->samples = 2 * samples;
     for (int c = 0; c < 3; c++)
-        sums->sum[replicate][c] = value * samples;
+        sums->sum[half][c] = value * samples;
 }
 
 /* The sRGB curve as IEC 61966-2-1 has it. */
@@ -45,23 +46,23 @@ static double srgb(double linear)
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
 }
 
-/* If each replicate is one of two values with equal probability, the mean of two is right when they
- * differ, and off to either side when they agree: the estimates are right in the mean over all
- * cases. With the sRGB curve that takes both the replicates' difference and what the curve adds. */
+/* If each half is one of two values with equal probability, whatever the other is, the mean of the
+ * two is right when they differ, and off to either side when they agree: the estimates are right in
+ * the mean over all cases. With the sRGB curve that takes both the halves' difference and what the
+ * curve adds. */
 START_TEST(test_decide__estimates_are_right_in_the_mean_over_all_cases)
 {
     static const double values[][2] = {{0, 1}, {0.1, 0.6}, {0, 0.02}};
-    enum { CASES = 1 << PEN_REPLICATES };
-    _Static_assert(PEN_REPLICATES == 2, "exact for two replicates");
+    enum { CASES = 4 };
     struct pen_adaptive *a = begin(1, 1, PEN_SETTING_SRGB);
     for (size_t v = 0; v < sizeof values / sizeof values[0]; v++) {
         const double right = srgb((values[v][0] + values[v][1]) / 2);
         double estimated = 0, truth = 0;
         for (int i = 0; i < CASES; i++) {
             double mean = 0;
-            for (int r = 0; r < PEN_REPLICATES; r++) {
-                set_grey(a->sums, r, values[v][i >> r & 1], 4);
-                mean += values[v][i >> r & 1] / PEN_REPLICATES;
+            for (int half = 0; half < 2; half++) {
+                set_grey(a->sums, half, values[v][i >> half & 1], 4);
+                mean += values[v][i >> half & 1] / 2;
             }
             pen_adaptive_estimate(a, 0);
             ck_assert_double_eq_tol((double)a->estimates[0].value[0], srgb(mean), 1e-6);
@@ -110,11 +111,11 @@ START_TEST(test_decide__an_edge_between_pixels_is_as_uncertain_as_what_samples_c
     struct pen_adaptive *a = begin(SIDE, SIDE, PEN_SETTING_LINEAR);
     for (uint32_t each = 2; each <= 512; each *= 4) {
         for (int i = 0; i < SIDE * SIDE; i++) {
-            for (int r = 0; r < PEN_REPLICATES; r++)
-                set_grey(&a->sums[i], r, i % SIDE < SIDE / 2 ? 0.1 : 0.9, each);
+            for (int half = 0; half < 2; half++)
+                set_grey(&a->sums[i], half, i % SIDE < SIDE / 2 ? 0.1 : 0.9, each);
             pen_adaptive_estimate(a, (size_t)i);
         }
-        const double n = PEN_REPLICATES * each, least = sqrt(0.64 / (n * n) / 6 * 2 / SIDE);
+        const double n = 2 * each, least = sqrt(0.64 / (n * n) / 6 * 2 / SIDE);
         struct pen_decision d = decide(a, least);
         ck_assert_msg(d.error >= least && d.error <= 2 * least, "%g: %g, not %g to %g", n, d.error,
                       least, 2 * least);
@@ -145,16 +146,17 @@ static void take_samples(struct pen_adaptive *a, struct random *random, deviatio
     const int width = a->settings->width;
     for (int i = 0; i < width * a->settings->height; i++) {
         struct pen_pixel_sums *sums = &a->sums[i];
-        const uint32_t more = pen_adaptive_more(a, sums);
         if (!a->wanted[i])
             continue;
-        for (int r = 0; r < PEN_REPLICATES; r++) {
+        sums->samples += pen_adaptive_begin_pixel(a, (size_t)i);
+        pen_pixel_double(sums);
+        for (int half = 0; half < 2; half++) {
+            const uint32_t more = sums->samples / 2 - sums->kept[half];
             const double noise = deviation(i % width, i / width) * sqrt(more) * normal(random);
-            sums->kept[r] += more;
+            sums->kept[half] += more;
             for (int c = 0; c < 3; c++)
-                sums->sum[r][c] += 0.5 * more + noise;
+                sums->sum[half][c] += 0.5 * more + noise;
         }
-        sums->samples += more;
         pen_adaptive_estimate(a, (size_t)i);
     }
 }
@@ -189,7 +191,7 @@ START_TEST(test_decide__intervals_cover_the_true_error)
     for (int i = 0; i < PICTURES; i++) {
         struct pen_adaptive *a = begin(16, 16, PEN_SETTING_LINEAR);
         take_samples(a, &random, even);
-        const double truth = 0.01 / sqrt(PEN_REPLICATES * (double)a->sums[0].samples);
+        const double truth = 0.01 / sqrt(a->sums[0].samples);
         const struct pen_decision d = decide(a, truth);
         missed += truth < d.low || truth > d.high;
         ck_assert(d.met == (d.high <= truth));
@@ -199,6 +201,46 @@ START_TEST(test_decide__intervals_cover_the_true_error)
     const double share = 1 - PEN_ADAPTIVE_CONFIDENCE, mean = PICTURES * share;
     ck_assert_msg(missed <= mean + 3 * sqrt(mean * (1 - share)), "%d of %d, seed %llu", missed,
                   (int)PICTURES, (unsigned long long)random.seed);
+}
+END_TEST
+
+/* Gives all pixels eight samples whose halves differ by normal numbers, such that the halves tell a
+ * mean square error of `told` in the mean, after `before` with half of them. */
+static void set_doubled(struct pen_adaptive *a, struct random *random, double before, double told)
+{
+    for (int i = 0; i < a->settings->width * a->settings->height; i++) {
+        struct pen_pixel_sums *sums = &a->sums[i];
+        const double earlier = normal(random), apart = sqrt(told) * normal(random);
+        sums->before = (float)(before * earlier * earlier);
+        for (int half = 0; half < 2; half++)
+            set_grey(sums, half, half == 0 ? 0.5 - apart : 0.5 + apart, 4);
+        pen_adaptive_estimate(a, (size_t)i);
+    }
+}
+
+/* If errors fall by a factor R from doubling to doubling, and halves of 2n samples tell what n are
+ * worse than 2n, the error is what they tell divided by R - 1: the sum of all that doublings
+ * without end would still bring. As chance has a part in R, a little less is taken off; at most as
+ * much as for an edge, whose R is 2^1.5, and nothing below R = 2. */
+START_TEST(test_decide__what_halves_tell_too_much_is_known_from_the_doubling_before)
+{
+    static const double factors[] = {0.5, 1, 2, 2.3, 2.6, 2.828427, 4, 16};
+    struct random random = random_begin(20261129);
+    for (size_t i = 0; i < sizeof factors / sizeof factors[0]; i++) {
+        const double told = 1e-6, edge = pow(2, 1.5) - 1;
+        const double off = fmin(fmax(factors[i] - 1, 1), edge);
+        struct pen_adaptive *a = begin(256, 256, PEN_SETTING_LINEAR);
+        set_doubled(a, &random, factors[i] * told, told);
+        ck_assert_double_eq_tol(decide(a, 1).error, sqrt(told), 0.01 * sqrt(told));
+        pen_adaptive_select(a, 0); /* the pilot has been refined */
+        const struct pen_decision d = decide(a, 1);
+        const double error = d.error * d.error, low = d.low * d.low;
+        ck_assert_msg(error > 0.98 * told / off && error < 1.1 * told / off,
+                      "%g: %g of what halves tell instead of %g, seed %llu", factors[i],
+                      error / told, 1 / off, (unsigned long long)random.seed);
+        ck_assert(low > 0.9 * told / edge && low < told / edge && d.high > d.error);
+        end(a);
+    }
 }
 END_TEST
 
@@ -319,12 +361,11 @@ START_TEST(test_decide__spread_tells_of_how_many_samples_pixels_have)
     for (int i = 0; i < 100; i++) /* 60, 34 and 6 pixels */
         a->sums[i].samples = i < 60 ? 2 : i < 94 ? 8 : 64;
     const struct pen_sample_spread s = pen_adaptive_spread(a);
-    ck_assert(s.least == 2 * PEN_REPLICATES && s.median == 2 * PEN_REPLICATES);
-    ck_assert(s.p95 == 64 * PEN_REPLICATES && s.most == 64 * PEN_REPLICATES);
-    ck_assert_double_eq_tol(s.mean, PEN_REPLICATES * (0.6 * 2 + 0.34 * 8 + 0.06 * 64), 1e-12);
+    ck_assert(s.least == 2 && s.median == 2 && s.p95 == 64 && s.most == 64);
+    ck_assert_double_eq_tol(s.mean, 0.6 * 2 + 0.34 * 8 + 0.06 * 64, 1e-12);
     for (int i = 94; i < 96; i++)
         a->sums[i].samples = 8;
-    ck_assert_uint_eq(pen_adaptive_spread(a).p95, 8 * PEN_REPLICATES);
+    ck_assert_uint_eq(pen_adaptive_spread(a).p95, 8);
     end(a);
 }
 END_TEST
@@ -333,6 +374,7 @@ PEN_SUITE("decide", test_decide__estimates_are_right_in_the_mean_over_all_cases,
           test_decide__what_is_brighter_than_white_is_white,
           test_decide__an_edge_between_pixels_is_as_uncertain_as_what_samples_can_miss,
           test_decide__intervals_cover_the_true_error,
+          test_decide__what_halves_tell_too_much_is_known_from_the_doubling_before,
           test_decide__is_the_same_to_the_bit_for_any_number_of_threads,
           test_decide__what_capped_pixels_leave_is_made_up_for_by_others,
           test_decide__samples_go_where_they_lower_the_error_most,

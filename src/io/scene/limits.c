@@ -97,7 +97,7 @@ static bool fail_forks(const struct pen_limits *limits, const struct pen_setting
 static bool check_together(const struct pen_settings *settings, const char *at,
                            struct pen_status *st)
 {
-    const int pilot = PEN_REPLICATES * (int)pen_settings_pilot(settings);
+    const int pilot = (int)pen_settings_pilot(settings);
     if (!pen_settings_adaptive(settings))
         return true;
     if (settings->light_pattern == PEN_PATTERN_GRID)

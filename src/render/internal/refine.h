@@ -5,18 +5,19 @@
 
 #include "render/render.h"
 
-/* Samples `first` to `end` - 1 of PEN_REPLICATES replicates of a pixel, and the sums to which they
- * are added. */
+/* Samples `first` to `end` - 1 of a pixel's sequence, and the sums to which they are added. `first`
+ * is 0 or half of `end`. */
 struct pen_sample_range {
     int x, y;
-    uint32_t replicate; /* the first of them, a multiple of PEN_REPLICATES */
+    uint32_t replicate; /* the number of the sequence */
     uint32_t first, end;
-    struct pen_pixel_sums *sums;
+    struct pen_pixel_sums *sums; /* of the samples before `first` */
 };
 
 /* Traces the samples of some pixels, PEN_KERNEL_SAMPLES at a time across pixels, and adds them to
- * their sums. Pixels that follow one another should be near one another. Threads: any number, with
- * different scratch memory, sums and counts. */
+ * their sums, whose halves are then those of all samples up to `end`. Pixels that follow one
+ * another should be near one another. Threads: any number, with different scratch memory, sums and
+ * counts. */
 void pen_trace_samples(const struct pen_kernel *kernel, const struct pen_kernel_input *input,
                        struct pen_kernel_scratch *scratch, const struct pen_sample_range *ranges,
                        int count, struct pen_ray_counts *rays);
