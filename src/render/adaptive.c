@@ -65,9 +65,9 @@ void pen_pixel_double(struct pen_pixel_sums *sums)
 
 void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3])
 {
-    const double kept = (double)sums->kept[0] + sums->kept[1];
+    const double kept = (double)sums->kept[0] + sums->kept[1], each = kept > 0 ? 1 / kept : 0;
     for (int c = 0; c < 3; c++)
-        rgb[c] = kept > 0 ? (sums->sum[0][c] + sums->sum[1][c]) / kept : 0;
+        rgb[c] = (sums->sum[0][c] + sums->sum[1][c]) * each;
 }
 
 /* The mean square error of one encoded value, from those of the halves: the variance of their mean,
@@ -79,25 +79,27 @@ static double channel_error(const double encoded[2], double of_mean)
     return apart * apart + curved * curved;
 }
 
-void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel)
+void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel, float rgb[3])
 {
     const struct pen_pixel_sums *sums = &a->sums[pixel];
     const enum pen_transfer transfer =
         a->settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
+    const double each[2] = {sums->kept[0] > 0 ? 1.0 / sums->kept[0] : 0,
+                            sums->kept[1] > 0 ? 1.0 / sums->kept[1] : 0};
     double mean[3], error = 0;
     pen_pixel_mean(sums, mean);
     for (int c = 0; c < 3; c++) {
         const double value = pen_encode_unit_near(mean[c], transfer);
         double encoded[2];
         for (int half = 0; half < 2; half++)
-            encoded[half] =
-                sums->kept[half] > 0
-                    ? pen_encode_unit_near(sums->sum[half][c] / sums->kept[half], transfer)
-                    : value;
-        error += channel_error(encoded, value) / 3;
+            encoded[half] = sums->kept[half] > 0
+                                ? pen_encode_unit_near(sums->sum[half][c] * each[half], transfer)
+                                : value;
+        error += channel_error(encoded, value);
         a->estimates[pixel].value[c] = (float)value;
+        rgb[c] = (float)mean[c];
     }
-    a->estimates[pixel].error = (float)error;
+    a->estimates[pixel].error = (float)(error / 3);
 }
 
 uint32_t pen_adaptive_begin_pixel(struct pen_adaptive *a, size_t pixel)

@@ -84,8 +84,9 @@ void pen_pixel_double(struct pen_pixel_sums *sums);
 /* The linear colour of a pixel: the mean of its samples; black without any. */
 void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3]);
 
-/* Sets the estimate of a pixel from its sums. Threads: any number, for different pixels. */
-void pen_adaptive_estimate(struct pen_adaptive *adaptive, size_t pixel);
+/* Sets the estimate of a pixel from its sums, and its linear colour: that of pen_pixel_mean.
+ * Threads: any number, for different pixels. */
+void pen_adaptive_estimate(struct pen_adaptive *adaptive, size_t pixel, float rgb[3]);
 
 /* Begins a round for a pixel: notes the error before it. Returns how many samples the round adds.
  * Threads: any number, for different pixels. */

@@ -106,12 +106,7 @@ bool pen_adaptive_load(struct pen_adaptive *adaptive, const void *bytes, size_t 
     memcpy(adaptive->sums, rest, pixels_of(s) * sizeof *adaptive->sums);
     adaptive->refined = h.adaptive.rounds > 0;
     memcpy(adaptive->wanted, rest + pixels_of(s) * sizeof *adaptive->sums, pixels_of(s));
-    for (size_t i = 0; i < pixels_of(s); i++) {
-        double mean[3];
-        pen_adaptive_estimate(adaptive, i);
-        pen_pixel_mean(&adaptive->sums[i], mean);
-        for (size_t c = 0; c < 3; c++)
-            rgb[3 * i + c] = (float)mean[c];
-    }
+    for (size_t i = 0; i < pixels_of(s); i++)
+        pen_adaptive_estimate(adaptive, i, &rgb[3 * i]);
     return true;
 }

@@ -56,7 +56,8 @@ struct slice {
 struct pass {
     struct pen_adaptive *adaptive;
     struct slice *slices;
-    double overstatement[SIZES];
+    double overstatement[SIZES];       /* by number of samples */
+    double after_doublings[2 * SIZES]; /* which part of an error is left after i - SIZES of them */
     void (*visit)(struct pen_adaptive *adaptive, const struct pass *pass, struct slice *slice);
     atomic_int next;
 };
@@ -206,15 +207,17 @@ static void visit_own(struct pen_adaptive *a, const struct pass *pass, struct sl
         }
 }
 
-/* The error that a pixel with n times as many samples would have. Samples are powers of two. */
-static double error_with(double error, uint32_t samples, uint32_t wanted)
+/* The error that a pixel would have if it had `wanted` samples. */
+static double error_with(const struct pass *pass, double error, uint32_t samples, uint32_t wanted)
 {
-    return samples == wanted ? error : error * pen_pow((double)samples / wanted, RATE);
+    return samples == wanted
+               ? error
+               : error * pass->after_doublings[SIZES + size_of(wanted) - size_of(samples)];
 }
 
 /* The error of a pixel as its neighbours tell it: the mean of theirs, as if they had as many
  * samples, and of an edge that it may have. */
-static double error_around(const struct pen_adaptive *a, int x, int y)
+static double error_around(const struct pen_adaptive *a, const struct pass *pass, int x, int y)
 {
     const int width = a->settings->width, height = a->settings->height;
     const size_t at = (size_t)y * (size_t)width + (size_t)x;
@@ -226,7 +229,7 @@ static double error_around(const struct pen_adaptive *a, int x, int y)
                 continue;
             count++;
             if (a->errors[other] > 0)
-                sum += error_with((double)a->errors[other], a->sums[other].samples,
+                sum += error_with(pass, (double)a->errors[other], a->sums[other].samples,
                                   a->sums[at].samples);
         }
     return sum / count;
@@ -253,11 +256,10 @@ static int priority_of(const struct pen_adaptive *a, size_t at, double around)
 /* Sorts the errors by what can be done about them. */
 static void visit_around(struct pen_adaptive *a, const struct pass *pass, struct slice *slice)
 {
-    (void)pass;
     size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
     for (int y = slice->first_row; y < slice->end_row; y++)
         for (int x = 0; x < a->settings->width; x++, at++) {
-            const double around = error_around(a, x, y);
+            const double around = error_around(a, pass, x, y);
             slice->around += around;
             if (is_capped(a, at)) {
                 a->priority[at] = 0;
@@ -375,6 +377,8 @@ bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool,
     if (!pass.slices)
         return false;
     struct slice *all = &pass.slices[SLICES];
+    for (int i = 0; i < 2 * SIZES; i++)
+        pass.after_doublings[i] = pen_pow(2, RATE * (SIZES - i));
     for (int i = 0; i < SIZES; i++)
         pass.overstatement[i] = 1;
     if (a->refined) {

@@ -70,15 +70,6 @@ int pen_z_order_x(int i)
     return (i & 1) | (i >> 1 & 2) | (i >> 2 & 4);
 }
 
-static void finish_pixel(const struct pen_render_task *task, size_t at)
-{
-    double rgb[3];
-    pen_adaptive_estimate(task->adaptive, at);
-    pen_pixel_mean(&task->adaptive->sums[at], rgb);
-    for (int c = 0; c < 3; c++)
-        task->rgb[3 * at + (size_t)c] = (float)rgb[c];
-}
-
 void pen_refine_block(const struct pen_render_task *task, const struct pen_kernel *kernel,
                       const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
                       struct pen_rect block, int thread, struct pen_ray_counts *rays)
@@ -104,6 +95,8 @@ void pen_refine_block(const struct pen_render_task *task, const struct pen_kerne
     }
     if (!task->pixel_by_pixel)
         pen_trace_samples(kernel, input, scratch, ranges, count, rays);
-    for (int i = 0; i < count; i++)
-        finish_pixel(task, (size_t)(ranges[i].sums - task->adaptive->sums));
+    for (int i = 0; i < count; i++) {
+        const size_t at = (size_t)(ranges[i].sums - task->adaptive->sums);
+        pen_adaptive_estimate(task->adaptive, at, &task->rgb[3 * at]);
+    }
 }

@@ -382,7 +382,7 @@ static void take_noise(struct pen_adaptive *a, uint64_t *state)
             for (; sums->kept[half] < sums->samples / 2; sums->kept[half]++)
                 for (int c = 0; c < 3; c++)
                     sums->sum[half][c] += 0.5 + deviation_at(i % width, i / width) * normal(state);
-        pen_adaptive_estimate(a, (size_t)i);
+        pen_adaptive_estimate(a, (size_t)i, (float[3]){0});
     }
 }
 

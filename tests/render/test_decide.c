@@ -64,7 +64,7 @@ START_TEST(test_decide__estimates_are_right_in_the_mean_over_all_cases)
                 set_grey(a->sums, half, values[v][i >> half & 1], 4);
                 mean += values[v][i >> half & 1] / 2;
             }
-            pen_adaptive_estimate(a, 0);
+            pen_adaptive_estimate(a, 0, (float[3]){0});
             ck_assert_double_eq_tol((double)a->estimates[0].value[0], srgb(mean), 1e-6);
             estimated += (double)a->estimates[0].error / CASES;
             truth += (srgb(mean) - right) * (srgb(mean) - right) / CASES;
@@ -81,11 +81,11 @@ START_TEST(test_decide__what_is_brighter_than_white_is_white)
     struct pen_adaptive *a = begin(1, 1, PEN_SETTING_LINEAR);
     set_grey(a->sums, 0, 2, 4);
     set_grey(a->sums, 1, 4, 4);
-    pen_adaptive_estimate(a, 0);
+    pen_adaptive_estimate(a, 0, (float[3]){0});
     ck_assert(a->estimates[0].value[1] == 1 && a->estimates[0].error == 0);
     set_grey(a->sums, 0, 0.5,
              4); /* the mean is white, this is off by a half, the other by nothing */
-    pen_adaptive_estimate(a, 0);
+    pen_adaptive_estimate(a, 0, (float[3]){0});
     ck_assert(a->estimates[0].value[1] == 1);
     ck_assert_double_eq_tol((double)a->estimates[0].error, 0.125, 1e-6);
     end(a);
@@ -113,7 +113,7 @@ START_TEST(test_decide__an_edge_between_pixels_is_as_uncertain_as_what_samples_c
         for (int i = 0; i < SIDE * SIDE; i++) {
             for (int half = 0; half < 2; half++)
                 set_grey(&a->sums[i], half, i % SIDE < SIDE / 2 ? 0.1 : 0.9, each);
-            pen_adaptive_estimate(a, (size_t)i);
+            pen_adaptive_estimate(a, (size_t)i, (float[3]){0});
         }
         const double n = 2 * each, least = sqrt(0.64 / (n * n) / 6 * 2 / SIDE);
         struct pen_decision d = decide(a, least);
@@ -157,7 +157,7 @@ static void take_samples(struct pen_adaptive *a, struct random *random, deviatio
             for (int c = 0; c < 3; c++)
                 sums->sum[half][c] += 0.5 * more + noise;
         }
-        pen_adaptive_estimate(a, (size_t)i);
+        pen_adaptive_estimate(a, (size_t)i, (float[3]){0});
     }
 }
 
@@ -214,7 +214,7 @@ static void set_doubled(struct pen_adaptive *a, struct random *random, double be
         sums->before = (float)(before * earlier * earlier);
         for (int half = 0; half < 2; half++)
             set_grey(sums, half, half == 0 ? 0.5 - apart : 0.5 + apart, 4);
-        pen_adaptive_estimate(a, (size_t)i);
+        pen_adaptive_estimate(a, (size_t)i, (float[3]){0});
     }
 }
 
