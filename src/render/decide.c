@@ -30,7 +30,9 @@ static const double LEAST_ROUND = 1.0 / 32;
 /* The rate at which it falls across an edge; where a picture is smooth it falls faster. */
 static const double EDGE_RATE = 1.5;
 
-enum { SLICES = 64 };
+/* The pixels of a slice, if there are no more than so many slices. Each slice has sums of its own,
+ * which cost some microseconds. */
+enum { SLICE_PIXELS = 2048, SLICES_MOST = 64 };
 
 /* Numbers of samples, by their binary logarithm. */
 enum { SIZES = 32 };
@@ -56,6 +58,7 @@ struct slice {
 struct pass {
     struct pen_adaptive *adaptive;
     struct slice *slices;
+    int slice_count;
     double overstatement[SIZES];       /* by number of samples */
     double after_doublings[2 * SIZES]; /* which part of an error is left after i - SIZES of them */
     void (*visit)(struct pen_adaptive *adaptive, const struct pass *pass, struct slice *slice);
@@ -67,23 +70,32 @@ static void visit_slices(void *user, int thread)
     struct pass *pass = user;
     int i;
     (void)thread;
-    while ((i = atomic_fetch_add_explicit(&pass->next, 1, memory_order_relaxed)) < SLICES)
+    while ((i = atomic_fetch_add_explicit(&pass->next, 1, memory_order_relaxed)) <
+           pass->slice_count)
         pass->visit(pass->adaptive, pass, &pass->slices[i]);
 }
 
 static void run_pass(struct pen_thread_pool *pool, struct pass *pass)
 {
     const int size = pen_thread_pool_size(pool);
-    const int threads = size < SLICES ? size : SLICES;
+    const int threads = size < pass->slice_count ? size : pass->slice_count;
     atomic_store(&pass->next, 0);
     pen_thread_pool_run(pool, threads, visit_slices, pass);
 }
 
-/* The slices of a state, and one more for their sum; all empty. They have a megabyte, so they are
- * made once. Fails: NULL; PEN_NO_MEMORY. */
+/* How many slices a picture has. */
+static int slices_in(const struct pen_settings *s)
+{
+    const double full = (double)s->width * s->height / SLICE_PIXELS;
+    return full < 1 ? 1 : full < SLICES_MOST ? (int)full : SLICES_MOST;
+}
+
+/* The slices of a state, and one more for their sum; all empty. They have up to a megabyte, so they
+ * are made once. Fails: NULL; PEN_NO_MEMORY. */
 static struct slice *slices_of(struct pen_adaptive *a, struct pen_status *st)
 {
-    const size_t bytes = (SLICES + 1) * sizeof(struct slice);
+    const int count = slices_in(a->settings);
+    const size_t bytes = (size_t)(count + 1) * sizeof(struct slice);
     if (!a->slices)
         a->slices = pen_memory_large(bytes);
     if (!a->slices) {
@@ -91,9 +103,9 @@ static struct slice *slices_of(struct pen_adaptive *a, struct pen_status *st)
         return NULL;
     }
     struct slice *slices = memset(a->slices, 0, bytes);
-    for (int i = 0; i < SLICES; i++) {
-        slices[i].first_row = (int)((int64_t)a->settings->height * i / SLICES);
-        slices[i].end_row = (int)((int64_t)a->settings->height * (i + 1) / SLICES);
+    for (int i = 0; i < count; i++) {
+        slices[i].first_row = (int)((int64_t)a->settings->height * i / count);
+        slices[i].end_row = (int)((int64_t)a->settings->height * (i + 1) / count);
     }
     return slices;
 }
@@ -160,9 +172,9 @@ static void visit_doubled(struct pen_adaptive *a, const struct pass *pass, struc
     }
 }
 
-static void add_doubled(const struct slice *slices, struct slice *all)
+static void add_doubled(const struct slice *slices, int count, struct slice *all)
 {
-    for (int i = 0; i < SLICES; i++)
+    for (int i = 0; i < count; i++)
         for (int size = 0; size < SIZES; size++) {
             all->before[size] += slices[i].before[size];
             all->after[size] += slices[i].after[size];
@@ -275,9 +287,9 @@ static void visit_around(struct pen_adaptive *a, const struct pass *pass, struct
 }
 
 /* Adds the slices up, in order. */
-static void add_slices(const struct slice *slices, struct slice *all)
+static void add_slices(const struct slice *slices, int count, struct slice *all)
 {
-    for (int i = 0; i < SLICES; i++) {
+    for (int i = 0; i < count; i++) {
         const struct slice *s = &slices[i];
         all->error += s->error;
         all->least_error += s->least_error;
@@ -373,10 +385,11 @@ bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool,
                          const struct pen_goal *goal, struct pen_decision *decision,
                          struct pen_status *st)
 {
-    struct pass pass = {.adaptive = a, .slices = slices_of(a, st)};
+    struct pass pass = {
+        .adaptive = a, .slices = slices_of(a, st), .slice_count = slices_in(a->settings)};
     if (!pass.slices)
         return false;
-    struct slice *all = &pass.slices[SLICES];
+    struct slice *all = &pass.slices[pass.slice_count];
     for (int i = 0; i < 2 * SIZES; i++)
         pass.after_doublings[i] = pen_pow(2, RATE * (SIZES - i));
     for (int i = 0; i < SIZES; i++)
@@ -384,7 +397,7 @@ bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool,
     if (a->refined) {
         pass.visit = visit_doubled;
         run_pass(pool, &pass);
-        add_doubled(pass.slices, all);
+        add_doubled(pass.slices, pass.slice_count, all);
         for (int i = 0; i < SIZES; i++)
             pass.overstatement[i] = overstatement(all, i);
     }
@@ -392,7 +405,7 @@ bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool,
     run_pass(pool, &pass);
     pass.visit = visit_around;
     run_pass(pool, &pass);
-    add_slices(pass.slices, all);
+    add_slices(pass.slices, pass.slice_count, all);
     *decision = decision_of(all, (double)a->settings->width * a->settings->height, goal);
     return true;
 }

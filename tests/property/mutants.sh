@@ -549,7 +549,7 @@ judge_libm
 
 # Adaptive rendering: estimates, decisions and rounds.
 mutant adaptive_own render/test_adaptive 0 "what is refined is chosen by a pixel's own estimate, not by its neighbours'"
-edit src/render/decide.c 1 's/^            const double around = error_around\(a, x, y\);$/            const double around = (double)a->errors[at] + 0 * error_around(a, x, y);/'
+edit src/render/decide.c 1 's/^            const double around = error_around\(a, pass, x, y\);$/            const double around = (double)a->errors[at] + 0 * error_around(a, pass, x, y);/'
 judge_test
 
 mutant adaptive_unseen render/test_decide 0 "an edge that no sample has seen does not exist"
@@ -609,7 +609,7 @@ edit src/render/decide.c 1 's/return 2\.0 \* a->sums/return 4.0 * a->sums/'
 judge_test
 
 mutant adaptive_order render/test_decide 0 "each thread adds up the slices that it takes, and the order is that of threads"
-edit src/render/decide.c 7 's/^        pass->visit\(pass->adaptive, &pass->slices\[i\]\);$/    {\n        struct slice *mine = \&pass->slices[thread];\n        const int height = pass->adaptive->settings->height;\n        mine->first_row = (int)((int64_t)height * i \/ SLICES);\n        mine->end_row = (int)((int64_t)height * (i + 1) \/ SLICES);\n        pass->visit(pass->adaptive, mine);\n    }/'
+edit src/render/decide.c 7 's/^        pass->visit\(pass->adaptive, pass, &pass->slices\[i\]\);$/    {\n        struct slice *mine = \&pass->slices[thread];\n        const int height = pass->adaptive->settings->height;\n        mine->first_row = (int)((int64_t)height * i \/ pass->slice_count);\n        mine->end_row = (int)((int64_t)height * (i + 1) \/ pass->slice_count);\n        pass->visit(pass->adaptive, pass, mine);\n    }/'
 judge_test
 
 mutant adaptive_uniform render/test_decide 0 "all pixels get the same number of samples"

@@ -254,11 +254,11 @@ START_TEST(test_decide__is_the_same_to_the_bit_for_any_number_of_threads)
 {
     struct pen_status st;
     struct random random = random_begin(20261125);
-    struct pen_adaptive *a = begin(64, 64, PEN_SETTING_SRGB);
+    struct pen_adaptive *a = begin(128, 128, PEN_SETTING_SRGB);
     for (int picture = 0; picture < 30; picture++) {
         struct pen_decision want = {.level = 0};
         uint64_t first = 0;
-        memset(a->wanted, 1, 64 * 64);
+        memset(a->wanted, 1, 128 * 128);
         take_samples(a, &random, of_all_sizes);
         for (int threads = 1; threads <= 5; threads += 2) {
             pen_thread_pool_free(pool);
@@ -272,7 +272,7 @@ START_TEST(test_decide__is_the_same_to_the_bit_for_any_number_of_threads)
             ck_assert(d.error == want.error && d.low == want.low && d.high == want.high);
             ck_assert(d.level == want.level && selected == first);
         }
-        for (int i = 0; i < 64 * 64; i++)
+        for (int i = 0; i < 128 * 128; i++)
             a->sums[i] = (struct pen_pixel_sums){.samples = 0};
     }
     end(a);
