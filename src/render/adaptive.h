@@ -1,33 +1,36 @@
 /* SPDX-License-Identifier: MIT */
 /* Adaptive rendering: to a target error instead of numbers of samples.
  *
- * The samples of a pixel are the beginning of one scrambled Sobol' sequence (math/sample.h), 2^k of
- * them. Its first and its second half are each as evenly spread as a sequence of their length can
- * be, and either is as likely to be any such set. So with a and b the means of the halves, and V
- * the mean square error of their mean, (a - b)^2 / 4 is in the mean V (1 - r) / (1 + r), where r is
- * the correlation of their errors. Independent halves would have r = 0. These are better than that:
- * the second fills what the first leaves open, so that what one has too much the other has too
- * little. Across an edge, where V falls with the number n of samples as n^-1.5, r is -0.29: V is
- * 0.7 of what independent halves would have, and is taken for 1.8 times what it is. The estimate is
- * too low where r > 0, for features of about the size of the cells that the sequence fills next.
- * The worst that was found is 0.74 of V: stripes or waves at 45 degrees, 0.35 to 0.5 pixels from
- * one to the next, and two samples; with four it is 1.0 (tests/render/test_halves.c).
+ * The samples of a pixel are the first 2^k points of one scrambled Sobol' sequence
+ * (math/sample.h). Their two halves are each as evenly spread as so many points can be, and
+ * exchangeable. So with a and b the means of the halves, q(n) the mean square error of a mean of n
+ * samples, and n samples in each half,
+ *     (a - b)^2 / 4 is q(n) - q(2n) in the mean.
+ * Independent halves would have q(2n) = q(n) / 2, so that this would be q(2n), the error of their
+ * mean. These are better: the second half fills what the first leaves open. Across an edge q falls
+ * as n^-1.5, and then q(2n) is 0.7 of what independent halves would have, and the halves tell 1.8
+ * times as much as it is. What they tell too much is known as soon as there was a doubling before:
+ * see overstatement in decide.c. They tell too little only where q falls more slowly than that of
+ * independent samples, which it does for features of about the size of the cells that the sequence
+ * fills next. The worst that was found is 0.74 of q, with two samples: stripes or waves at 45
+ * degrees, 0.35 to 0.5 pixels from one to the next. With four it is 1.0
+ * (tests/render/test_halves.c).
  *
  * Rendering goes in rounds. The first, the pilot, takes pen_settings_pilot samples of every pixel.
- * After a round the error of the whole picture is estimated. While that
- * is above the target, the next round doubles the samples of the pixels that lower it most, so that
- * estimates are looked at only after doublings. A decision is a pure function of the sums of all
- * pixels, and these are a pure function of scene, settings and decisions. So the picture has the
- * same bits for any number of threads and any order of tiles.
+ * After a round the error of the whole picture is estimated. While that is above the target, the
+ * next round doubles the samples of the pixels that lower it most, so that estimates are looked at
+ * only after doublings. A decision is a pure function of the sums of all pixels, and these are a
+ * pure function of scene, settings and decisions. So the picture has the same bits for any number
+ * of threads and any order of tiles.
  *
  * The error is the root mean square of all values of the picture, each clamped to [0, 1] and
  * encoded by the transfer function, against the picture with all sampled effects converged.
  *
  * How the rule is made:
  *  - A pixel's own estimate has a single degree of freedom. If pixels whose halves agree by chance
- *    were left as they are, the mean of the estimates would be too low. So what is refined
- *    is chosen by the estimates of a pixel's eight neighbours, which are independent of its own;
- * the mean of the own ones then stays true.
+ *    were left as they are, the mean of the estimates would be too low. So what is refined is
+ *    chosen by the estimates of a pixel's eight neighbours, which are independent of its own; the
+ *    mean of the own ones then stays true.
  *  - Samples may miss an edge that passes between them, and then both halves agree. Such an edge
  *    separates pixels of different values. So a pixel's estimate is at least that of an unseen edge
  *    as strong as the largest difference to a neighbour: see unseen_edge in decide.c.
@@ -95,7 +98,8 @@ uint32_t pen_adaptive_begin_pixel(struct pen_adaptive *adaptive, size_t pixel);
 /* The probability with which the interval of an estimated error covers it. */
 #define PEN_ADAPTIVE_CONFIDENCE 0.99
 
-/* What is known after a round. */
+/* What is known after a round. The lower end of the interval allows for every pixel's error to be
+ * as far below what its halves tell as it is across an edge. */
 struct pen_decision {
     double error, low, high; /* the estimated error and its interval */
     bool met;                /* high is at most the target */

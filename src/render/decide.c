@@ -185,11 +185,12 @@ static void add_doubled(const struct slice *slices, int count, struct slice *all
 
 /* By how much the estimates of pixels with 2n samples are above their errors, at least. With q(n)
  * the mean square error of n samples, the halves of 2n tell q(n) - q(2n) (adaptive.h), and those of
- * n told q(n/2) - q(n). If q falls by a factor R with each doubling, the first is (R - 1) q(2n),
- * and R is the ratio of the two. Their sums over many pixels tell it with an interval, whose lower
- * end counts. Errors of an edge fall by 2^1.5; more is not taken into account, nor less than 2:
- * samples are not worse than independent ones. The pilot's pixels have no earlier estimate, and the
- * factor of the others may not be theirs, since they were not chosen to be refined. */
+ * n have told q(n / 2) - q(n). If q falls by the factor R with each doubling, R is the ratio of the
+ * two, and what the former tell is R - 1 times q(2n). The sums of both over many pixels give R with
+ * an interval, of which the lower end is taken. Edges have R = 2^1.5; a picture that is smooth has
+ * more, which is not made use of. Below 2 nothing is added: that would say that samples are worse
+ * than independent ones. Pixels of the pilot have no earlier estimate, and R of the others may not
+ * be theirs, since these were chosen to be refined. */
 static double overstatement(const struct slice *all, int size)
 {
     const double before = all->before[size], after = all->after[size];
