@@ -22,6 +22,7 @@
  *   lane_words_count             0, 1 and so on, by lane
  *   lane_halves                  32 bits to a lane, with the same operations
  *   lane_halves_count, lane_words_of_halves
+ *   lane_halves_of_words         the lower 32 bits
  *   lanes_gather                 table[i], i from 0 on
  *
  * Every operation rounds as the scalar one does. So code that is written once in lanes gives the

@@ -55,8 +55,8 @@ static inline lane_halves lanes_reverse_bits(lane_halves x)
     return (x >> 1 & 0x55555555) | (x & 0x55555555) << 1;
 }
 
-/* Owen's scrambling of numbers given and returned with their bits reversed. */
-static inline lane_halves lanes_scramble_reversed(lane_halves x, uint32_t seed)
+/* Owen's scrambling of numbers given and returned with their bits reversed, each with a seed. */
+static inline lane_halves lanes_scramble_reversed(lane_halves x, lane_halves seed)
 {
     x ^= x * 0x3D20ADEAu;
     x += seed;
@@ -78,18 +78,52 @@ static inline lane_halves lanes_second_reversed(lane_halves x)
     return x ^ (x >> 1 & 0x55555555);
 }
 
-/* pen_sobol2 of index, index + 1 and so on. */
-static inline struct lanes_point2 lanes_sobol2(uint64_t hash, uint32_t index)
+/* The seeds of the scramblings of a sequence: of its order, and of both coordinates. */
+struct lanes_seeds {
+    lane_halves order, x, y;
+};
+
+static inline struct lanes_point2 lanes_sobol2_of(struct lanes_seeds seed, lane_halves index)
 {
-    const uint32_t order_seed = (uint32_t)(hash * LANES_GOLDEN >> 32);
-    lane_halves s = lanes_reverse_bits(index + lane_halves_count());
-    s = lanes_reverse_bits(lanes_scramble_reversed(s, order_seed));
-    const lane_halves x = lanes_scramble_reversed(s, (uint32_t)hash);
-    const lane_halves y = lanes_scramble_reversed(lanes_second_reversed(s), (uint32_t)(hash >> 32));
+    const lane_halves s =
+        lanes_reverse_bits(lanes_scramble_reversed(lanes_reverse_bits(index), seed.order));
+    const lane_halves x = lanes_scramble_reversed(s, seed.x);
+    const lane_halves y = lanes_scramble_reversed(lanes_second_reversed(s), seed.y);
     return (struct lanes_point2){
         lanes_unit_interval(lane_words_of_halves(lanes_reverse_bits(x))),
         lanes_unit_interval(lane_words_of_halves(lanes_reverse_bits(y))),
     };
+}
+
+/* pen_sobol2 of index, index + 1 and so on. */
+static inline struct lanes_point2 lanes_sobol2(uint64_t hash, uint32_t index)
+{
+    const lane_halves zero = lane_halves_count() - lane_halves_count();
+    const struct lanes_seeds seed = {zero + (uint32_t)(hash * LANES_GOLDEN >> 32),
+                                     zero + (uint32_t)hash, zero + (uint32_t)(hash >> 32)};
+    return lanes_sobol2_of(seed, index + lane_halves_count());
+}
+
+/* pen_sobol2 of an index with a hash, each in its lane. */
+static inline struct lanes_point2 lanes_sobol2_each(lane_words hash, lane_halves index)
+{
+    const struct lanes_seeds seed = {lane_halves_of_words(hash * LANES_GOLDEN >> 32),
+                                     lane_halves_of_words(hash), lane_halves_of_words(hash >> 32)};
+    return lanes_sobol2_of(seed, index);
+}
+
+/* pen_sample_hash in two steps: what keys with a seed share that differ in their purpose, pixel is
+ * its y above its x, sequence the node above the pixel sample; and then that with a purpose, for
+ * light 0. */
+static inline lane_words lanes_sample_hash(uint64_t seed, lane_words pixel, lane_words sequence)
+{
+    const lane_words h = lanes_mix((pen_mix64(seed) ^ pixel) + LANES_GOLDEN);
+    return lanes_mix((h ^ sequence) + LANES_GOLDEN);
+}
+
+static inline lane_words lanes_sample_purpose(lane_words shared, uint32_t purpose)
+{
+    return lanes_mix((shared ^ purpose) + LANES_GOLDEN);
 }
 
 /* pen_disk_of_square, without its case for the square's centre: lanes_unit_interval gives no such

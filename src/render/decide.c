@@ -46,7 +46,7 @@ struct slice {
     double before[SIZES], after[SIZES];                 /* see overstatement: sums of errors, */
     double before_squares[SIZES], after_squares[SIZES]; /* and of their squares */
     double error, squares;                              /* of the pixels' own estimates, */
-    double least_error;                                 /* and what these may be in truth */
+    double told;                                        /* and what their halves tell */
     double around;            /* errors as neighbours tell them: of all pixels, */
     double at_level[LEVELS];  /* of those with that priority, */
     uint64_t samples[LEVELS]; /* whose next round takes so many samples, */
@@ -59,7 +59,10 @@ struct pass {
     struct pen_adaptive *adaptive;
     struct slice *slices;
     int slice_count;
-    double overstatement[SIZES];       /* by number of samples */
+    /* By number of samples: 1 / overstatement, and the error of an unseen edge for each unit of
+     * square_difference. */
+    double truth[SIZES];
+    float unseen[SIZES];
     double after_doublings[2 * SIZES]; /* which part of an error is left after i - SIZES of them */
     void (*visit)(struct pen_adaptive *adaptive, const struct pass *pass, struct slice *slice);
     atomic_int next;
@@ -110,21 +113,24 @@ static struct slice *slices_of(struct pen_adaptive *a, struct pen_status *st)
     return slices;
 }
 
+static int size_of(uint32_t samples)
+{
+    return samples > 0 ? 31 - __builtin_clz(samples) : 0;
+}
+
 /* Whether a pixel may not have twice as many samples. */
 static bool is_capped(const struct pen_adaptive *a, size_t pixel)
 {
     return 2.0 * a->sums[pixel].samples > a->settings->max_samples;
 }
 
-static double square_difference(const struct pen_pixel_estimate *a,
-                                const struct pen_pixel_estimate *b)
+/* Three times the mean square of what values differ. */
+static float square_difference(const struct pen_pixel_estimate *a,
+                               const struct pen_pixel_estimate *b)
 {
-    double sum = 0;
-    for (int c = 0; c < 3; c++) {
-        const double d = (double)a->value[c] - (double)b->value[c];
-        sum += d * d / 3;
-    }
-    return sum;
+    const float d[] = {a->value[0] - b->value[0], a->value[1] - b->value[1],
+                       a->value[2] - b->value[2]};
+    return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
 }
 
 /* The mean square error of an edge that no sample has seen. n samples that are stratified along
@@ -132,28 +138,20 @@ static double square_difference(const struct pen_pixel_estimate *a,
  * separates this pixel from a neighbour is in the strip of one of the two. If it is anywhere in
  * them, the mean square of the width that it cuts off is between (1 / n)^2 / 6 and (2 / n)^2 / 6.
  */
-static double unseen_edge(const struct pen_adaptive *a, int x, int y)
+static float unseen_edge(const struct pen_adaptive *a, const struct pass *pass, int x, int y)
 {
-    static const int to_x[] = {-1, 1, 0, 0}, to_y[] = {0, 0, -1, 1};
     const int width = a->settings->width, height = a->settings->height;
-    const size_t at = (size_t)y * (size_t)width + (size_t)x;
-    double most = 0;
+    const struct pen_pixel_estimate *e = &a->estimates[(size_t)y * (size_t)width + (size_t)x];
+    /* Beyond the picture's borders is what is within. */
+    const struct pen_pixel_estimate *const neighbour[] = {
+        x > 0 ? e - 1 : e, x + 1 < width ? e + 1 : e, y > 0 ? e - width : e,
+        y + 1 < height ? e + width : e};
+    float most = 0;
     for (int i = 0; i < 4; i++) {
-        const int u = x + to_x[i], v = y + to_y[i];
-        if (u < 0 || v < 0 || u >= width || v >= height)
-            continue;
-        const struct pen_pixel_estimate *other =
-            &a->estimates[(size_t)v * (size_t)width + (size_t)u];
-        const double square = square_difference(&a->estimates[at], other);
+        const float square = square_difference(e, neighbour[i]);
         most = square > most ? square : most;
     }
-    const double n = a->sums[at].samples;
-    return n > 0 ? UNSEEN * most / (n * n) : 0;
-}
-
-static int size_of(uint32_t samples)
-{
-    return samples > 0 ? 31 - __builtin_clz(samples) : 0;
+    return most * pass->unseen[size_of(a->sums[e - a->estimates].samples)];
 }
 
 /* Adds up what doublings have brought. */
@@ -205,18 +203,17 @@ static double overstatement(const struct slice *all, int size)
 /* Sets what is known of each pixel by itself. */
 static void visit_own(struct pen_adaptive *a, const struct pass *pass, struct slice *slice)
 {
-    const double most = pen_pow(2, EDGE_RATE) - 1;
     size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
     for (int y = slice->first_row; y < slice->end_row; y++)
         for (int x = 0; x < a->settings->width; x++, at++) {
-            a->unseen[at] = (float)unseen_edge(a, x, y);
+            a->unseen[at] = unseen_edge(a, pass, x, y);
             const double told = (double)a->estimates[at].error;
-            const float own = (float)(told / pass->overstatement[size_of(a->sums[at].samples)]);
+            const float own = (float)(told * pass->truth[size_of(a->sums[at].samples)]);
             a->errors[at] = own > a->unseen[at] ? own : a->unseen[at];
             const double error = (double)a->errors[at];
             slice->error += error;
             slice->squares += error * error;
-            slice->least_error += told / most;
+            slice->told += told;
         }
 }
 
@@ -293,7 +290,7 @@ static void add_slices(const struct slice *slices, int count, struct slice *all)
     for (int i = 0; i < count; i++) {
         const struct slice *s = &slices[i];
         all->error += s->error;
-        all->least_error += s->least_error;
+        all->told += s->told;
         all->squares += s->squares;
         all->around += s->around;
         all->capped_error += s->capped_error;
@@ -361,7 +358,7 @@ static struct pen_decision decision_of(const struct slice *all, double pixels,
                                        const struct pen_goal *goal)
 {
     const double mean = all->error / pixels, off = SPREAD * sqrt(all->squares) / pixels;
-    const double least = all->least_error / pixels - off;
+    const double least = all->told / (pen_pow(2, EDGE_RATE) - 1) / pixels - off;
     const double high = mean + off, low = least > 0 ? least : 0;
     struct pen_decision d = {.error = sqrt(mean),
                              .low = sqrt(low),
@@ -393,14 +390,16 @@ bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool,
     struct slice *all = &pass.slices[pass.slice_count];
     for (int i = 0; i < 2 * SIZES; i++)
         pass.after_doublings[i] = pen_pow(2, RATE * (SIZES - i));
-    for (int i = 0; i < SIZES; i++)
-        pass.overstatement[i] = 1;
+    for (int i = 0; i < SIZES; i++) {
+        pass.truth[i] = 1;
+        pass.unseen[i] = (float)(UNSEEN / 3 * pen_pow(4, -i));
+    }
     if (a->refined) {
         pass.visit = visit_doubled;
         run_pass(pool, &pass);
         add_doubled(pass.slices, pass.slice_count, all);
         for (int i = 0; i < SIZES; i++)
-            pass.overstatement[i] = overstatement(all, i);
+            pass.truth[i] = 1 / overstatement(all, i);
     }
     pass.visit = visit_own;
     run_pass(pool, &pass);

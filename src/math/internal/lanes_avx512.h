@@ -117,6 +117,11 @@ static inline lane_words lane_words_of_halves(lane_halves w)
     return (lane_words)_mm512_cvtepu32_epi64((__m256i)w);
 }
 
+static inline lane_halves lane_halves_of_words(lane_words w)
+{
+    return __builtin_convertvector(w, lane_halves);
+}
+
 /* Loads one by one: quicker than the instruction for it on many processors. */
 static inline lanes lanes_gather(const double *table, lane_words i)
 {

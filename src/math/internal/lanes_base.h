@@ -121,6 +121,11 @@ static inline lane_words lane_words_of_halves(lane_halves w)
     return w;
 }
 
+static inline lane_halves lane_halves_of_words(lane_words w)
+{
+    return (lane_halves)w;
+}
+
 static inline lanes lanes_gather(const double *table, lane_words i)
 {
     return table[i];

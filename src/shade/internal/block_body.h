@@ -11,8 +11,8 @@
 
 #include <string.h>
 
+#include "shade/internal/block_points.h"
 #include "shade/internal/block_wave.h"
-#include "shade/internal/pixel_sample.h"
 
 /* Puts the path of a camera ray, which is made, into the wave. */
 static ALWAYS_INLINE void block_begin_path(struct pen_block_scratch *b, struct block_path *wave,
@@ -170,29 +170,6 @@ static ALWAYS_INLINE int block_order(struct pen_block_scratch *b, struct pen_rec
     return pixels;
 }
 
-/* Sets all points, also those beyond the last pixel, since whole groups of LANES are computed. */
-static ALWAYS_INLINE void block_no_points(const struct pen_kernel_input *input,
-                                          struct block_points *at, const unsigned fx)
-{
-    memset(at->x, 0, sizeof at->x);
-    memset(at->y, 0, sizeof at->y);
-    if (has_lens(input, fx)) {
-        memset(at->lens_x, 0, sizeof at->lens_x);
-        memset(at->lens_y, 0, sizeof at->lens_y);
-    }
-}
-
-static ALWAYS_INLINE void block_set_point(struct block_points *at, int i,
-                                          struct pen_camera_point point, bool lens)
-{
-    at->x[i] = point.x;
-    at->y[i] = point.y;
-    if (lens) {
-        at->lens_x[i] = point.lens.x;
-        at->lens_y[i] = point.lens.y;
-    }
-}
-
 /* Samples of replicates, as the block's pixels: their radiances. */
 static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
                                          struct pen_kernel_scratch *scratch,
@@ -204,18 +181,17 @@ static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
         return; /* no kernel for replicates */
     struct pen_block_scratch *b = scratch->block;
     struct block_points at;
-    struct pixel_scrambling scrambling = {0, 0};
+    struct block_sequences sequences;
     block_no_points(input, &at, fx);
     for (int i = 0; i < count; i++) {
         b->x[i] = samples[i].x;
         b->y[i] = samples[i].y;
         b->pixel_sample[i] = PEN_SAMPLE_REPLICATE + samples[i].replicate;
         b->ray[i] = samples[i].index;
-        if (i == 0 || !same_replicate(&samples[i - 1], &samples[i]))
-            scrambling = replicate_scrambling(input, &samples[i], fx);
-        block_set_point(&at, i, replicate_point(input, &scrambling, &samples[i], fx),
-                        has_lens(input, fx));
     }
+    block_begin_sequences(input, b, b->pixel_sample, count, SEVERAL_SAMPLES, &sequences, fx);
+    memcpy(sequences.index, b->ray, (size_t)count * sizeof *b->ray);
+    block_set_points(input, &sequences, count, SEVERAL_SAMPLES, &at, fx);
     if (fx & FX_SAMPLED)
         scratch->key = replicate_key(input, &samples[0]);
     counts->primary += (uint64_t)count;
@@ -254,11 +230,11 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
     struct pen_vec3 sum[BLOCK_PIXELS], c[BLOCK_PIXELS];
     struct block_points at;
     int kept[BLOCK_PIXELS];
-    struct pixel_scrambling scrambling[BLOCK_PIXELS];
+    struct block_sequences sequences;
+    static const uint32_t the_only[BLOCK_PIXELS];
     const int samples = pixel_samples(input, fx);
     block_no_points(input, &at, fx);
-    for (int i = 0; i < pixels; i++)
-        scrambling[i] = pixel_scrambling(input, samples, b->x[i], b->y[i], fx);
+    block_begin_sequences(input, b, the_only, pixels, samples, &sequences, fx);
     for (int i = 0; (fx & PEN_FX_ANTI_ALIASING) && i < pixels; i++) {
         sum[i] = zero;
         kept[i] = 0;
@@ -267,12 +243,9 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
         scratch->key =
             (struct pen_sample_key){.seed = input->settings->seed, .purpose = PEN_PURPOSE_LIGHT};
     for (int k = 0; k < samples; k++) {
-        for (int i = 0; i < pixels; i++) {
-            struct pen_camera_point point = camera_point(input, &scrambling[i], samples, k, fx);
-            point.x += b->x[i];
-            point.y += b->y[i];
-            block_set_point(&at, i, point, has_lens(input, fx));
-        }
+        for (int i = 0; i < pixels; i++)
+            sequences.index[i] = (uint32_t)k;
+        block_set_points(input, &sequences, pixels, samples, &at, fx);
         counts->primary += (uint64_t)pixels;
         for (int i = 0; (fx & FX_SAMPLED) && (fx & PEN_FX_ANTI_ALIASING) && i < pixels; i++) {
             b->pixel_sample[i] = (uint32_t)k;

@@ -26,11 +26,11 @@ static ALWAYS_INLINE int pixel_samples(const struct pen_kernel_input *input, con
     return fx & PEN_FX_ANTI_ALIASING ? pen_camera_samples(has_lens(input, fx), input->settings) : 1;
 }
 
-static ALWAYS_INLINE struct pixel_scrambling scrambling_of(const struct pen_kernel_input *input,
-                                                           struct pen_sample_key key, int samples,
-                                                           const unsigned fx)
+static ALWAYS_INLINE struct pixel_scrambling
+pixel_scrambling(const struct pen_kernel_input *input, int samples, int x, int y, const unsigned fx)
 {
     struct pixel_scrambling s = {0, 0};
+    struct pen_sample_key key = {.seed = input->settings->seed, .x = (uint32_t)x, .y = (uint32_t)y};
     key.purpose = PEN_PURPOSE_PIXEL;
     if (samples > 1)
         s.image = pen_sample_hash(&key);
@@ -38,14 +38,6 @@ static ALWAYS_INLINE struct pixel_scrambling scrambling_of(const struct pen_kern
     if (has_lens(input, fx))
         s.lens = pen_sample_hash(&key);
     return s;
-}
-
-static ALWAYS_INLINE struct pixel_scrambling
-pixel_scrambling(const struct pen_kernel_input *input, int samples, int x, int y, const unsigned fx)
-{
-    const struct pen_sample_key key = {
-        .seed = input->settings->seed, .x = (uint32_t)x, .y = (uint32_t)y};
-    return scrambling_of(input, key, samples, fx);
 }
 
 /* The key of a sample of a replicate, for its points on lights and in cones. */
@@ -74,32 +66,6 @@ static ALWAYS_INLINE struct pen_camera_point camera_point(const struct pen_kerne
 }
 
 enum { SEVERAL_SAMPLES = 2 }; /* any number above 1: a replicate's points are never the centre */
-
-static ALWAYS_INLINE bool same_replicate(const struct pen_camera_sample *a,
-                                         const struct pen_camera_sample *b)
-{
-    return a->x == b->x && a->y == b->y && a->replicate == b->replicate;
-}
-
-/* The scramblings that all samples of a replicate share. */
-static ALWAYS_INLINE struct pixel_scrambling
-replicate_scrambling(const struct pen_kernel_input *input, const struct pen_camera_sample *sample,
-                     const unsigned fx)
-{
-    return scrambling_of(input, replicate_key(input, sample), SEVERAL_SAMPLES, fx);
-}
-
-/* Where the camera ray of a sample of a replicate crosses the image and the lens. */
-static ALWAYS_INLINE struct pen_camera_point replicate_point(const struct pen_kernel_input *input,
-                                                             const struct pixel_scrambling *s,
-                                                             const struct pen_camera_sample *sample,
-                                                             const unsigned fx)
-{
-    struct pen_camera_point point = camera_point(input, s, SEVERAL_SAMPLES, (int)sample->index, fx);
-    point.x += sample->x;
-    point.y += sample->y;
-    return point;
-}
 
 /* Points of the image and the lens, LANES at a time. */
 struct lanes_camera_point {
