@@ -3,14 +3,23 @@
  * get meanwhile. Prints lines `name value`, which the scripts beside it judge.
  *
  *   load crowd PORT PID JOB PICTURE PERCENT SECONDS
- *       connections that hold without using: at 100 per cent 5000 idle ones, 1000 that trickle,
- * 1000 that vanish, 512 polls, 500 event streams of which half vanish, 100 slow readers. After so
- *       many seconds the clients leave; how long the process PID keeps their descriptors is
- * measured load half PORT COUNT SECONDS halves of requests: COUNT connections, opened again
- * whenever the server closes one load bad PORT PER_SECOND SECONDS bad requests, each on a
- * connection of its own; with `accept` before the numbers the same load comes to a server of this
- * program that only accepts and closes load post PORT FILE CLIENTS SECONDS clients that post a file
- * to /v1/jobs again and again load ask PORT PATH SECONDS nothing but the good requests */
+ *       Connections that hold without using: at 100 per cent 5000 idle ones, 1000 that
+ *       trickle, 1000 that vanish, 512 polls, 500 event streams of which half vanish, 100 slow
+ *       readers. After so many seconds the clients leave; how long the process PID keeps their
+ *       descriptors is measured.
+ *
+ *   load half PORT COUNT SECONDS
+ *       Halves of requests: COUNT connections, opened again whenever the server closes one.
+ *
+ *   load bad PORT PER_SECOND SECONDS
+ *       Bad requests, each on a connection of its own; with 0 for the port the same load comes
+ *       to a server of this program that only accepts and closes.
+ *
+ *   load post PORT FILE CLIENTS SECONDS
+ *       Clients that post a file to /v1/jobs again and again.
+ *
+ *   load ask PORT PATH SECONDS
+ *       Nothing but the good requests. */
 #include <arpa/inet.h>
 #include <dirent.h>
 #include <errno.h>

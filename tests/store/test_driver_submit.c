@@ -207,7 +207,7 @@ START_TEST(test_driver_submit__second_job_of_an_id_is_told_and_changes_nothing)
     driver_bed_open(&bed, _i);
     struct driver_job first = driver_submit_new(bed.driver, 1, 1, 2, 5);
     store_job_init(&other, 1, 1, 1);
-    other.job.request = "another";
+    other.job.request = "{\"name\": \"another\"}";
     other.job.priority = 7;
     DRIVER_RUN(bed.driver, begin_write);
     DRIVER_DO(bed.driver, job_add, &other.job, first.scene, 16, &number, &added);

@@ -16,7 +16,7 @@
 #include "support/store_sql.h"
 #include "support/suite.h"
 
-enum { SCHEMAS = 11, FIRST_WITH_BENCHMARKS = 6, FIRST_WITH_LOCK_FILES = 9, FILE_BYTES = 1 << 20 };
+enum { SCHEMAS = 12, FIRST_WITH_BENCHMARKS = 6, FIRST_WITH_LOCK_FILES = 9, FILE_BYTES = 1 << 20 };
 
 /* The jobs of every kept store, by number. */
 static const struct {

@@ -42,6 +42,7 @@ static const char *const undo[] = {
     "DROP TABLE level;"
     "DROP TABLE meta; DROP TABLE removed; DROP TABLE cached; DROP INDEX job_removed;"
     "DROP INDEX job_by_end; ALTER TABLE job DROP COLUMN removed_ms",
+    "DROP TABLE attribute; DROP INDEX job_by_kind",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

@@ -70,6 +70,16 @@ bool pen_sqlite_scene_remove_unused(struct pen_driver *driver, int64_t number,
     return pen_sqlite_run(&query, st);
 }
 
+/* Notes what lists may be filtered by. */
+static bool add_attributes(struct pen_sqlite_store *store, int64_t job, const char *request,
+                           struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_ATTRIBUTES);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_text(&query, request);
+    return pen_sqlite_run(&query, st);
+}
+
 bool pen_sqlite_job_add(struct pen_driver *driver, const struct pen_job_new *job, int64_t scene,
                         int64_t total_pixels, int64_t *number, bool *added, struct pen_status *st)
 {
@@ -89,7 +99,8 @@ bool pen_sqlite_job_add(struct pen_driver *driver, const struct pen_job_new *job
     if (!pen_sqlite_run_changed(&query, added, st))
         return false;
     *number = sqlite3_last_insert_rowid(store->db);
-    return !*added || pen_sqlite_share_enter(driver, job, *number, st);
+    return !*added || (add_attributes(store, *number, job->request, st) &&
+                       pen_sqlite_share_enter(driver, job, *number, st));
 }
 
 bool pen_sqlite_view_add(struct pen_driver *driver, int64_t job, int view,
@@ -154,11 +165,20 @@ bool pen_sqlite_job_get(struct pen_driver *driver, const char *id, struct pen_jo
     return ok;
 }
 
+/* The statement for a list: by the condition that the fewest jobs are likely to meet. */
+static enum pen_sqlite_sql list_for(const struct pen_job_filter *filter)
+{
+    return filter->label_key    ? SQL_JOB_LIST_LABEL
+           : filter->name       ? SQL_JOB_LIST_NAME
+           : filter->state >= 0 ? SQL_JOB_LIST_STATE
+           : filter->kind       ? SQL_JOB_LIST_KIND
+                                : SQL_JOB_LIST;
+}
+
 bool pen_sqlite_job_page(struct pen_driver *driver, const struct pen_job_filter *filter,
                          struct pen_job_row *rows, int *count, struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(
-        pen_sqlite_of(driver), filter->state < 0 ? SQL_JOB_LIST : SQL_JOB_LIST_STATE);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), list_for(filter));
     pen_sqlite_int(&query, filter->below ? filter->below : INT64_MAX);
     pen_sqlite_text(&query, filter->kind);
     pen_sqlite_int(&query, filter->limit);

@@ -16,6 +16,8 @@
  *                   last used
  * peer, lane        shares: what an address was served at a priority; the labels of its jobs. A
  *                   lane goes with its last unfinished job
+ * attribute         what lists of jobs are filtered by: of a job its `name`, and for each label
+ *                   `label:` and its key
  * worker            the list of workers, for readers, and the inode of the file that each locked
  *
  * Numbers of jobs and batches are never reused (AUTOINCREMENT): a claim names a batch by number and
@@ -257,8 +259,23 @@ static const char step_12[] =
     "CREATE INDEX batch_open_of_lane ON batch(lane, job, id) WHERE state = 0;"
     "CREATE INDEX job_by_service ON job(lane, spent_us, number) WHERE state < 2;";
 
-static const char *const steps[] = {step_1, step_2, step_3, step_4,  step_5,  step_6,
-                                    step_7, step_8, step_9, step_10, step_11, step_12};
+/* Lists of jobs by kind, name or label, so that they need not read all jobs. */
+static const char step_13[] =
+    "CREATE TABLE attribute ("
+    " key TEXT NOT NULL,"
+    " value TEXT NOT NULL,"
+    " job INTEGER NOT NULL REFERENCES job(number) ON DELETE CASCADE,"
+    " PRIMARY KEY (key, value, job)"
+    ") STRICT, WITHOUT ROWID;"
+    "CREATE INDEX attribute_by_job ON attribute(job);"
+    "CREATE INDEX job_by_kind ON job(kind, number);"
+    "INSERT INTO attribute SELECT 'name', json_extract(request, '$.name'), number FROM job"
+    " WHERE json_valid(request) AND json_type(request, '$.name') = 'text';"
+    "INSERT INTO attribute SELECT 'label:' || l.key, l.value, number FROM job,"
+    " json_each(iif(json_valid(request), request, '{}'), '$.labels') l WHERE l.type = 'text';";
+
+static const char *const steps[] = {step_1, step_2, step_3,  step_4,  step_5,  step_6, step_7,
+                                    step_8, step_9, step_10, step_11, step_12, step_13};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 /* Reads the schema's version by SQL, because the header of the file can be older than its log. */

@@ -53,11 +53,19 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
           " ORDER BY o.served_us DESC LIMIT 1)")
 #define SPENT_BATCH "b.id = ?1 AND b.attempt = ?2 AND b.state = 1 AND b.spent_us < ?3"
 
-/* The kind, name and label of a list of jobs. */
-#define JOB_MATCHES                                                                                \
-    " AND (?2 IS NULL OR kind = ?2) AND (?4 IS NULL OR json_extract(request, '$.name') = ?4)"      \
-    " AND (?5 IS NULL OR EXISTS (SELECT 1 FROM json_each(request, '$.labels') l"                   \
-    " WHERE l.key = ?5 AND l.value = ?6))"
+/* The jobs of a list: those before ?1 of a kind, state, name and label, each of which may be NULL.
+ * One statement for each way to find them, in which one of the four is not NULL. */
+#define HAS(key, value)                                                                            \
+    "EXISTS (SELECT 1 FROM attribute a WHERE a.key = " key " AND a.value = " value                 \
+    " AND a.job = number)"
+#define JOBS_THAT_MATCH(tables)                                                                    \
+    "SELECT " JOB_COLUMNS " FROM " tables " WHERE number < ?1 AND removed_ms = 0"                  \
+    " AND (?2 IS NULL OR kind = ?2) AND (?7 IS NULL OR state = ?7)"                                \
+    " AND (?4 IS NULL OR " HAS("'name'", "?4") ") AND (?5 IS NULL OR " HAS("'label:' || ?5",       \
+                                                                           "?6") ")"
+#define NEWEST_FIRST " ORDER BY number DESC LIMIT ?3"
+#define WITH_ATTRIBUTE "attribute f CROSS JOIN job ON number = f.job"
+#define NEWEST_ATTRIBUTE_FIRST " AND f.job < ?1 ORDER BY f.job DESC LIMIT ?3"
 
 /* The lane of a priority, an address and a label. */
 #define LANE_OF                                                                                    \
@@ -106,12 +114,17 @@ static const char *const sql_text[] = {
         " ON CONFLICT (job, view) WHERE kind = 1 DO NOTHING",
 
     [SQL_JOB_GET] = "SELECT " JOB_COLUMNS " FROM job WHERE id = ? AND removed_ms = 0",
-    [SQL_JOB_LIST] =
-        "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1 AND removed_ms = 0" JOB_MATCHES
-        " ORDER BY number DESC LIMIT ?3",
-    [SQL_JOB_LIST_STATE] =
-        "SELECT " JOB_COLUMNS " FROM job WHERE number < ?1 AND removed_ms = 0" JOB_MATCHES
-        " AND state = ?7 ORDER BY number DESC LIMIT ?3",
+    [SQL_JOB_LIST] = JOBS_THAT_MATCH("job") NEWEST_FIRST,
+    [SQL_JOB_LIST_STATE] = JOBS_THAT_MATCH("job") " AND state = ?7" NEWEST_FIRST,
+    [SQL_JOB_LIST_KIND] = JOBS_THAT_MATCH("job") " AND kind = ?2" NEWEST_FIRST,
+    [SQL_JOB_LIST_NAME] = JOBS_THAT_MATCH(
+        WITH_ATTRIBUTE) " AND f.key = 'name' AND f.value = ?4" NEWEST_ATTRIBUTE_FIRST,
+    [SQL_JOB_LIST_LABEL] = JOBS_THAT_MATCH(
+        WITH_ATTRIBUTE) " AND f.key = 'label:' || ?5 AND f.value = ?6" NEWEST_ATTRIBUTE_FIRST,
+    [SQL_JOB_ATTRIBUTES] = "INSERT INTO attribute SELECT 'name', json_extract(?2, '$.name'), ?1"
+                           " WHERE json_type(?2, '$.name') = 'text' UNION ALL"
+                           " SELECT 'label:' || l.key, l.value, ?1 FROM json_each(?2, '$.labels') l"
+                           " WHERE l.type = 'text'",
     [SQL_JOB_FIND] = "SELECT number, state, scene FROM job WHERE id = ? AND removed_ms = 0",
     [SQL_JOB_COUNTS] = "SELECT state, count(*) - (SELECT count(*) FROM job r WHERE r.removed_ms > 0"
                        " AND r.state = job.state) FROM job GROUP BY state",

@@ -38,11 +38,14 @@ until [ "$(curl -sS -f "$url/v1/jobs/$half" | jq .progress.done)" -gt 0 ]; do
     sleep 0.05
 done
 kill -9 "$daemon" $(pgrep -P "$daemon")
-wait "$daemon" || true
+wait "$daemon" || [ $? -eq 137 ] # 128 + SIGKILL
 
 python3 - "$work/store.db" <<'END'
 import sqlite3, sys
 store = sqlite3.connect(sys.argv[1])
+if store.execute("SELECT 1 FROM sqlite_schema WHERE name = 'meta'").fetchone():
+    store.execute("UPDATE meta SET value = 0 WHERE name = 'log'")  # its log is folded into it below
+    store.commit()
 store.execute("PRAGMA wal_checkpoint(TRUNCATE)")
 store.execute("PRAGMA journal_mode = DELETE")
 for row in store.execute("SELECT number, state, done_pixels, total_pixels FROM job"):
