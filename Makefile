@@ -297,6 +297,11 @@ $(LOAD): $(LOAD_OBJ) $(BUILD)/src/base/clock.o
 load: all $(LOAD)
 	@sh tests/load/load.sh $(BUILD)
 
+# A daemon that is used for MINUTES (30): jobs of all kinds, readers, cancels, kills, restarts, limits of what is kept.
+.PHONY: soak
+soak: all $(LOAD)
+	@sh tests/load/soak.sh $(BUILD)
+
 # A failing disk, which a test preloads into a daemon. Compiled without sanitizers, since it is loaded
 # before their library.
 $(FAULTS): tests/faults/preload.c

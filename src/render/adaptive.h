@@ -9,12 +9,12 @@
  * Independent halves would have q(2n) = q(n) / 2, so that this would be q(2n), the error of their
  * mean. These are better: the second half fills what the first leaves open. Across an edge q falls
  * as n^-1.5, and then q(2n) is 0.7 of what independent halves would have, and the halves tell 1.8
- * times as much as it is. What they tell too much is known as soon as there was a doubling before:
- * see overstatement in decide.c. They tell too little only where q falls more slowly than that of
- * independent samples, which it does for features of about the size of the cells that the sequence
- * fills next. The worst that was found is 0.74 of q, with two samples: stripes or waves at 45
- * degrees, 0.35 to 0.5 pixels from one to the next. With four it is 1.0
- * (tests/render/test_halves.c).
+ * times as much as it is. A part of what they tell too much is known as soon as there was a
+ * doubling before: see true_part in decide.c. They tell too little where q falls more slowly than
+ * that of independent samples, as it does for a while with features as large as the cells that the
+ * sequence fills next. The worst that was found: 0.74 of q with two samples, for stripes or waves
+ * at 45 degrees that are 0.35 to 0.5 pixels from one to the next; 0.8 with eight, for checks of a
+ * quarter of a pixel along its sides (tests/render/test_halves.c).
  *
  * Rendering goes in rounds. The first, the pilot, takes pen_settings_pilot samples of every pixel.
  * After a round the error of the whole picture is estimated. While that is above the target, the
@@ -95,7 +95,7 @@ void pen_adaptive_estimate(struct pen_adaptive *adaptive, size_t pixel, float rg
  * Threads: any number, for different pixels. */
 uint32_t pen_adaptive_begin_pixel(struct pen_adaptive *adaptive, size_t pixel);
 
-/* The probability with which the interval of an estimated error covers it. */
+/* The probability with which an error is at most the upper end of its interval. */
 #define PEN_ADAPTIVE_CONFIDENCE 0.99
 
 /* What is known after a round. The lower end of the interval allows for every pixel's error to be

@@ -27,7 +27,7 @@ static const double STEP = 0.6;
  * whatever it refines, and without this the last rounds would refine a few pixels each. */
 static const double LEAST_ROUND = 1.0 / 32;
 
-/* The rate at which it falls across an edge; where a picture is smooth it falls faster. */
+/* The rate at which the error falls across an edge; where a picture is smooth it falls faster. */
 static const double EDGE_RATE = 1.5;
 
 /* The pixels of a slice, if there are no more than so many slices. Each slice has sums of its own,
@@ -43,7 +43,7 @@ enum { EIGHTHS = 8, LOWEST = -120, LEVELS = 128 * EIGHTHS };
 /* What is known of the pixels of a slice; then, added up, of all. */
 struct slice {
     int first_row, end_row;
-    double before[SIZES], after[SIZES];                 /* see overstatement: sums of errors, */
+    double before[SIZES], after[SIZES];                 /* see true_part: sums of errors, */
     double before_squares[SIZES], after_squares[SIZES]; /* and of their squares */
     double error, squares;                              /* of the pixels' own estimates, */
     double told;                                        /* and what their halves tell */
@@ -59,7 +59,7 @@ struct pass {
     struct pen_adaptive *adaptive;
     struct slice *slices;
     int slice_count;
-    /* By number of samples: 1 / overstatement, and the error of an unseen edge for each unit of
+    /* By number of samples: true_part, and the error of an unseen edge for each unit of
      * square_difference. */
     double truth[SIZES];
     float unseen[SIZES];
@@ -181,23 +181,27 @@ static void add_doubled(const struct slice *slices, int count, struct slice *all
         }
 }
 
-/* By how much the estimates of pixels with 2n samples are above their errors, at least. With q(n)
- * the mean square error of n samples, the halves of 2n tell q(n) - q(2n) (adaptive.h), and those of
- * n have told q(n / 2) - q(n). If q falls by the factor R with each doubling, R is the ratio of the
- * two, and what the former tell is R - 1 times q(2n). The sums of both over many pixels give R with
- * an interval, of which the lower end is taken. Edges have R = 2^1.5; a picture that is smooth has
- * more, which is not made use of. Below 2 nothing is added: that would say that samples are worse
- * than independent ones. Pixels of the pilot have no earlier estimate, and R of the others may not
- * be theirs, since these were chosen to be refined. */
-static double overstatement(const struct slice *all, int size)
+/* Which part of what the halves of pixels with 2n samples tell is their error, at most. With q(n)
+ * the mean square error of n samples, they tell q(n) - q(2n) (adaptive.h), and with n they told
+ * q(n / 2) - q(n). If q falls by the factor R with each doubling, R is the ratio of the two, and
+ * the error is 1 / (R - 1) of what is told.
+ *
+ * The sums over many pixels give R with an interval, of which the lower end is taken. But pixels
+ * differ: R is 2 where samples are as good as independent ones, 2^1.5 across most edges, 4 across
+ * edges along the pixel's sides. The mean of 1 / (R - 1) over such a mixture is at most what the
+ * straight line from 1 at R = 2 to 1/3 at R = 4 has at the mean of R, since the curve bends
+ * downwards to it; and so the line is taken, as far as 2^1.5. Below 2 it is 1: samples are not
+ * worse than independent ones. Pixels of the pilot have no earlier estimate, and R of the others
+ * may not be theirs, since these were chosen to be refined. */
+static double true_part(const struct slice *all, int size)
 {
     const double before = all->before[size], after = all->after[size];
     if (!(before > 0) || !(after > 0))
         return 1;
     const double off = SPREAD * sqrt(all->before_squares[size] / (before * before) +
                                      all->after_squares[size] / (after * after));
-    const double factor = before / after * (1 - off) - 1, most = pen_pow(2, EDGE_RATE) - 1;
-    return factor < 1 ? 1 : factor < most ? factor : most;
+    const double ratio = before / after * (1 - off), most = pen_pow(2, EDGE_RATE);
+    return ratio < 2 ? 1 : 1 - ((ratio < most ? ratio : most) - 2) / 3;
 }
 
 /* Sets what is known of each pixel by itself. */
@@ -399,7 +403,7 @@ bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool,
         run_pass(pool, &pass);
         add_doubled(pass.slices, pass.slice_count, all);
         for (int i = 0; i < SIZES; i++)
-            pass.truth[i] = 1 / overstatement(all, i);
+            pass.truth[i] = true_part(all, i);
     }
     pass.visit = visit_own;
     run_pass(pool, &pass);

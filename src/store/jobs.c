@@ -102,10 +102,15 @@ bool pen_end_job(struct pen_store *store, int64_t job, enum pen_job_state state,
     return driver->ops->job_end_batches(driver, job, st);
 }
 
+/* The time that workers have spent and not told yet is charged too: else who cancels soon enough
+ * would be served for nothing. */
 static bool write_cancel(struct pen_store *store, void *arg, struct pen_status *st)
 {
+    struct pen_driver *driver = store->driver;
     struct pen_job_key job;
-    return pen_find_job(store, arg, &job, st) &&
+    int64_t now_ms;
+    return pen_find_job(store, arg, &job, st) && driver->ops->now(driver, &now_ms, st) &&
+           driver->ops->job_charge_leases(driver, job.number, now_ms, st) &&
            pen_end_job(store, job.number, PEN_JOB_CANCELLED, NULL, st);
 }
 

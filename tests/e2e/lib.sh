@@ -41,10 +41,10 @@ trap 'exit 130' INT
 trap 'exit 143' TERM
 
 # daemon_start [ARGUMENT…]: starts a daemon with these arguments and $threads threads (default 2), and
-# sets $daemon and $url once it is ready.
+# sets $daemon and $url once it is ready. It listens on $listen, if that is set, else on a free port.
 daemon_start() {
     : >"$work/out"
-    "$build/penumbrad" --listen 127.0.0.1:0 --store "$store" --threads "${threads:-2}" "$@" \
+    "$build/penumbrad" --listen "${listen:-127.0.0.1:0}" --store "$store" --threads "${threads:-2}" "$@" \
         >"$work/out" 2>>"$work/log" &
     daemon=$!
     for _ in $(seq $((500 * patience))); do

@@ -146,5 +146,37 @@ START_TEST(test_lanes__sample_points)
 }
 END_TEST
 
+START_TEST(test_lanes__points_of_sequences_of_many_keys)
+{
+    for (int isa = 0; isa < PEN_ISA_COUNT; isa++) {
+        const struct lanes_test *test = lanes_test_of((enum pen_isa)isa);
+        struct random r = random_begin(3);
+        for (int n = random_cases(test ? 50000 : 0); n-- > 0;) {
+            const uint64_t seed = random_bits(&r);
+            const uint32_t purpose = 1 + (uint32_t)random_bits(&r) % 5;
+            struct pen_sample_key key[MAX];
+            uint32_t index[MAX];
+            struct pen_point2 sobol[MAX];
+            for (int i = 0; i < MAX; i++) {
+                key[i] = (struct pen_sample_key){.seed = seed,
+                                                 .x = (uint32_t)random_bits(&r) >> (n & 24),
+                                                 .y = (uint32_t)random_bits(&r) >> (n & 24),
+                                                 .pixel_sample = (uint32_t)random_bits(&r),
+                                                 .node = (uint32_t)random_bits(&r),
+                                                 .purpose = purpose};
+                index[i] = (uint32_t)random_bits(&r) >> (n & 31);
+            }
+            test->sequences(key, index, sobol);
+            for (int i = 0; i < test->lanes; i++) {
+                const struct pen_point2 p = pen_sobol2(pen_sample_hash(&key[i]), index[i]);
+                ck_assert_msg(sobol[i].x == p.x && sobol[i].y == p.y,
+                              "%s: case %d, lane %d, index %u", pen_isa_name((enum pen_isa)isa), n,
+                              i, index[i]);
+            }
+        }
+    }
+}
+END_TEST
+
 PEN_SUITE("lanes", test_lanes__functions_of_random_numbers, test_lanes__functions_at_their_edges,
-          test_lanes__sample_points)
+          test_lanes__sample_points, test_lanes__points_of_sequences_of_many_keys)

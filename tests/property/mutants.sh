@@ -557,10 +557,10 @@ edit src/render/decide.c 1 's/^(static const double UNSEEN = ).*$/\10;/'
 judge_test
 
 mutant adaptive_unseen_rate render/test_decide 0 "an unseen edge is as uncertain as independent samples leave it"
-edit src/render/decide.c 1 's/UNSEEN \* most \/ \(n \* n\)/UNSEEN * most \/ n/'
+edit src/render/decide.c 1 's/UNSEEN \/ 3 \* pen_pow\(4, -i\)/UNSEEN \/ 3 * pen_pow(2, -i)/'
 judge_test
 
-mutant adaptive_variance render/test_decide 0 "halves tell half of what they are apart, squared, divided by two"
+mutant adaptive_variance render/test_decide 0 "halves tell half of what they should"
 edit src/render/adaptive.c 1 's/return apart \* apart \+/return apart * apart \/ 2 +/'
 judge_test
 
@@ -658,19 +658,23 @@ edit src/render/refine.c 1 's/^        pen_pixel_double\(r->sums\);$//'
 judge_test
 
 mutant adaptive_told render/test_decide 0 "what halves tell is never too much"
-edit src/render/decide.c 1 's/return factor < 1 \? 1 : factor < most \? factor : most;/return factor < 0 ? factor : 1;/'
+edit src/render/decide.c 1 's/return ratio < 2 \? 1 : 1 - /return ratio < 1e9 ? 1 : 1 - /'
 judge_test
 
 mutant adaptive_smooth render/test_decide 0 "errors fall faster than those of edges"
-edit src/render/decide.c 1 's/return factor < 1 \? 1 : factor < most \? factor : most;/return factor < 1 ? 1 : factor + 0 * most;/'
+edit src/render/decide.c 1 's/\(ratio < most \? ratio : most\)/(ratio + 0 * most)/'
 judge_test
 
 mutant adaptive_worse render/test_decide 0 "samples are worse than independent ones"
-edit src/render/decide.c 1 's/return factor < 1 \? 1 : factor < most/return factor < most/'
+edit src/render/decide.c 1 's/return ratio < 2 \? 1 : 1 - /return ratio < 0 ? 1 : 1 - /'
 judge_test
 
 mutant adaptive_surely render/test_decide 0 "the ratio of two doublings has no interval"
-edit src/render/decide.c 1 's/before \/ after \* \(1 - off\) - 1,/before \/ after * (1 + 0 * off) - 1,/'
+edit src/render/decide.c 1 's/before \/ after \* \(1 - off\),/before \/ after * (1 + 0 * off),/'
+judge_test
+
+mutant adaptive_curved render/test_decide 0 "all pixels are taken to fall by the same factor"
+edit src/render/decide.c 1 's/return ratio < 2 \? 1 : 1 - .*$/return ratio < 2 ? 1 : 1 \/ ((ratio < most ? ratio : most) - 1);/'
 judge_test
 
 mutant adaptive_forgets render/test_adaptive 0 "the error before a doubling is not noted"

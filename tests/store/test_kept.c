@@ -16,7 +16,13 @@
 #include "support/store_sql.h"
 #include "support/suite.h"
 
-enum { SCHEMAS = 12, FIRST_WITH_BENCHMARKS = 6, FIRST_WITH_LOCK_FILES = 9, FILE_BYTES = 1 << 20 };
+enum {
+    SCHEMAS = 12,
+    FIRST_WITH_BENCHMARKS = 6,
+    FIRST_WITH_LOCK_FILES = 9,
+    FIRST_WITH_SHARES = 12,
+    FILE_BYTES = 1 << 20
+};
 
 /* The jobs of every kept store, by number. */
 static const struct {
@@ -118,6 +124,17 @@ static struct half batches_of_half(struct pen_store *store, const char *id)
     return half;
 }
 
+/* Makes addresses begin to wait now: who has waited for long goes before jobs of higher priority.
+ */
+static void renew_waiting(const struct store_bed *bed, int schema)
+{
+    char sql[100];
+    snprintf(sql, sizeof sql, "UPDATE peer SET waiting_since_ms = %lld",
+             (long long)pen_clock_wall_ms());
+    if (schema >= FIRST_WITH_SHARES)
+        store_run_sql(bed, sql, NULL, 0);
+}
+
 /* The lease in the file ran out long ago: it is opened by its time, and the next claim gets it. */
 static void check_expired(int schema)
 {
@@ -126,6 +143,7 @@ static void check_expired(int schema)
     char id[JOBS][PEN_ID_BYTES];
     int opened = -1;
     decompress(&bed, schema);
+    renew_waiting(&bed, schema);
     store_bed_open(&bed);
     list(bed.store, schema, false, id);
     struct half half = batches_of_half(bed.store, id[HALF]);

@@ -3,7 +3,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
+#include "base/clock.h"
 #include "support/store.h"
 #include "support/store_sql.h"
 #include "support/suite.h"
@@ -101,6 +103,38 @@ START_TEST(test_shares__addresses_get_the_same_time_whatever_they_queue)
     submit_many(20, 1, "10.0.0.2", NULL);
     serve_many(30, seconds);
     expect_about(got_us[1], 15 * SECOND_US, SECOND_US);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* One address cancels its jobs as soon as a worker has had them for 0.2 s, before the worker has
+ * told what they take; the other one's take 0.1 s. They get the same time all the same. */
+START_TEST(test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_not_told_yet)
+{
+    enum { CANCELLED = 4, EACH_MS = 200 };
+    const int64_t tenth_us = SECOND_US / 10;
+    struct pen_status st;
+    open_bed();
+    store_worker_seen(bed.store, "w");
+    submit_many(60, 1, "10.0.0.2", NULL);
+    for (int cancelled = 0; cancelled < CANCELLED;) {
+        submit(0, "10.0.0.1", NULL, 1);
+        const int64_t begun_ns = pen_clock_ns();
+        struct pen_claim claim = store_claim(bed.store, "w");
+        for (; kind_of(&claim) == 1; claim = store_claim(bed.store, "w")) {
+            claim.spent_us = tenth_us;
+            got_us[1] += tenth_us;
+            ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+        }
+        const struct timespec pause = {.tv_nsec = EACH_MS * 1000000L};
+        nanosleep(&pause, NULL);
+        store_must(pen_store_cancel(bed.store, claim.job_id, &st), &st, "cancel");
+        if (++cancelled < CANCELLED) /* the last one's time has not been made up for */
+            got_us[0] += (pen_clock_ns() - begun_ns) / 1000;
+    }
+    ck_assert_msg(got_us[1] >= (CANCELLED - 1) * EACH_MS * 1000 - 2 * tenth_us &&
+                      got_us[1] <= got_us[0] + 2 * tenth_us,
+                  "%lld us and %lld us", (long long)got_us[0], (long long)got_us[1]);
     store_bed_close(&bed);
 }
 END_TEST
@@ -388,6 +422,7 @@ END_TEST
 
 PEN_SUITE("shares", test_shares__the_queue_is_in_the_order_in_which_jobs_begin,
           test_shares__addresses_get_the_same_time_whatever_they_queue,
+          test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_not_told_yet,
           test_shares__it_is_time_that_is_shared_not_batches,
           test_shares__labels_divide_the_share_of_their_address,
           test_shares__new_labels_take_nothing_from_other_addresses,

@@ -38,6 +38,10 @@ struct lanes_test {
                       double out[LANES_TEST_FUNCTIONS][LANES_TEST_MAX]);
     /* pen_random2, pen_sobol2 and, of the points of the first, pen_disk_of_square, for as many
      * indices in a row as there are lanes. */
+    /* pen_sobol2 of an index with pen_sample_hash of a key, each in its lane; keys with one seed
+     * and purpose, and light 0. */
+    void (*sequences)(const struct pen_sample_key *key, const uint32_t *index,
+                      struct pen_point2 *sobol);
     void (*samples)(uint64_t hash, uint32_t index, struct pen_point2 random[LANES_TEST_MAX],
                     struct pen_point2 sobol[LANES_TEST_MAX],
                     struct pen_point2 disk[LANES_TEST_MAX]);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Compiled once for each instruction set, PEN_ISA (base/cpu.h). */
+#include <string.h>
+
 #include "support/lanes.h"
 
 #include "geom/ray_lanes.h"
@@ -38,6 +40,24 @@ static void samples(uint64_t hash, uint32_t index, struct pen_point2 random[LANE
     store_points(random, lanes_random2(hash, index));
     store_points(sobol, lanes_sobol2(hash, index));
     store_points(disk, lanes_disk_of_square(lanes_random2(hash, index)));
+}
+
+static void sequences(const struct pen_sample_key *key, const uint32_t *index,
+                      struct pen_point2 *sobol)
+{
+    uint64_t pixel[LANES], sequence[LANES];
+    lane_words pixels, numbers;
+    lane_halves indices;
+    for (int i = 0; i < LANES; i++) {
+        pixel[i] = (uint64_t)key[i].y << 32 | key[i].x;
+        sequence[i] = (uint64_t)key[i].node << 32 | key[i].pixel_sample;
+    }
+    memcpy(&pixels, pixel, sizeof pixels);
+    memcpy(&numbers, sequence, sizeof numbers);
+    memcpy(&indices, index, sizeof indices);
+    const lane_words hash =
+        lanes_sample_purpose(lanes_sample_hash(key[0].seed, pixels, numbers), key[0].purpose);
+    store_points(sobol, lanes_sobol2_each(hash, indices));
 }
 
 static unsigned rays(const struct pen_vec3 *o, const struct pen_vec3 *d, struct pen_ray *out)
@@ -149,6 +169,7 @@ extern const struct lanes_test NAME_OF_ISA(PEN_ISA);
 const struct lanes_test NAME_OF_ISA(PEN_ISA) = {
     .lanes = LANES,
     .functions = functions,
+    .sequences = sequences,
     .samples = samples,
     .rays = rays,
     .ray_array = ray_array,

@@ -182,7 +182,6 @@ static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
     struct pen_block_scratch *b = scratch->block;
     struct block_points at;
     struct block_sequences sequences;
-    block_no_points(input, &at, fx);
     for (int i = 0; i < count; i++) {
         b->x[i] = samples[i].x;
         b->y[i] = samples[i].y;
@@ -233,7 +232,6 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
     struct block_sequences sequences;
     static const uint32_t the_only[BLOCK_PIXELS];
     const int samples = pixel_samples(input, fx);
-    block_no_points(input, &at, fx);
     block_begin_sequences(input, b, the_only, pixels, samples, &sequences, fx);
     for (int i = 0; (fx & PEN_FX_ANTI_ALIASING) && i < pixels; i++) {
         sum[i] = zero;

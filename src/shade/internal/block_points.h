@@ -10,18 +10,6 @@
 #include "shade/internal/block_scratch.h"
 #include "shade/internal/pixel_sample.h"
 
-/* Sets all points, also those beyond the last pixel, since whole groups of LANES are computed. */
-static ALWAYS_INLINE void block_no_points(const struct pen_kernel_input *input,
-                                          struct block_points *at, const unsigned fx)
-{
-    memset(at->x, 0, sizeof at->x);
-    memset(at->y, 0, sizeof at->y);
-    if (has_lens(input, fx)) {
-        memset(at->lens_x, 0, sizeof at->lens_x);
-        memset(at->lens_y, 0, sizeof at->lens_y);
-    }
-}
-
 /* What the points of a block's pixels follow from: by pixel, and so many that whole groups of LANES
  * can be read. */
 struct block_sequences {
@@ -46,7 +34,7 @@ static ALWAYS_INLINE lane_halves block_halves(const uint32_t *from)
 }
 
 /* Sets the points of pixels, each of which has so many samples: the centre of one that has a single
- * one. */
+ * one. Sets those of whole groups of LANES, as they are read. */
 static ALWAYS_INLINE void block_set_points(const struct pen_kernel_input *input,
                                            const struct block_sequences *s, int pixels, int samples,
                                            struct block_points *at, const unsigned fx)

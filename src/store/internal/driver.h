@@ -379,6 +379,11 @@ struct pen_driver_ops {
      * attempt, or has spent more. */
     bool (*batch_spend)(struct pen_driver *driver, int64_t batch, int64_t attempt, int64_t spent_us,
                         struct pen_status *st);
+    /* Adds to the time of a job's leased batches, as batch_spend, what has passed since their
+     * leases began or were extended: for a job that is ended from outside, whose workers have not
+     * told yet. At most the length of a lease, since it is told by the clock of the store. */
+    bool (*job_charge_leases)(struct pen_driver *driver, int64_t job, int64_t now_ms,
+                              struct pen_status *st);
     /* Notes that the peer of the batch is served now. */
     bool (*share_served)(struct pen_driver *driver, int64_t batch, int64_t now_ms,
                          struct pen_status *st);

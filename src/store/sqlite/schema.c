@@ -269,9 +269,10 @@ static const char step_13[] =
     ") STRICT, WITHOUT ROWID;"
     "CREATE INDEX attribute_by_job ON attribute(job);"
     "CREATE INDEX job_by_kind ON job(kind, number);"
-    "INSERT INTO attribute SELECT 'name', json_extract(request, '$.name'), number FROM job"
-    " WHERE json_valid(request) AND json_type(request, '$.name') = 'text';"
-    "INSERT INTO attribute SELECT 'label:' || l.key, l.value, number FROM job,"
+    "INSERT OR IGNORE INTO attribute SELECT 'name', n.value, number FROM job,"
+    " json_each(iif(json_valid(request), request, '{}')) n WHERE n.key = 'name' AND n.type = "
+    "'text';"
+    "INSERT OR IGNORE INTO attribute SELECT 'label:' || l.key, l.value, number FROM job,"
     " json_each(iif(json_valid(request), request, '{}'), '$.labels') l WHERE l.type = 'text';";
 
 static const char *const steps[] = {step_1, step_2, step_3,  step_4,  step_5,  step_6, step_7,

@@ -123,6 +123,30 @@ bool pen_sqlite_batch_spend(struct pen_driver *driver, int64_t batch, int64_t at
     return true;
 }
 
+bool pen_sqlite_job_charge_leases(struct pen_driver *driver, int64_t job, int64_t now_ms,
+                                  struct pen_status *st)
+{
+    enum { LEASES = 256 };
+    struct {
+        int64_t batch, attempt, spent_us;
+    } lease[LEASES];
+    int count = 0;
+    bool ok;
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_LEASES_OF_JOB);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_int(&query, now_ms);
+    pen_sqlite_int(&query, LEASES);
+    while (pen_sqlite_next_row(&query, &ok, st)) {
+        lease[count].batch = pen_sqlite_column_int(&query, 0);
+        lease[count].attempt = pen_sqlite_column_int(&query, 1);
+        lease[count++].spent_us = pen_sqlite_column_int(&query, 2);
+    }
+    for (int i = 0; ok && i < count; i++)
+        ok =
+            pen_sqlite_batch_spend(driver, lease[i].batch, lease[i].attempt, lease[i].spent_us, st);
+    return ok;
+}
+
 /* What a claim may take. */
 struct wanted {
     int64_t paused_until_ms;

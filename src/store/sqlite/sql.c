@@ -54,7 +54,8 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 #define SPENT_BATCH "b.id = ?1 AND b.attempt = ?2 AND b.state = 1 AND b.spent_us < ?3"
 
 /* The jobs of a list: those before ?1 of a kind, state, name and label, each of which may be NULL.
- * One statement for each way to find them, in which one of the four is not NULL. */
+ * There is a statement for each way to find them: all, and by each of the four, which then is not
+ * NULL. */
 #define HAS(key, value)                                                                            \
     "EXISTS (SELECT 1 FROM attribute a WHERE a.key = " key " AND a.value = " value                 \
     " AND a.job = number)"
@@ -243,6 +244,11 @@ static const char *const sql_text[] = {
     [SQL_JOB_SPEND] = "UPDATE job SET spent_us = job.spent_us + ?3 - b.spent_us FROM batch b"
                       " WHERE job.number = b.job AND " SPENT_BATCH,
     [SQL_BATCH_SPEND] = "UPDATE batch AS b SET spent_us = ?3 WHERE " SPENT_BATCH,
+
+    [SQL_LEASES_OF_JOB] = "SELECT b.id, b.attempt, b.spent_us"
+                          " + 1000 * max(0, min(w.lease_ms, ?2 - b.lease_until_ms + w.lease_ms))"
+                          " FROM batch b INDEXED BY batch_leased JOIN worker w ON w.id = b.worker"
+                          " WHERE b.state = 1 AND b.job = ?1 LIMIT ?3",
 
     [SQL_PEER_ADD] = "INSERT INTO peer (priority, address, waiting_since_ms) VALUES (?1, ?2, ?3)"
                      " ON CONFLICT (priority, address) DO NOTHING",

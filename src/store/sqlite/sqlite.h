@@ -87,6 +87,7 @@ enum pen_sqlite_sql {
     SQL_LANE_SPEND,
     SQL_JOB_SPEND,
     SQL_BATCH_SPEND,
+    SQL_LEASES_OF_JOB,
     SQL_PEER_ADD,
     SQL_LEVEL_ADD,
     SQL_PEER_ENTER,
@@ -391,6 +392,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(batch_done)                                                                                 \
     OP(batch_extend)                                                                               \
     OP(batch_spend)                                                                                \
+    OP(job_charge_leases)                                                                          \
     OP(share_served)                                                                               \
     OP(queue_lengths)                                                                              \
     OP(queue)                                                                                      \
