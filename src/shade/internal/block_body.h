@@ -232,7 +232,9 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
     struct block_sequences sequences;
     static const uint32_t the_only[BLOCK_PIXELS];
     const int samples = pixel_samples(input, fx);
-    block_begin_sequences(input, b, the_only, pixels, samples, &sequences, fx);
+    const bool centres = samples == 1 && !has_lens(input, fx);
+    if (!centres)
+        block_begin_sequences(input, b, the_only, pixels, samples, &sequences, fx);
     for (int i = 0; (fx & PEN_FX_ANTI_ALIASING) && i < pixels; i++) {
         sum[i] = zero;
         kept[i] = 0;
@@ -241,9 +243,12 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
         scratch->key =
             (struct pen_sample_key){.seed = input->settings->seed, .purpose = PEN_PURPOSE_LIGHT};
     for (int k = 0; k < samples; k++) {
-        for (int i = 0; i < pixels; i++)
+        for (int i = 0; !centres && i < pixels; i++)
             sequences.index[i] = (uint32_t)k;
-        block_set_points(input, &sequences, pixels, samples, &at, fx);
+        if (centres)
+            block_set_centres(b, pixels, &at);
+        else
+            block_set_points(input, &sequences, pixels, samples, &at, fx);
         counts->primary += (uint64_t)pixels;
         for (int i = 0; (fx & FX_SAMPLED) && (fx & PEN_FX_ANTI_ALIASING) && i < pixels; i++) {
             b->pixel_sample[i] = (uint32_t)k;

@@ -10,6 +10,18 @@
 #include "shade/internal/block_scratch.h"
 #include "shade/internal/pixel_sample.h"
 
+/* Sets the points of pixels to their centres, and those of the rest of a group of LANES. */
+static ALWAYS_INLINE void block_set_centres(const struct pen_block_scratch *b, int pixels,
+                                            struct block_points *at)
+{
+    for (int i = 0; i < pixels; i++) {
+        at->x[i] = 0.5 + b->x[i];
+        at->y[i] = 0.5 + b->y[i];
+    }
+    for (int i = pixels; i % LANES != 0; i++)
+        at->x[i] = at->y[i] = 0;
+}
+
 /* What the points of a block's pixels follow from: by pixel, and so many that whole groups of LANES
  * can be read. */
 struct block_sequences {
