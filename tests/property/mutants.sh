@@ -653,10 +653,6 @@ mutant adaptive_halves render/test_adaptive 0 "samples belong to the second half
 edit src/render/refine.c 1 's/ = i >= r->end \/ 2;/ = i >= r->end \/ 4;/'
 judge_test
 
-mutant adaptive_folded render/test_adaptive 0 "new samples are added to the second half of the old ones"
-edit src/render/refine.c 1 's/^        pen_pixel_double\(r->sums\);$//'
-judge_test
-
 mutant adaptive_told render/test_decide 0 "what halves tell is never too much"
 edit src/render/decide.c 1 's/return ratio < 2 \? 1 : 1 - /return ratio < 1e9 ? 1 : 1 - /'
 judge_test

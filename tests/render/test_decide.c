@@ -161,12 +161,15 @@ static void take_samples(struct pen_adaptive *a, struct random *random, deviatio
     }
 }
 
+static int rounds; /* that the last refine took */
+
 /* Goes on until nothing is left to be done. */
 static struct pen_decision refine(struct pen_adaptive *a, struct random *random,
                                   deviation_fn *deviation, double target)
 {
     struct pen_decision d;
-    for (;;) {
+    for (rounds = 1;; rounds++) {
+        ck_assert_int_lt(rounds, 100);
         take_samples(a, random, deviation);
         d = decide(a, target);
         if (d.done)
@@ -321,6 +324,7 @@ START_TEST(test_decide__what_capped_pixels_leave_is_made_up_for_by_others)
     struct pen_adaptive *a = begin(64, 64, PEN_SETTING_LINEAR);
     settings.max_samples = 64;
     const struct pen_decision d = refine(a, &random, noisy_edge, sqrt(0.0003));
+    ck_assert_int_le(rounds, 14); /* else each takes the least */
     ck_assert_msg(d.met && d.capped == 0, "%g, seed %llu", d.high, (unsigned long long)random.seed);
     ck_assert_uint_eq(pen_adaptive_spread(a).most, 64);
     end(a);
