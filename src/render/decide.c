@@ -188,11 +188,11 @@ static void add_doubled(const struct slice *slices, int count, struct slice *all
  *
  * The sums over many pixels give R with an interval, of which the lower end is taken. But pixels
  * differ: R is 2 where samples are as good as independent ones, 2^1.5 across most edges, 4 across
- * edges along the pixel's sides. The mean of 1 / (R - 1) over such a mixture is at most what the
- * straight line from 1 at R = 2 to 1/3 at R = 4 has at the mean of R, since the curve bends
- * downwards to it; and so the line is taken, as far as 2^1.5. Below 2 it is 1: samples are not
- * worse than independent ones. Pixels of the pilot have no earlier estimate, and R of the others
- * may not be theirs, since these were chosen to be refined. */
+ * edges along the pixel's sides. 1 / (R - 1) is convex, so its mean over such a mixture is at most
+ * what its chord from 1 at R = 2 to 1/3 at R = 4 has at the mean of R. So the chord is taken, as
+ * far as 2^1.5. Below 2 it is 1: samples are not worse than independent ones. Pixels of the pilot
+ * have no earlier estimate, and R of the others may not be theirs, since these were chosen to be
+ * refined. */
 static double true_part(const struct slice *all, int size)
 {
     const double before = all->before[size], after = all->after[size];

@@ -6,8 +6,8 @@
 #   soak.sh [BUILD]     the environment may set MINUTES (30)
 # In the first third of the time processes are killed and the daemon is restarted, and the store fills up.
 # In the other two nothing is disturbed: memory, descriptors and sizes of files in the last third must be
-# those of the second one. All samples are printed at the end, in samples.tsv's form. Every job that was
-# acknowledged must end as it ought to, or be one that was removed.
+# those of the second one. All samples are printed at the end. Every job that was acknowledged must end as
+# it ought to, or be one that was removed.
 . "$(dirname "$0")/../e2e/lib.sh"
 . "$(dirname "$0")/lib.sh"
 minutes=${MINUTES:-30}
