@@ -88,7 +88,7 @@ START_TEST(test_workers__are_seen_by_their_leases)
     struct store_bed bed = {0};
     struct store_job in;
     store_bed_open(&bed);
-    see(bed.store, "w", 1, 10000); /* and claims with 60 s: as if seen 50 s from now */
+    see(bed.store, "w", 1, 10000); /* and claims for longer: as if seen in the future */
     store_job_init(&in, 1, 1, 1);
     store_job_submit(bed.store, &in);
     store_claim(bed.store, "w");

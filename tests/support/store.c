@@ -128,7 +128,7 @@ struct pen_claim store_claim(struct pen_store *store, const char *worker)
     struct pen_status st;
     struct pen_claim claim = {0};
     bool found = false;
-    store_must(pen_store_claim(store, worker, 60000, &claim, &found, &st), &st, "claim");
+    store_must(pen_store_claim(store, worker, STORE_LEASE_MS, &claim, &found, &st), &st, "claim");
     ck_assert(found);
     return claim;
 }
@@ -168,7 +168,8 @@ int store_work_off(struct pen_store *store, const char *worker)
     for (int count = 0;; count++) {
         struct pen_claim claim;
         bool found = false;
-        store_must(pen_store_claim(store, worker, 60000, &claim, &found, &st), &st, "claim");
+        store_must(pen_store_claim(store, worker, STORE_LEASE_MS, &claim, &found, &st), &st,
+                   "claim");
         if (!found)
             return count;
         ck_assert_int_eq(store_commit(store, &claim), PEN_OK);
@@ -188,7 +189,7 @@ void store_worker_seen(struct pen_store *store, const char *id)
 {
     struct pen_status st;
     struct pen_worker_new worker = {
-        .id = id, .host = "host", .pid = 1, .threads = 2, .lease_ms = 60000};
+        .id = id, .host = "host", .pid = 1, .threads = 2, .lease_ms = STORE_LEASE_MS};
     store_must(pen_store_worker_seen(store, &worker, &st), &st, "seen");
 }
 

@@ -49,7 +49,10 @@ void store_study_init(struct store_job *job, int n, int runs);
 /* Submits a job; fails the test unless it was created. */
 void store_job_submit(struct pen_store *store, const struct store_job *job);
 
-/* Claims a batch; fails the test if none is open. */
+/* Of leases that a test does not mean to end: longer than any test takes, on any machine. */
+enum { STORE_LEASE_MS = 3600 * 1000 };
+
+/* Claims a batch, for STORE_LEASE_MS; fails the test if none is open. */
 struct pen_claim store_claim(struct pen_store *store, const char *worker);
 
 /* Commits the result that the batch needs: pixels, which depend on the tile alone, and a picture if

@@ -188,7 +188,7 @@ static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
         b->pixel_sample[i] = PEN_SAMPLE_REPLICATE + samples[i].replicate;
         b->ray[i] = samples[i].index;
     }
-    block_begin_sequences(input, b, b->pixel_sample, count, SEVERAL_SAMPLES, &sequences, fx);
+    block_begin_sequences(input, b, b->pixel_sample, count, &sequences, fx);
     memcpy(sequences.index, b->ray, (size_t)count * sizeof *b->ray);
     block_set_points(input, &sequences, count, SEVERAL_SAMPLES, &at, fx);
     if (fx & FX_SAMPLED)
@@ -234,7 +234,7 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
     const int samples = pixel_samples(input, fx);
     const bool centres = samples == 1 && !has_lens(input, fx);
     if (!centres)
-        block_begin_sequences(input, b, the_only, pixels, samples, &sequences, fx);
+        block_begin_sequences(input, b, the_only, pixels, &sequences, fx);
     for (int i = 0; (fx & PEN_FX_ANTI_ALIASING) && i < pixels; i++) {
         sum[i] = zero;
         kept[i] = 0;

@@ -71,7 +71,7 @@ static ALWAYS_INLINE void block_set_points(const struct pen_kernel_input *input,
  * of their keys (math/sample.h), by pixel. */
 static ALWAYS_INLINE void block_begin_sequences(const struct pen_kernel_input *input,
                                                 const struct pen_block_scratch *b,
-                                                const uint32_t *sequence, int pixels, int samples,
+                                                const uint32_t *sequence, int pixels,
                                                 struct block_sequences *s, const unsigned fx)
 {
     uint64_t pixel[BLOCK_PIXELS] = {0}, number[BLOCK_PIXELS] = {0};
@@ -82,8 +82,6 @@ static ALWAYS_INLINE void block_begin_sequences(const struct pen_kernel_input *i
         pixel[i] = (uint64_t)(uint32_t)b->y[i] << 32 | (uint32_t)b->x[i];
         number[i] = sequence[i];
     }
-    if (samples <= 1 && !has_lens(input, fx))
-        return;
     for (int i = 0; i < pixels; i += LANES) {
         const lane_words shared = lanes_sample_hash(input->settings->seed, block_words(pixel + i),
                                                     block_words(number + i));
