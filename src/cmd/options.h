@@ -56,6 +56,7 @@ struct pen_command {
     const char *details;   /* more for --help, may be NULL */
     const struct pen_option *options;
     int min_args, max_args;            /* max_args -1: any number */
+    bool daemon_optional;              /* works without a daemon though it has --server */
     int (*run)(int argc, char **argv); /* argv[0] is the command's name; returns an exit code */
 };
 

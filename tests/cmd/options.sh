@@ -9,6 +9,8 @@ exits "penumbra --help" 0 "$penumbra" --help
 for command in render validate compare scenes submit wait fetch list stats cancel delete; do
     prints "penumbra --help names $command" stdout "  $command "
 done
+expect "penumbra --help lists bench among what needs no daemon" \
+    "$(sed -n '/^Without a daemon/,/^With a daemon/p' "$work/stdout" | grep -c '^  bench ')" 1
 prints "penumbra --help documents exit codes" stdout "7  compared pictures or counts differ"
 for command in render validate compare scenes submit wait fetch list stats cancel delete; do
     exits "penumbra $command --help" 0 "$penumbra" $command --help

@@ -336,5 +336,6 @@ const struct pen_command pen_command_bench = {
     .options = options,
     .min_args = 0,
     .max_args = 1,
+    .daemon_optional = true, /* --server is for a --baseline that is a job */
     .run = run,
 };

@@ -19,7 +19,7 @@ enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 /* A command that talks to a daemon has the option --server. */
 static bool needs_daemon(const struct pen_command *command)
 {
-    return pen_option_find(command->options, "server") >= 0;
+    return !command->daemon_optional && pen_option_find(command->options, "server") >= 0;
 }
 
 static void print_commands(FILE *out, bool with_daemon)
