@@ -28,6 +28,16 @@ gone_away() {
     [ "$status" = 503 ] && body .detail | grep -q 'the store .* is gone, and no new one is made'
 }
 check "the api that takes its place reports the reason" within 30 gone_away
+slowly() {
+    for _ in $(seq 300); do printf x && sleep 0.1; done
+}
+slowly | curl -s -o /dev/null "telnet://${url#http://}" &
+slow=$!
+sleep 0.3
+until=$(($(date +%s) + 10 * patience))
+answered() { [ "$(date +%s)" -lt $until ] && curl -s -m 2 "$url/readyz" | jq -r .detail | grep -q 'is gone'; }
+check "a client that sends a byte at a time does not hold up others" within 10 answered
+kill $slow 2>/dev/null
 kill -KILL "$(child work)" 2>/dev/null
 sleep 1
 check "no new store was made" test ! -e "$store"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* One connection after the other, each with one short answer: there is nothing else to serve. A
- * client that sends nothing or reads nothing holds up the others for CLIENT_MS at most. */
+ * client that sends slowly, or nothing, or reads nothing holds up the others for CLIENT_MS. */
 #include "cmd/daemon/stand_in.h"
 
 #include <poll.h>
@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/time.h>
 #include <unistd.h>
 
 #include "base/buf.h"
@@ -33,23 +32,32 @@ static bool make_answer(const struct pen_status *reason, struct pen_buf *answer)
     return !answer->failed;
 }
 
+/* Waits until there is something to read from a client, but not beyond a time. */
+static bool is_readable(int fd, int64_t until_ns)
+{
+    struct pollfd client = {.fd = fd, .events = POLLIN};
+    const int64_t left_ms = (until_ns - pen_clock_ns()) / 1000000;
+    return left_ms > 0 && poll(&client, 1, (int)left_ms) > 0;
+}
+
 /* Reads the head of the request, or what comes of it in time: a client whose request was not read
  * would see a reset instead of the answer. */
 static void answer_client(int fd, const struct pen_buf *answer)
 {
     static char request[REQUEST_BYTES];
-    const struct timeval limit = {.tv_usec = CLIENT_MS * 1000};
-    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+    const int64_t until_ns = pen_clock_ns() + CLIENT_MS * INT64_C(1000000);
     size_t have = 0;
     ssize_t got = 1;
     while (got > 0 && have < sizeof request && !memmem(request, have, "\r\n\r\n", 4)) {
-        got = recv(fd, request + have, sizeof request - have, 0);
+        got = is_readable(fd, until_ns)
+                  ? recv(fd, request + have, sizeof request - have, MSG_DONTWAIT)
+                  : 0;
         have += got > 0 ? (size_t)got : 0;
     }
-    if (send(fd, answer->data, answer->bytes, MSG_NOSIGNAL) > 0) {
+    /* The answer fits into an empty socket. */
+    if (send(fd, answer->data, answer->bytes, MSG_NOSIGNAL | MSG_DONTWAIT) > 0) {
         shutdown(fd, SHUT_WR);
-        while (recv(fd, request, sizeof request, 0) > 0)
+        while (is_readable(fd, until_ns) && recv(fd, request, sizeof request, MSG_DONTWAIT) > 0)
             continue;
     }
     close(fd);
