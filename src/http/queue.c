@@ -20,10 +20,11 @@ struct entry {
 
 struct queue {
     pthread_mutex_t lock;
-    struct entry *entry; /* guarded by lock, sorted by id */
-    size_t count;        /* guarded by lock */
-    int64_t until_ns;    /* guarded by lock: when it has to be read again */
-    bool reading;        /* guarded by lock: a thread is reading it */
+    struct entry *entry;      /* guarded by lock, sorted by id */
+    size_t count;             /* guarded by lock */
+    int64_t running, pace_ms; /* guarded by lock, as in struct pen_queue */
+    int64_t until_ns;         /* guarded by lock: when it has to be read again */
+    bool reading;             /* guarded by lock: a thread is reading it */
 };
 
 struct queue *pen_http_queue_new(void)
@@ -48,21 +49,17 @@ static int by_id(const void *a, const void *b)
     return strcmp(((const struct entry *)a)->id, ((const struct entry *)b)->id);
 }
 
-/* Reads the queue. *count is 0 if that fails. Owns: the caller frees what is returned. */
-static struct entry *read_entries(struct pen_jobs *jobs, size_t *count)
+/* The entries of a queue. *count is 0 if there is no memory. Owns: the caller frees them. */
+static struct entry *make_entries(const struct pen_queue *queue, size_t *count)
 {
-    struct pen_buf ids = {0};
-    struct pen_status ignored;
-    bool ok = pen_store_queue(pen_jobs_store(jobs), &ids, &ignored);
-    *count = ok ? ids.bytes / PEN_ID_BYTES : 0;
+    *count = queue->ids.bytes / PEN_ID_BYTES;
     struct entry *entry = *count ? malloc(*count * sizeof *entry) : NULL;
     if (!entry)
         *count = 0;
     for (size_t i = 0; i < *count; i++) {
-        memcpy(entry[i].id, ids.data + i * PEN_ID_BYTES, PEN_ID_BYTES);
+        memcpy(entry[i].id, queue->ids.data + i * PEN_ID_BYTES, PEN_ID_BYTES);
         entry[i].place = (int64_t)i + 1;
     }
-    pen_buf_release(&ids);
     if (*count)
         qsort(entry, *count, sizeof *entry, by_id);
     return entry;
@@ -71,22 +68,30 @@ static struct entry *read_entries(struct pen_jobs *jobs, size_t *count)
 /* Called with the lock held, which is given up meanwhile: others use what was read last. */
 static void read_again(struct queue *queue, struct pen_jobs *jobs)
 {
-    size_t count;
+    size_t count = 0;
+    struct entry *entry = NULL;
+    struct pen_queue read;
+    struct pen_status ignored;
     queue->reading = true;
     pthread_mutex_unlock(&queue->lock);
     const int64_t begun_ns = pen_clock_ns();
-    struct entry *entry = read_entries(jobs, &count);
+    if (pen_store_queue(pen_jobs_store(jobs), &read, &ignored))
+        entry = make_entries(&read, &count);
+    pen_buf_release(&read.ids);
     const int64_t now_ns = pen_clock_ns();
     pthread_mutex_lock(&queue->lock);
     free(queue->entry);
     queue->entry = entry;
     queue->count = count;
+    queue->running = read.running;
+    queue->pace_ms = read.pace_ms;
     queue->until_ns = now_ns + KEPT_TIMES * (now_ns - begun_ns);
     queue->reading = false;
 }
 
-int64_t pen_http_queue_place(struct queue *queue, struct pen_jobs *jobs, const char *id)
+struct queue_place pen_http_queue_place(struct queue *queue, struct pen_jobs *jobs, const char *id)
 {
+    struct queue_place place = {0};
     struct entry key = {.place = 0};
     strncpy(key.id, id, sizeof key.id - 1);
     pthread_mutex_lock(&queue->lock);
@@ -94,7 +99,11 @@ int64_t pen_http_queue_place(struct queue *queue, struct pen_jobs *jobs, const c
         read_again(queue, jobs);
     const struct entry *found =
         queue->count ? bsearch(&key, queue->entry, queue->count, sizeof key, by_id) : NULL;
-    const int64_t place = found ? found->place : 0;
+    if (found) {
+        const double jobs_left = (double)found->place + (double)queue->running / 2;
+        place.number = found->place;
+        place.eta_seconds = jobs_left * (double)queue->pace_ms / 1000;
+    }
     pthread_mutex_unlock(&queue->lock);
     return place;
 }

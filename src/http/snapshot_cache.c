@@ -92,13 +92,15 @@ static void remember(struct snapshot_cache *cache, uint32_t changes, int64_t rea
     pen_http_blob_unref(old);
 }
 
-/* Adds the place in the queue; null where it is not known. */
+/* Adds the place in the queue, and the time that it tells; null where they are not known. */
 static bool add_place(struct snapshot_cache *cache, struct pen_jobs *jobs, const char *id,
                       json_t *job)
 {
-    const int64_t place = pen_http_queue_place(cache->queue, jobs, id);
-    return json_object_set_new(job, "queue_position",
-                               place > 0 ? json_integer(place) : json_null()) == 0;
+    const struct queue_place place = pen_http_queue_place(cache->queue, jobs, id);
+    json_t *number = place.number > 0 ? json_integer(place.number) : json_null();
+    json_t *eta = place.eta_seconds > 0 ? json_real(place.eta_seconds) : json_null();
+    return json_object_set_new(job, "queue_position", number) == 0 &&
+           json_object_set_new(json_object_get(job, "progress"), "eta_seconds", eta) == 0;
 }
 
 bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes,

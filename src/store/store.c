@@ -248,10 +248,11 @@ bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_recor
            leave(store, &start, pen_policy_job(store, id, job, st));
 }
 
-bool pen_store_queue(struct pen_store *store, struct pen_buf *ids, struct pen_status *st)
+bool pen_store_queue(struct pen_store *store, struct pen_queue *queue, struct pen_status *st)
 {
+    *queue = (struct pen_queue){0};
     return enter(store, PEN_NEED_READ, st) &&
-           leave(store, NULL, store->driver->ops->queue(store->driver, ids, st));
+           leave(store, NULL, store->driver->ops->queue(store->driver, queue, st));
 }
 
 bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter,

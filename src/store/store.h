@@ -241,10 +241,17 @@ void pen_job_record_release(struct pen_job_record *job);
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
                    struct pen_status *st);
 
-/* Appends the ids of the queued jobs, PEN_ID_BYTES each, in the order in which they begin as far as
- * the shares of now tell (README.md, "Shares"). Fails: PEN_NO_MEMORY. Cost: grows with the number
- * of queued jobs, some us for each. */
-bool pen_store_queue(struct pen_store *store, struct pen_buf *ids, struct pen_status *st);
+struct pen_queue {
+    struct pen_buf ids; /* of the queued jobs, PEN_ID_BYTES each, in the order in which they begin,
+                         * as far as the shares of now tell (README.md, "Shares") */
+    int64_t running;    /* jobs that have begun */
+    int64_t pace_ms;    /* from the end of a job to that of the next one, with the workers of now:
+                         * the mean of the last 50 that have ended. 0: not known */
+};
+
+/* Reads the queue; the caller releases its ids, also after a failure. Fails: PEN_NO_MEMORY. Cost:
+ * grows with the number of queued jobs, some us for each. */
+bool pen_store_queue(struct pen_store *store, struct pen_queue *queue, struct pen_status *st);
 
 struct pen_job_filter {
     int state;        /* enum pen_job_state, or -1: any */

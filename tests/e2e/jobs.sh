@@ -164,6 +164,7 @@ expect submit-without-place "$(body 'has("queue_position")')" false
 third=$job
 call "$third"
 expect place-of-the-last "$(body .queue_position) $(header etag)" "2 W/\"$(body .revision)\""
+expect eta-of-the-last "$(body '.progress.eta_seconds > 0')" true
 tag=$(header etag)
 call "$third" -H "If-None-Match: $tag"
 expect weak-tag-not-modified "$status" 304

@@ -372,14 +372,14 @@ END_TEST
 /* The queue, as numbers of jobs. */
 static int read_queue(int number[JOBS_MAX])
 {
-    struct pen_buf ids = {0};
+    struct pen_queue queue;
     struct pen_status st;
-    store_must(pen_store_queue(bed.store, &ids, &st), &st, "queue");
-    const int count = (int)(ids.bytes / PEN_ID_BYTES);
+    store_must(pen_store_queue(bed.store, &queue, &st), &st, "queue");
+    const int count = (int)(queue.ids.bytes / PEN_ID_BYTES);
     ck_assert_int_lt(count, JOBS_MAX);
     for (int i = 0; i < count; i++)
-        number[i] = number_of((const char *)ids.data + i * PEN_ID_BYTES);
-    pen_buf_release(&ids);
+        number[i] = number_of((const char *)queue.ids.data + i * PEN_ID_BYTES);
+    pen_buf_release(&queue.ids);
     return count;
 }
 
@@ -420,7 +420,42 @@ START_TEST(test_shares__the_queue_is_in_the_order_in_which_jobs_begin)
 }
 END_TEST
 
-PEN_SUITE("shares", test_shares__the_queue_is_in_the_order_in_which_jobs_begin,
+static struct pen_queue read_pace(void)
+{
+    struct pen_queue queue;
+    struct pen_status st;
+    store_must(pen_store_queue(bed.store, &queue, &st), &st, "queue");
+    pen_buf_release(&queue.ids);
+    return queue;
+}
+
+/* The first 20 jobs take 9 s each, the last 50 take 2 s. */
+START_TEST(test_shares__the_pace_is_that_of_the_last_50_jobs_with_the_workers_of_now)
+{
+    const int64_t us[4] = {9 * SECOND_US, 2 * SECOND_US};
+    open_bed();
+    submit_many(20, 0, "10.0.0.1", NULL);
+    store_worker_seen(bed.store, "w");
+    ck_assert_int_eq(read_pace().pace_ms, 0);
+    serve_many(20, us);
+    ck_assert_int_eq(read_pace().pace_ms, 9000);
+    submit_many(50, 1, "10.0.0.1", NULL);
+    serve_many(50, us);
+    ck_assert_int_eq(read_pace().pace_ms, 2000);
+    store_worker_seen(bed.store, "v");
+    ck_assert_int_eq(read_pace().pace_ms, 1000);
+    submit_many(3, 1, "10.0.0.1", NULL);
+    struct pen_claim claim = store_claim(bed.store, "w");
+    ck_assert_int_eq(read_pace().running, 1);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    store_run_sql(&bed, "UPDATE worker SET seen_ms = seen_ms - 2 * lease_ms", NULL, 0);
+    ck_assert_int_eq(read_pace().pace_ms, 0); /* no worker is there */
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("shares", test_shares__the_pace_is_that_of_the_last_50_jobs_with_the_workers_of_now,
+          test_shares__the_queue_is_in_the_order_in_which_jobs_begin,
           test_shares__addresses_get_the_same_time_whatever_they_queue,
           test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_not_told_yet,
           test_shares__it_is_time_that_is_shared_not_batches,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The places of queued jobs. The whole queue is read at once and kept for a time that is twenty
- * times as long as the reading took, so that it costs a twentieth of a thread at most, however many
- * jobs wait and are asked for.
+/* The places of queued jobs, and how long they wait. The whole queue is read at once and kept for a
+ * time that is twenty times as long as the reading took, so that it costs a twentieth of a thread
+ * at most, however many jobs wait and are asked for.
  *
  * Threads: any. */
 #ifndef PEN_HTTP_INTERNAL_QUEUE_H
@@ -17,8 +17,14 @@ struct queue;
 struct queue *pen_http_queue_new(void);
 void pen_http_queue_free(struct queue *queue); /* NULL is allowed */
 
-/* The place of a job when the queue was read last: 1 for the one that begins next, 0 if it was not
- * in the queue then, or the queue cannot be read. */
-int64_t pen_http_queue_place(struct queue *queue, struct pen_jobs *jobs, const char *id);
+struct queue_place {
+    int64_t number;     /* 1 for the job that begins next; 0: not known */
+    double eta_seconds; /* until it ends, if it and those before it take as long as the last ones
+                         * that have ended, and those that run are half done. 0: not known */
+};
+
+/* The place of a job when the queue was read last. It is not known if the job was not in the queue
+ * then, or the queue cannot be read. */
+struct queue_place pen_http_queue_place(struct queue *queue, struct pen_jobs *jobs, const char *id);
 
 #endif

@@ -390,8 +390,9 @@ struct pen_driver_ops {
     /* The number of unfinished jobs, in all and of an address. */
     bool (*queue_lengths)(struct pen_driver *driver, const char *address, int64_t *all,
                           int64_t *of_address, struct pen_status *st);
-    /* Appends the ids of the queued jobs, PEN_ID_BYTES each, the one that begins next first. */
-    bool (*queue)(struct pen_driver *driver, struct pen_buf *ids, struct pen_status *st);
+    /* Sets the queue, which is {0}, as pen_store_queue. A worker is there while it was seen within
+     * the length of its leases, or has a lease. */
+    bool (*queue)(struct pen_driver *driver, struct pen_queue *queue, struct pen_status *st);
     /* Forgets what addresses were served that have no unfinished jobs and were not served since. */
     bool (*peers_remove)(struct pen_driver *driver, int64_t before_ms, struct pen_status *st);
     /* Subtracts one from the view's open batches. *batches is the number of its batches, *open the

@@ -82,8 +82,24 @@ bool pen_sqlite_keep_log_short(struct pen_driver *driver, struct pen_status *st)
     return pen_sqlite_checkpoint(driver, st);
 }
 
-/* Moves pages from the end of the file into free pages: those of SQL_VACUUM, 1 MiB, so that writers
- * get their turn. The file shrinks when the log is copied into it. */
+/* Of one call of reclaim, so that writers get their turn. */
+enum { RECLAIM_PAGES = 256, RECLAIM_MS = 10 };
+
+/* Moves pages from the end of the file into free pages. SQLite looks for the place of a page in the
+ * list of free pages, which is long after the removal of gigabytes: the first pages take some
+ * milliseconds each. */
+static bool move_pages(struct pen_sqlite_store *store, int64_t pages, struct pen_status *st)
+{
+    const int64_t until_ns = pen_clock_ns() + RECLAIM_MS * INT64_C(1000000);
+    for (int i = 0; i < pages && i < RECLAIM_PAGES && pen_clock_ns() < until_ns; i++) {
+        struct pen_sqlite_query vacuum = pen_sqlite_query(store, SQL_VACUUM);
+        if (!pen_sqlite_run(&vacuum, st))
+            return false;
+    }
+    return true;
+}
+
+/* The file shrinks when the log is copied into it. */
 bool pen_sqlite_reclaim(struct pen_driver *driver, bool *more, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
@@ -96,8 +112,7 @@ bool pen_sqlite_reclaim(struct pen_driver *driver, bool *more, struct pen_status
         return pen_sqlite_checkpoint(driver, st);
     if (!pen_sqlite_begin_write(driver, st))
         return false;
-    struct pen_sqlite_query vacuum = pen_sqlite_query(store, SQL_VACUUM);
-    if (pen_sqlite_run(&vacuum, st) && pen_sqlite_commit(driver, st))
+    if (move_pages(store, pages, st) && pen_sqlite_commit(driver, st))
         return true;
     pen_sqlite_rollback(driver);
     return false;

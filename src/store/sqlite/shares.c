@@ -65,17 +65,36 @@ bool pen_sqlite_share_served(struct pen_driver *driver, int64_t batch, int64_t n
     return pen_sqlite_run(&query, st);
 }
 
-bool pen_sqlite_queue(struct pen_driver *driver, struct pen_buf *ids, struct pen_status *st)
+static bool read_pace(struct pen_driver *driver, struct pen_queue *queue, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_QUEUE_PACE);
+    int64_t now_ms;
+    bool row;
+    if (!pen_sqlite_now(driver, &now_ms, st))
+        return false;
+    pen_sqlite_int(&query, now_ms);
+    if (!pen_sqlite_next(&query, &row, st) || !row)
+        return row;
+    const int64_t workers = pen_sqlite_column_int(&query, 1);
+    queue->running = pen_sqlite_column_int(&query, 0);
+    queue->pace_ms = workers > 0 ? pen_sqlite_column_int(&query, 2) / 1000 / workers : 0;
+    pen_sqlite_end(&query);
+    return true;
+}
+
+bool pen_sqlite_queue(struct pen_driver *driver, struct pen_queue *queue, struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_QUEUE);
     bool ok;
     while (pen_sqlite_next_row(&query, &ok, st)) {
         char id[PEN_ID_BYTES] = "";
         snprintf(id, sizeof id, "%s", pen_sqlite_column_text(&query, 0));
-        pen_buf_add(ids, id, sizeof id);
+        pen_buf_add(&queue->ids, id, sizeof id);
     }
     pen_sqlite_end(&query);
-    return ok && (!ids->failed || pen_fail(st, PEN_NO_MEMORY, "no memory for the queue"));
+    if (queue->ids.failed)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the queue");
+    return ok && read_pace(driver, queue, st);
 }
 
 bool pen_sqlite_queue_lengths(struct pen_driver *driver, const char *address, int64_t *all,

@@ -101,6 +101,7 @@ enum pen_sqlite_sql {
     SQL_JOB_LANE,
     SQL_QUEUE_LENGTHS,
     SQL_QUEUE,
+    SQL_QUEUE_PACE,
     SQL_NEXT_SCENE,
     SQL_NEXT_PIXELS,
     SQL_NEXT_ARTEFACT,
