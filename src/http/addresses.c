@@ -56,17 +56,40 @@ bool pen_http_is_address(const char *text)
     return pen_http_address_parse(text, ignored);
 }
 
+/* Keeps of an IPv6 address its network. */
+static void keep_network(unsigned char bytes[16])
+{
+    if (!is_ipv4(bytes) && !is_loopback(bytes))
+        memset(bytes + 8, 0, 8);
+}
+
 struct pen_address_key pen_http_address_key(const struct sockaddr *peer,
                                             const unsigned char trusted[16], bool count_loopback)
 {
     struct pen_address_key key = {0};
     if (!write_ipv6(peer, key.bytes))
         return (struct pen_address_key){.exempt = true};
-    key.exempt = (is_loopback(key.bytes) && !count_loopback) ||
-                 (trusted && memcmp(key.bytes, trusted, sizeof key.bytes) == 0);
-    if (!is_ipv4(key.bytes) && !is_loopback(key.bytes))
-        memset(key.bytes + 8, 0, 8);
+    key.is_proxy = trusted && memcmp(key.bytes, trusted, sizeof key.bytes) == 0;
+    key.exempt = (is_loopback(key.bytes) && !count_loopback) || key.is_proxy;
+    keep_network(key.bytes);
     return key;
+}
+
+bool pen_http_address_forwarded(const char *forwarded_for, struct pen_address_key *key)
+{
+    char text[PEER_BYTES];
+    const char *comma = strrchr(forwarded_for, ','), *at = comma ? comma + 1 : forwarded_for;
+    at += strspn(at, " \t");
+    const size_t length = strcspn(at, " \t");
+    if (length >= sizeof text || at[length + strspn(at + length, " \t")] != '\0')
+        return false;
+    memcpy(text, at, length);
+    text[length] = '\0';
+    *key = (struct pen_address_key){0};
+    if (!pen_http_address_parse(text, key->bytes))
+        return false;
+    keep_network(key->bytes);
+    return true;
 }
 
 void pen_http_address_text(const struct pen_address_key *key, char text[PEER_BYTES])

@@ -29,6 +29,17 @@ static void check_slot(struct request *request)
     request->close = true;
 }
 
+/* Notes the client's address: the connection's, or the one for which the trusted proxy sends. */
+static void name_client(struct request *request, const struct pen_address_key *peer)
+{
+    struct pen_address_key client;
+    const char *forwarded_for = request->fields.forwarded_for;
+    if (!peer->is_proxy || !forwarded_for || !pen_http_address_forwarded(forwarded_for, &client))
+        client = *peer;
+    pen_http_address_text(&client, request->peer);
+    request->peer_is_shared = client.exempt;
+}
+
 struct request *pen_http_exchange_begin(struct conn *conn, const char *head, size_t bytes)
 {
     struct pen_http *http = conn->loop->http;
@@ -36,7 +47,7 @@ struct request *pen_http_exchange_begin(struct conn *conn, const char *head, siz
     if (!request)
         return NULL;
     request->conn = conn;
-    pen_http_address_text(&conn->address, request->peer);
+    name_client(request, &conn->address);
     atomic_fetch_add_explicit(&http->active, 1, memory_order_relaxed);
     pen_http_request_admit(request);
     check_slot(request);

@@ -31,6 +31,7 @@ static struct pen_submission read_submission(const struct request *request)
     struct pen_submission in = {.body = request->body.data ? (const char *)request->body.data : "",
                                 .bytes = request->body.bytes,
                                 .address = request->peer,
+                                .address_is_shared = request->peer_is_shared,
                                 .traceparent = request->fields.traceparent,
                                 .idempotency_key = request->fields.idempotency_key};
     enum pen_media media = pen_media_parse(request->fields.content_type);

@@ -19,6 +19,7 @@ static const struct {
     const char *name;
     size_t offset;
     bool single; /* a request that has the field twice is refused */
+    bool last;   /* of several fields, the last one counts; else the first */
 } read_fields[] = {
     {.name = "Host", .offset = offsetof(struct fields, host), .single = true},
     {.name = "Content-Length", .offset = offsetof(struct fields, content_length), .single = true},
@@ -40,6 +41,7 @@ static const struct {
     {.name = "Last-Event-ID", .offset = offsetof(struct fields, last_event_id)},
     {.name = "Accept", .offset = offsetof(struct fields, accept)},
     {.name = "Accept-Encoding", .offset = offsetof(struct fields, accept_encoding)},
+    {.name = "X-Forwarded-For", .offset = offsetof(struct fields, forwarded_for), .last = true},
     {.name = "Connection", .offset = offsetof(struct fields, connection)},
 };
 
@@ -52,7 +54,7 @@ static void read_field(struct fields *fields, const struct pen_head_field *sent)
         const char **field = (const char **)((char *)fields + read_fields[i].offset);
         if (*field && field == &fields->connection)
             *field = pen_list_has_token(sent->value, "close") ? sent->value : *field;
-        else if (*field)
+        else if (*field && !read_fields[i].last)
             fields->repeated = fields->repeated || read_fields[i].single;
         else
             *field = sent->value;

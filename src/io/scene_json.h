@@ -34,7 +34,7 @@ struct pen_limits {
     int samples;         /* of a pixel; 0: as many as the format allows */
     int priority;        /* the largest that a job may ask for */
     int queue;           /* jobs that wait or run; 0: any number */
-    int address_queue;   /* the same of one client's address */
+    int address_queue;   /* the same of one client's address; 0: half of them */
     /* How long all rays together may be expected to take at so many a second; 0: any time. */
     double seconds, rays_per_second;
 };

@@ -39,6 +39,7 @@ struct pen_submission {
     bool xml;                    /* true: a bare scene in XML; false: JSON */
     bool explain;                /* a job of kind "explain" is to be made */
     const char *address;         /* of the client, for fair shares; NULL: none */
+    bool address_is_shared;      /* many clients can be behind it */
     const char *traceparent;     /* the trace that the job belongs to; NULL: none */
     const char *idempotency_key; /* NULL: none */
 };

@@ -187,6 +187,14 @@ static void hash(struct prepared *job, const struct pen_submission *in)
     job->new.scene_sha256 = job->scene_sha256;
 }
 
+/* Unless the operator says otherwise, one client cannot fill the queue. */
+static int64_t address_queue_max(const struct pen_limits *limits, const struct pen_submission *in)
+{
+    if (limits->address_queue > 0 || in->address_is_shared)
+        return limits->address_queue;
+    return (limits->queue + 1) / 2;
+}
+
 static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pen_submission *in,
                     const struct pen_request *request, struct pen_status *st)
 {
@@ -209,7 +217,7 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
                                     .address = in->address,
                                     .label = job->label,
                                     .queue_max = jobs->limits.queue,
-                                    .address_queue_max = jobs->limits.address_queue,
+                                    .address_queue_max = address_queue_max(&jobs->limits, in),
                                     .idempotency_key = in->idempotency_key};
     pen_id_make(job->new.created_ms, job->id);
     bool ok = (job->request && (job->label || !labelled) && prepare_scene(job, request)) ||

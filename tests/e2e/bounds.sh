@@ -109,5 +109,25 @@ expect known-job-is-answered "$(body .id)" "$second"
 call "$first/cancel" -X POST
 submit "$small"
 expect there-is-room-again "$status" 202
+daemon_stop
+
+# Behind a proxy the client is the last address that it tells. None of them can fill the queue.
+store=$work/proxied.db
+daemon_start --role api --max-queue 4 --trusted-proxy 127.0.0.1
+from() { # ADDRESSES: submits a job through the proxy
+    call /v1/jobs -H 'Content-Type: application/json' -H "X-Forwarded-For: $1" -d "$small"
+}
+from 10.0.0.7
+expect first-job-of-a-client "$status" 202
+from '10.0.0.9, 10.0.0.7'
+expect second-job-of-a-client "$status" 202
+from '10.0.0.8,10.0.0.7 '
+expect_problem third-job-of-a-client 429 '*2 jobs of your address 10.0.0.7 wait or run, at most 2*'
+from 2001:db8::1
+expect first-job-of-a-network "$status" 202
+submit "$small"
+expect the-proxy-itself-may-fill-it "$status" 202
+from nobody
+expect_problem the-queue-is-full 429 '*4 jobs wait or run, at most 4*'
 
 finish

@@ -15,6 +15,7 @@ struct sockaddr;
 struct pen_address_key {
     unsigned char bytes[16];
     bool exempt;
+    bool is_proxy; /* it is the trusted proxy's */
 };
 
 enum { ADDRESSES_MAX = 1024 }; /* at least as many as there are places */
@@ -35,6 +36,11 @@ bool pen_http_address_parse(const char *text, unsigned char out[16]);
  * `count_loopback` loopback addresses are not exempt. */
 struct pen_address_key pen_http_address_key(const struct sockaddr *peer,
                                             const unsigned char trusted[16], bool count_loopback);
+
+/* The address of the client for whom a proxy sends a request: the last one that X-Forwarded-For
+ * lists, since the proxy has added that one itself. Those before it may be anything. Returns false
+ * if it is no numeric address. */
+bool pen_http_address_forwarded(const char *forwarded_for, struct pen_address_key *key);
 
 /* The address as text, an IPv4 address in dots; "" if it is not known. PEER_BYTES of text. */
 enum { PEER_BYTES = 46 };

@@ -35,8 +35,9 @@ struct fields {
     const char *if_none_match, *range, *if_range, *idempotency_key, *request_id, *expect;
     const char *last_event_id, *accept, *connection;
     const char *accept_encoding, *content_encoding;
-    const char *traceparent; /* NULL also if it is malformed, which W3C says to ignore */
-    bool repeated;           /* a field that must be sent at most once was sent twice */
+    const char *traceparent;   /* NULL also if it is malformed, which W3C says to ignore */
+    const char *forwarded_for; /* X-Forwarded-For; means nothing unless the trusted proxy sent it */
+    bool repeated;             /* a field that must be sent at most once was sent twice */
 };
 
 enum { REQUEST_ID_BYTES = 65 };
@@ -53,7 +54,8 @@ struct request {
     int minor;                       /* the version is HTTP/1.minor */
     bool head;                       /* the method is HEAD */
     bool close;                      /* nothing may follow it on its connection */
-    char peer[PEER_BYTES];           /* the address of the client as text; "": not known */
+    char peer[PEER_BYTES];           /* the client's address as text; "": not known */
+    bool peer_is_shared;             /* many clients can be behind it */
     struct fields fields;
     struct pen_target target;
     const struct route *route; /* NULL: refused */
