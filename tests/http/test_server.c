@@ -80,6 +80,41 @@ START_TEST(test_server__aborted_uploads_leave_nothing)
 }
 END_TEST
 
+/* Bodies that have not ended take all the memory that there is for bodies, but for 16 bytes. */
+START_TEST(test_server__bodies_in_memory_are_bounded)
+{
+    enum { BODY_BYTES = 16 << 20, BODIES = 16 };
+    struct server server;
+    char *body = malloc(BODY_BYTES), head[120];
+    int fd[BODIES], status = 0;
+    server_start(&server, &(struct server_options){0});
+    memset(body, ' ', BODY_BYTES - 1);
+    body[BODY_BYTES - 1] = '\0';
+    snprintf(head, sizeof head,
+             "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n", BODY_BYTES);
+    for (int i = 0; i < BODIES; i++) {
+        fd[i] = server_connect(&server);
+        ck_assert(client_send(fd[i], head) && client_send(fd[i], body));
+    }
+    body[17] = '\0';
+    for (int i = 0; i < 100 && status != 503; i++) { /* until the server has read it all */
+        client_pause(50);
+        status = server_status(&server, "POST /v1/jobs HTTP/1.1", body);
+    }
+    ck_assert_int_eq(status, 503);
+    server_expect_alive(&server);
+    for (int i = 0; i < BODIES; i++)
+        close(fd[i]);
+    for (int i = 0; i < 100 && status == 503; i++) {
+        client_pause(50);
+        status = server_status(&server, "POST /v1/jobs HTTP/1.1", body);
+    }
+    ck_assert_int_eq(status, 400); /* spaces are no JSON */
+    free(body);
+    server_stop(&server);
+}
+END_TEST
+
 START_TEST(test_server__pipelined_requests_are_answered_in_order)
 {
     struct server server;
@@ -732,7 +767,7 @@ START_TEST(test_server__unusable_store_is_an_error)
 END_TEST
 
 PEN_SUITE("server", test_server__partial_requests_are_ended,
-          test_server__aborted_uploads_leave_nothing,
+          test_server__aborted_uploads_leave_nothing, test_server__bodies_in_memory_are_bounded,
           test_server__pipelined_requests_are_answered_in_order,
           test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
           test_server__compressed_bodies_are_decoded_under_the_limit,

@@ -453,7 +453,41 @@ START_TEST(test_driver_leases__time_is_spent_under_a_lease_and_added_to_the_job)
 }
 END_TEST
 
-DRIVER_SUITE("driver: leases", test_driver_leases__next_is_by_priority_then_job_then_batch,
+/* Leases of a second, all of which began at 0 but one. */
+START_TEST(test_driver_leases__untold_time_is_charged_up_to_the_length_of_a_lease)
+{
+    const struct pen_worker_new worker = {
+        .id = "a", .host = "host", .pid = 1, .threads = 1, .lease_ms = 1000};
+    driver_bed_open(&bed, _i);
+    struct driver_job job = driver_submit_new(bed.driver, 1, 1, 4, 0);
+    struct driver_job other = driver_submit_new(bed.driver, 2, 1, 1, 0);
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, worker_put, &worker, 0);
+    DRIVER_RUN(bed.driver, commit);
+    ck_assert(driver_lease(bed.driver, job.batch[0], 1, "a", 1000));
+    ck_assert(driver_lease(bed.driver, job.batch[1], 1, "a", 1200)); /* began at 200 */
+    ck_assert(driver_lease(bed.driver, job.batch[2], 1, "stranger", 1000));
+    ck_assert(driver_lease(bed.driver, other.batch[0], 1, "a", 1000));
+    spend(job.batch[0], 1, 50);
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, job_charge_leases, job.number, 300);
+    DRIVER_RUN(bed.driver, commit);
+    expect_spent(job.batch[0], 300050, 400050);
+    expect_spent(job.batch[1], 100000, 400050);
+    expect_spent(job.batch[2], 0, 400050); /* nobody knows when that lease began */
+    expect_spent(job.batch[3], 0, 400050); /* open */
+    expect_spent(other.batch[0], 0, 0);
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, job_charge_leases, other.number, 5000);
+    DRIVER_RUN(bed.driver, commit);
+    expect_spent(other.batch[0], 1000000, 1000000);
+    driver_bed_close(&bed);
+}
+END_TEST
+
+DRIVER_SUITE("driver: leases",
+             test_driver_leases__untold_time_is_charged_up_to_the_length_of_a_lease,
+             test_driver_leases__next_is_by_priority_then_job_then_batch,
              test_driver_leases__batch_added_later_comes_by_the_age_of_its_job,
              test_driver_leases__claim_tells_all_of_its_batch,
              test_driver_leases__paused_jobs_are_passed_over_until_their_time,

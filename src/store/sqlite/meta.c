@@ -17,7 +17,9 @@
  *    to the store that was here before. SQLite would apply it to this one.
  *
  * Not noticed: a log that was emptied, which looks like one after a checkpoint; a store that was
- * replaced by an older copy of itself with its log. */
+ * replaced by an older copy of itself with its log; a log that goes missing after one program has
+ * settled the store, while another one (penumbrad --role worker) still wrote to it, and before the
+ * next opening. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
