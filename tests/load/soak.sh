@@ -205,14 +205,16 @@ expect all-jobs-end "$busy" 0
 
 # What became of every job that was acknowledged.
 touch "$work/removed"
-for file in "$work/jobs"/*; do
-    id=${file##*/}
-    echo "$(cat "$file") $(curl -s "$url/v1/jobs/$id" | jq -r '.state // .status') $(grep -c "$id" "$work/removed")"
-done | awk '{
+ls "$work/jobs" >"$work/ids"
+sed "s|^|$work/jobs/|" "$work/ids" | xargs cat >"$work/kinds"
+sed "s|^|$url/v1/jobs/|" "$work/ids" | xargs -n 100 curl -s -w '\n' | jq -r '.state // .status' >"$work/states"
+paste -d ' ' "$work/kinds" "$work/states" "$work/ids" | awk -v removed="$work/removed" '
+    BEGIN { while ((getline id <removed) > 0) gone[id] = 1 }
+    {
         kind[$1 " " $2]++
         if ($2 == "succeeded" || $2 == "410") next
-        if ($2 == "cancelled" && $3 > 0) next
-        if ($2 == "404" && $3 > 0) next
+        if ($2 == "cancelled" && gone[$3]) next
+        if ($2 == "404" && gone[$3]) next
         if ($2 == "failed" && $1 == "failing") next
         wrong++
     } END {
