@@ -14,8 +14,10 @@
 #include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/cpu.h"
 #include "http/internal/addresses.h"
 #include "http/internal/http.h"
@@ -29,7 +31,10 @@ enum {
     IDLE_S = 30,
     HEAD_S = 10,
     BODY_S = 10,
-    ACCEPT_AGAIN_MS = 5
+    ACCEPT_AGAIN_MS = 5,
+    WINDOW_NS = 10000000,   /* over which the rate of connections is taken */
+    RUSH_EVERY_NS = 250000, /* 4000 connections in a second */
+    GATHER_NS = 500000
 };
 
 /* A host that has vanished closes nothing. Probes find that out on a silent connection, a missing
@@ -90,9 +95,36 @@ static bool loops_keep_up(const struct listener *listener)
     return atomic_load_explicit(&listener->http->arriving, memory_order_relaxed) < BURST;
 }
 
+/* Accepts what waits, BURST connections at most. Returns their number. */
+static int accept_burst(struct listener *listener)
+{
+    int count = 0;
+    while (count < BURST && loops_keep_up(listener) && accept_one(listener))
+        count++;
+    return count;
+}
+
+/* Looks at the rate of connections. If they come fast it pays to let several of them come, here and
+ * in the loops: to wake a thread takes longer than to accept and to answer. `*accepted` is their
+ * number since *begun_ns. Returns whether they do. */
+static bool is_rush(struct listener *listener, int64_t *begun_ns, int *accepted)
+{
+    _Atomic int64_t *until_ns = &listener->http->rush_until_ns;
+    const int64_t now_ns = pen_clock_ns(), passed_ns = now_ns - *begun_ns;
+    if (passed_ns >= WINDOW_NS) {
+        if (*accepted > passed_ns / RUSH_EVERY_NS)
+            atomic_store_explicit(until_ns, now_ns + 2 * WINDOW_NS, memory_order_relaxed);
+        *begun_ns = now_ns;
+        *accepted = 0;
+    }
+    return now_ns < atomic_load_explicit(until_ns, memory_order_relaxed);
+}
+
 static void *accept_all(void *arg)
 {
     struct listener *listener = arg;
+    int64_t begun_ns = pen_clock_ns();
+    int accepted = 0;
     for (;;) {
         bool ready = loops_keep_up(listener);
         struct pollfd fds[] = {{.fd = listener->stop_fd, .events = POLLIN},
@@ -103,8 +135,9 @@ static void *accept_all(void *arg)
         if (n > 0 && fds[0].revents)
             break;
         if (n > 0 && ready && fds[1].revents) {
-            for (int i = 0; i < BURST && loops_keep_up(listener) && accept_one(listener); i++)
-                ;
+            if (is_rush(listener, &begun_ns, &accepted))
+                nanosleep(&(struct timespec){.tv_nsec = GATHER_NS}, NULL);
+            accepted += accept_burst(listener);
         }
     }
     return NULL;

@@ -240,7 +240,7 @@ static int start_closer(void)
 
 static int run_bad(char **arg)
 {
-    enum { THREADS = 16 };
+    enum { THREADS = 32 };
     struct clients clients = {.port = atoi(arg[0]),
                               .per_second = (atoi(arg[1]) + THREADS - 1) / THREADS,
                               .seconds = atoi(arg[2])};

@@ -26,6 +26,11 @@ below health-p99-ms 50
 below job-p99-ms 50
 below resident-mib 300
 below closed-freed-s 5
+
+# Shorter than it takes to find out that a client has vanished: how long that is, is measured after the end.
+run crowd "$port" "$api" "$job" "$picture" 100 6
+expect descriptors-left "$(value left)" 0
+below closed-freed-s 5
 below vanished-freed-s 30
 
 # A scene of 12 MB.
@@ -47,20 +52,30 @@ below ready-p99-ms 100
 daemon_stop
 daemon_start
 port=${url##*:}
-render_beside() { # PORT: milliseconds of a render beside bad requests to this port
+renders_beside() { # PORT FILE: adds the milliseconds of renders beside bad requests to this port
     "$load" bad "$1" 10000 "$seconds" >"$work/values" &
+    clients=$!
     sleep 1
-    submit '{"scene": "builtin:room", "render": {"width": 1000, "height": 1400, "samples_per_pixel": 4}}'
-    while [ "$(curl -s "$url$job?wait=60" | jq -r .state)" = running ]; do :; done
-    curl -s "$url$job/stats" | jq .timing.render_ms
-    wait $!
+    while kill -0 $clients 2>/dev/null; do
+        submit '{"scene": "builtin:room", "render": {"width": 1000, "height": 1400, "samples_per_pixel": 4}}'
+        while [ "$(curl -s "$url$job?wait=60" | jq -r .state)" = running ]; do :; done
+        kill -0 $clients 2>/dev/null && curl -s "$url$job/stats" | jq .timing.render_ms >>"$2"
+    done
+    wait $clients
+    echo "$(value per-second) requests in a second"
 }
-alone=$(render_beside 0)
-echo "== a render beside bad requests to a server that only closes: $alone ms"
-beside=$(render_beside "$port")
-echo "== and to the daemon: $beside ms"
-cat "$work/values"
-expect bad-health-failed "$(value health-failed)" 0
-echo "slower $(awk -v a="$beside" -v b="$alone" 'BEGIN {print a / b}')" >"$work/values"
+middle() { # FILE: the median
+    sort -n "$1" | awk '{v[NR] = $1} END {print NR ? v[int((NR + 1) / 2)] : "none"}'
+}
+for _ in 1 2 3; do
+    renders_beside 0 "$work/alone"
+    renders_beside "$port" "$work/beside"
+    expect bad-health-failed "$(value health-failed)" 0
+    cat "$work/values"
+done
+alone=$(middle "$work/alone") beside=$(middle "$work/beside")
+echo "== renders beside bad requests to a server that only closes: $alone ms ($(wc -l <"$work/alone"))"
+echo "== and to the daemon: $beside ms ($(wc -l <"$work/beside"))"
+echo "slower $(awk -v a="$alone" -v b="$beside" 'BEGIN {print b / a}')" >"$work/values"
 below slower 1.1
 finish

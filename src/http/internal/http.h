@@ -25,12 +25,14 @@ struct pen_http {
     struct static_files *static_files;
     struct pictures *pictures;
 
-    int connection_max;       /* beyond it new connections replace idle ones */
-    atomic_int arriving;      /* accepted and not yet with their loops. atomic: relaxed, a bound */
-    atomic_int connections;   /* with the loops and not yet closed. atomic: relaxed, a bound */
-    atomic_int reserved;      /* connections in reserved slots. atomic: relaxed, a bound */
-    atomic_size_t head_bytes; /* kept unread of heads. atomic: relaxed, a sum */
-    atomic_size_t answer_bytes; /* large answers but pictures. atomic: relaxed, a sum */
+    int connection_max;  /* beyond it new connections replace idle ones */
+    atomic_int arriving; /* accepted and not yet with their loops. atomic: relaxed, a bound */
+    _Atomic int64_t rush_until_ns; /* connections come so fast that threads let several of them
+                                    * come (listener.c). atomic: relaxed, it only spares work */
+    atomic_int connections;        /* with the loops and not yet closed. atomic: relaxed, a bound */
+    atomic_int reserved;           /* connections in reserved slots. atomic: relaxed, a bound */
+    atomic_size_t head_bytes;      /* kept unread of heads. atomic: relaxed, a sum */
+    atomic_size_t answer_bytes;    /* large answers but pictures. atomic: relaxed, a sum */
 
     atomic_bool draining, stopping; /* atomic: relaxed, one request more may still be served */
     atomic_int active;              /* requests whose head was seen and that have not ended.
