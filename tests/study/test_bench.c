@@ -232,7 +232,7 @@ START_TEST(test_bench__ratio_is_the_median_of_the_pairs_of_one_repeat)
     ck_assert_int_eq(result.repeats, 11);
     ck_assert_ptr_nonnull(result.twin.runs);
     ck_assert(result.twin.ratio.median > 0.2 && result.twin.ratio.median < 5);
-    ck_assert(result.calibration.median > 0);
+    ck_assert(result.calibration.median > 0.05); /* ms, for a million tests of a ray and a sphere */
     tear_down();
 }
 END_TEST
