@@ -75,9 +75,18 @@ struct pen_address_key pen_http_address_key(const struct sockaddr *peer,
     return key;
 }
 
+/* Leaves the address of one with a port: 192.0.2.1:80, [2001:db8::1]:80 or [2001:db8::1]. */
+static char *without_port(char *text)
+{
+    char *end = strrchr(text, text[0] == '[' ? ']' : ':');
+    if (end && (text[0] == '[' || strchr(text, ':') == end))
+        *end = '\0';
+    return text + (text[0] == '[');
+}
+
 bool pen_http_address_forwarded(const char *forwarded_for, struct pen_address_key *key)
 {
-    char text[PEER_BYTES];
+    char text[PEER_BYTES + 10];
     const char *comma = strrchr(forwarded_for, ','), *at = comma ? comma + 1 : forwarded_for;
     at += strspn(at, " \t");
     const size_t length = strcspn(at, " \t");
@@ -86,7 +95,7 @@ bool pen_http_address_forwarded(const char *forwarded_for, struct pen_address_ke
     memcpy(text, at, length);
     text[length] = '\0';
     *key = (struct pen_address_key){0};
-    if (!pen_http_address_parse(text, key->bytes))
+    if (!pen_http_address_parse(without_port(text), key->bytes))
         return false;
     keep_network(key->bytes);
     return true;

@@ -29,15 +29,16 @@ static void check_slot(struct request *request)
     request->close = true;
 }
 
-/* Notes the client's address: the connection's, or the one for which the trusted proxy sends. */
+/* Notes the client's address: the connection's, or the one for which the trusted proxy sends. A
+ * client that the proxy names in vain is one of all such clients. */
 static void name_client(struct request *request, const struct pen_address_key *peer)
 {
-    struct pen_address_key client;
-    const char *forwarded_for = request->fields.forwarded_for;
-    if (!peer->is_proxy || !forwarded_for || !pen_http_address_forwarded(forwarded_for, &client))
-        client = *peer;
+    struct pen_address_key client = *peer, named;
+    const char *forwarded_for = peer->is_proxy ? request->fields.forwarded_for : NULL;
+    if (forwarded_for && pen_http_address_forwarded(forwarded_for, &named))
+        client = named;
     pen_http_address_text(&client, request->peer);
-    request->peer_is_shared = client.exempt;
+    request->peer_is_shared = peer->exempt && !forwarded_for;
 }
 
 struct request *pen_http_exchange_begin(struct conn *conn, const char *head, size_t bytes)

@@ -34,7 +34,9 @@ enum {
     ACCEPT_AGAIN_MS = 5,
     WINDOW_NS = 10000000,   /* over which the rate of connections is taken */
     RUSH_EVERY_NS = 250000, /* 4000 connections in a second */
-    GATHER_NS = 500000
+    GATHER_NS = 500000,
+    RUSH_GATHERS = 3, /* connections at each wake, or the pauses are of no use */
+    RUSH_AGAIN_NS = 1000000000
 };
 
 /* A host that has vanished closes nothing. Probes find that out on a silent connection, a missing
@@ -104,27 +106,36 @@ static int accept_burst(struct listener *listener)
     return count;
 }
 
-/* Looks at the rate of connections. If they come fast it pays to let several of them come, here and
- * in the loops: to wake a thread takes longer than to accept and to answer. `*accepted` is their
- * number since *begun_ns. Returns whether they do. */
-static bool is_rush(struct listener *listener, int64_t *begun_ns, int *accepted)
+/* How fast connections come: counted over a window. */
+struct rate {
+    int64_t begun_ns;
+    int accepted, wakes; /* since then; wakes of the acceptor that found some */
+    bool rush;           /* and it paused before each of them */
+    int64_t again_ns;    /* no rush before that time */
+};
+
+/* Whether to pause before accepting. If connections come fast it pays to let several of them come,
+ * here and in the loops: to wake a thread takes longer than to accept and to answer. But a client
+ * that sends one request after the other would only wait: then pauses gather nothing, and there are
+ * none for a second. */
+static bool is_rush(struct rate *rate, struct pen_http *http)
 {
-    _Atomic int64_t *until_ns = &listener->http->rush_until_ns;
-    const int64_t now_ns = pen_clock_ns(), passed_ns = now_ns - *begun_ns;
-    if (passed_ns >= WINDOW_NS) {
-        if (*accepted > passed_ns / RUSH_EVERY_NS)
-            atomic_store_explicit(until_ns, now_ns + 2 * WINDOW_NS, memory_order_relaxed);
-        *begun_ns = now_ns;
-        *accepted = 0;
-    }
-    return now_ns < atomic_load_explicit(until_ns, memory_order_relaxed);
+    const int64_t now_ns = pen_clock_ns(), passed_ns = now_ns - rate->begun_ns;
+    if (passed_ns < WINDOW_NS)
+        return rate->rush;
+    if (rate->rush && rate->accepted < RUSH_GATHERS * rate->wakes)
+        rate->again_ns = now_ns + RUSH_AGAIN_NS;
+    const bool rush = rate->accepted > passed_ns / RUSH_EVERY_NS && now_ns >= rate->again_ns;
+    if (rush)
+        atomic_store_explicit(&http->rush_until_ns, now_ns + 2 * WINDOW_NS, memory_order_relaxed);
+    *rate = (struct rate){.begun_ns = now_ns, .rush = rush, .again_ns = rate->again_ns};
+    return rush;
 }
 
 static void *accept_all(void *arg)
 {
     struct listener *listener = arg;
-    int64_t begun_ns = pen_clock_ns();
-    int accepted = 0;
+    struct rate rate = {.begun_ns = pen_clock_ns()};
     for (;;) {
         bool ready = loops_keep_up(listener);
         struct pollfd fds[] = {{.fd = listener->stop_fd, .events = POLLIN},
@@ -135,9 +146,10 @@ static void *accept_all(void *arg)
         if (n > 0 && fds[0].revents)
             break;
         if (n > 0 && ready && fds[1].revents) {
-            if (is_rush(listener, &begun_ns, &accepted))
+            if (is_rush(&rate, listener->http))
                 nanosleep(&(struct timespec){.tv_nsec = GATHER_NS}, NULL);
-            accepted += accept_burst(listener);
+            rate.accepted += accept_burst(listener);
+            rate.wakes++;
         }
     }
     return NULL;

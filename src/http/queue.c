@@ -20,11 +20,11 @@ struct entry {
 
 struct queue {
     pthread_mutex_t lock;
-    struct entry *entry;      /* guarded by lock, sorted by id */
-    size_t count;             /* guarded by lock */
-    int64_t running, pace_ms; /* guarded by lock, as in struct pen_queue */
-    int64_t until_ns;         /* guarded by lock: when it has to be read again */
-    bool reading;             /* guarded by lock: a thread is reading it */
+    struct entry *entry;    /* guarded by lock, sorted by id */
+    size_t count;           /* guarded by lock */
+    struct pen_queue facts; /* guarded by lock: of the queue, without its ids */
+    int64_t until_ns;       /* guarded by lock: when it has to be read again */
+    bool reading;           /* guarded by lock: a thread is reading it */
 };
 
 struct queue *pen_http_queue_new(void)
@@ -83,10 +83,21 @@ static void read_again(struct queue *queue, struct pen_jobs *jobs)
     free(queue->entry);
     queue->entry = entry;
     queue->count = count;
-    queue->running = read.running;
-    queue->pace_ms = read.pace_ms;
+    queue->facts = read;
+    queue->facts.ids = (struct pen_buf){0};
     queue->until_ns = now_ns + KEPT_TIMES * (now_ns - begun_ns);
     queue->reading = false;
+}
+
+/* The jobs before a place, and the one there, take a worker's time each. The last one takes that
+ * long, however many workers there are. */
+static double eta_seconds(const struct pen_queue *queue, int64_t place)
+{
+    if (queue->workers == 0)
+        return 0;
+    const double jobs = (double)place + (double)queue->running / 2;
+    const double turns = jobs / (double)queue->workers;
+    return (turns < 1 ? 1 : turns) * (double)queue->job_us * 1e-6;
 }
 
 struct queue_place pen_http_queue_place(struct queue *queue, struct pen_jobs *jobs, const char *id)
@@ -100,9 +111,8 @@ struct queue_place pen_http_queue_place(struct queue *queue, struct pen_jobs *jo
     const struct entry *found =
         queue->count ? bsearch(&key, queue->entry, queue->count, sizeof key, by_id) : NULL;
     if (found) {
-        const double jobs_left = (double)found->place + (double)queue->running / 2;
         place.number = found->place;
-        place.eta_seconds = jobs_left * (double)queue->pace_ms / 1000;
+        place.eta_seconds = eta_seconds(&queue->facts, found->place);
     }
     pthread_mutex_unlock(&queue->lock);
     return place;

@@ -21,7 +21,8 @@ struct pen_http_options {
                         * and for the beginning of a body are 10 s, and not longer than this */
     int connections;   /* open at once; 0: 8192. Not more than the process may open files */
     int waiting_per_address;   /* long polls of one client's address, and streams; 0: 32 */
-    const char *trusted_proxy; /* a numeric address whose requests are not counted; NULL: none */
+    const char *trusted_proxy; /* a numeric address, whose waiting requests are not counted, and
+                                * whose X-Forwarded-For names the client; NULL: none */
     bool count_loopback;       /* count the requests of loopback addresses too */
     int heartbeat_ms; /* time after which a silent event stream gets a heartbeat; 0: 10 s */
 };

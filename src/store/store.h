@@ -245,8 +245,9 @@ struct pen_queue {
     struct pen_buf ids; /* of the queued jobs, PEN_ID_BYTES each, in the order in which they begin,
                          * as far as the shares of now tell (README.md, "Shares") */
     int64_t running;    /* jobs that have begun */
-    int64_t pace_ms;    /* from the end of a job to that of the next one, with the workers of now:
-                         * the mean of the last 50 that have ended. 0: not known */
+    int64_t workers;    /* that are there now */
+    int64_t job_us;     /* how long workers took for a job: the mean of the last 50 jobs that took
+                         * any time and have ended. 0: there were none */
 };
 
 /* Reads the queue; the caller releases its ids, also after a failure. Fails: PEN_NO_MEMORY. Cost:

@@ -29,7 +29,7 @@ gone_away() {
 }
 check "the api that takes its place reports the reason" within 30 gone_away
 slowly() {
-    for _ in $(seq 300); do printf x && sleep 0.1; done
+    for _ in $(seq $((300 * patience))); do printf x && sleep 0.1; done
 }
 slowly | curl -s -o /dev/null "telnet://${url#http://}" &
 slow=$!

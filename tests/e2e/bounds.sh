@@ -113,21 +113,50 @@ daemon_stop
 
 # Behind a proxy the client is the last address that it tells. None of them can fill the queue.
 store=$work/proxied.db
-daemon_start --role api --max-queue 4 --trusted-proxy 127.0.0.1
-from() { # ADDRESSES: submits a job through the proxy
-    call /v1/jobs -H 'Content-Type: application/json' -H "X-Forwarded-For: $1" -d "$small"
+daemon_start --role api --max-queue 8 --trusted-proxy 127.0.0.1
+from() { # ADDRESSES…: submits a job through the proxy, with a field for each
+    fields=
+    for address; do fields="$fields -H X-Forwarded-For:$address"; done
+    # shellcheck disable=SC2086 # addresses have no spaces
+    call /v1/jobs -H 'Content-Type: application/json' $fields -d "$small"
 }
+for addresses in 10.0.0.7 10.0.0.9,10.0.0.7 '10.0.0.9 10.0.0.7' 10.0.0.7:80; do
+    # shellcheck disable=SC2086 # several fields
+    from $addresses
+    expect "a-job-of-a-client-$addresses" "$status" 202
+done
 from 10.0.0.7
-expect first-job-of-a-client "$status" 202
-from '10.0.0.9, 10.0.0.7'
-expect second-job-of-a-client "$status" 202
-from '10.0.0.8,10.0.0.7 '
-expect_problem third-job-of-a-client 429 '*2 jobs of your address 10.0.0.7 wait or run, at most 2*'
+expect_problem one-more-of-that-client 429 '*4 jobs of your address 10.0.0.7 wait or run, at most 4*'
+from 10.0.0.7,10.0.0.8
+expect a-job-of-another-client "$status" 202
+call "/v1/jobs/$(body .id)/cancel" -X POST
+for n in 1 2 3; do
+    from "2001:db8::$n"
+    expect "a-job-of-a-network-$n" "$status" 202
+done
+from '[2001:db8::4]:80'
+expect the-last-job-of-a-network "$status" 202
+from 2001:db8::5
+expect_problem the-queue-is-full 429 '*8 jobs wait or run, at most 8*'
+daemon_stop
+store=$work/network.db
+daemon_start --role api --max-queue 4 --trusted-proxy 127.0.0.1
 from 2001:db8::1
-expect first-job-of-a-network "$status" 202
-submit "$small"
-expect the-proxy-itself-may-fill-it "$status" 202
-from nobody
-expect_problem the-queue-is-full 429 '*4 jobs wait or run, at most 4*'
+from 2001:db8::2
+from 2001:db8::3
+expect_problem networks-are-one-client 429 '*2 jobs of your address 2001:db8:: wait or run, at most 2*'
+daemon_stop
+store=$work/unnamed.db
+daemon_start --role api --max-queue 4 --trusted-proxy 127.0.0.1
+for n in 1 2; do
+    from nobody
+    expect "a-job-of-nobody-$n" "$status" 202
+done
+from 10.0.0.7,
+expect_problem clients-without-a-name-are-one 429 '*2 jobs of your address 127.0.0.1 wait or run, at most 2*'
+for n in 3 4; do
+    submit "$small"
+    expect "the-proxy-itself-may-fill-it-$n" "$status" 202
+done
 
 finish

@@ -59,10 +59,11 @@ renders_beside() { # PORT FILE: adds the milliseconds of renders beside bad requ
     while kill -0 $clients 2>/dev/null; do
         submit '{"scene": "builtin:room", "render": {"width": 1000, "height": 1400, "samples_per_pixel": 4}}'
         while [ "$(curl -s "$url$job?wait=60" | jq -r .state)" = running ]; do :; done
-        kill -0 $clients 2>/dev/null && curl -s "$url$job/stats" | jq .timing.render_ms >>"$2"
+        kill -0 $clients 2>/dev/null && curl -s "$url$job/stats" | jq '.timing.render_ms | numbers' >>"$2"
     done
     wait $clients
     echo "$(value per-second) requests in a second"
+    expect "requests-in-a-second-$1" "$(awk -v n="$(value per-second)" 'BEGIN {print (n > 9500)}')" 1
 }
 middle() { # FILE: the median
     sort -n "$1" | awk '{v[NR] = $1} END {print NR ? v[int((NR + 1) / 2)] : "none"}'
@@ -74,6 +75,8 @@ for _ in 1 2 3; do
     cat "$work/values"
 done
 alone=$(middle "$work/alone") beside=$(middle "$work/beside")
+expect renders-beside-each "$(awk -v a="$(wc -l <"$work/alone")" -v b="$(wc -l <"$work/beside")" \
+    'BEGIN {print (a > 2 && b > 2)}')" 1
 echo "== renders beside bad requests to a server that only closes: $alone ms ($(wc -l <"$work/alone"))"
 echo "== and to the daemon: $beside ms ($(wc -l <"$work/beside"))"
 echo "slower $(awk -v a="$alone" -v b="$beside" 'BEGIN {print b / a}')" >"$work/values"

@@ -208,6 +208,7 @@ touch "$work/removed"
 ls "$work/jobs" >"$work/ids"
 sed "s|^|$work/jobs/|" "$work/ids" | xargs cat >"$work/kinds"
 sed "s|^|$url/v1/jobs/|" "$work/ids" | xargs -n 100 curl -s -w '\n' | jq -r '.state // .status' >"$work/states"
+expect a-state-of-each-job "$(wc -l <"$work/states")" "$(wc -l <"$work/ids")"
 paste -d ' ' "$work/kinds" "$work/states" "$work/ids" | awk -v removed="$work/removed" '
     BEGIN { while ((getline id <removed) > 0) gone[id] = 1 }
     {

@@ -420,41 +420,48 @@ START_TEST(test_shares__the_queue_is_in_the_order_in_which_jobs_begin)
 }
 END_TEST
 
-static struct pen_queue read_pace(void)
+static void expect_facts(int64_t running, int64_t workers, int64_t job_us)
 {
     struct pen_queue queue;
     struct pen_status st;
     store_must(pen_store_queue(bed.store, &queue, &st), &st, "queue");
     pen_buf_release(&queue.ids);
-    return queue;
+    ck_assert_int_eq(queue.running, running);
+    ck_assert_int_eq(queue.workers, workers);
+    ck_assert_int_eq(queue.job_us, job_us);
 }
 
-/* The first 20 jobs take 9 s each, the last 50 take 2 s. */
-START_TEST(test_shares__the_pace_is_that_of_the_last_50_jobs_with_the_workers_of_now)
+/* The first 20 jobs take 9 s each, the last 50 take 2 s, but for some that take no time. */
+START_TEST(test_shares__the_queue_tells_what_the_last_50_jobs_took_and_the_workers_of_now)
 {
     const int64_t us[4] = {9 * SECOND_US, 2 * SECOND_US};
     open_bed();
     submit_many(20, 0, "10.0.0.1", NULL);
     store_worker_seen(bed.store, "w");
-    ck_assert_int_eq(read_pace().pace_ms, 0);
+    expect_facts(0, 1, 0);
     serve_many(20, us);
-    ck_assert_int_eq(read_pace().pace_ms, 9000);
-    submit_many(50, 1, "10.0.0.1", NULL);
-    serve_many(50, us);
-    ck_assert_int_eq(read_pace().pace_ms, 2000);
+    expect_facts(0, 1, 9 * SECOND_US);
+    submit_many(25, 1, "10.0.0.1", NULL);
+    serve_many(25, us);
+    submit_many(5, 2, "10.0.0.1", NULL);
+    serve_many(5, us);
+    submit_many(25, 1, "10.0.0.1", NULL);
+    serve_many(25, us);
+    expect_facts(0, 1, 2 * SECOND_US);
     store_worker_seen(bed.store, "v");
-    ck_assert_int_eq(read_pace().pace_ms, 1000);
+    expect_facts(0, 2, 2 * SECOND_US);
     submit_many(3, 1, "10.0.0.1", NULL);
     struct pen_claim claim = store_claim(bed.store, "w");
-    ck_assert_int_eq(read_pace().running, 1);
-    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    expect_facts(1, 2, 2 * SECOND_US);
     store_run_sql(&bed, "UPDATE worker SET seen_ms = seen_ms - 2 * lease_ms", NULL, 0);
-    ck_assert_int_eq(read_pace().pace_ms, 0); /* no worker is there */
+    expect_facts(1, 1, 2 * SECOND_US); /* one has a lease */
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    expect_facts(0, 0, 2 * SECOND_US);
     store_bed_close(&bed);
 }
 END_TEST
 
-PEN_SUITE("shares", test_shares__the_pace_is_that_of_the_last_50_jobs_with_the_workers_of_now,
+PEN_SUITE("shares", test_shares__the_queue_tells_what_the_last_50_jobs_took_and_the_workers_of_now,
           test_shares__the_queue_is_in_the_order_in_which_jobs_begin,
           test_shares__addresses_get_the_same_time_whatever_they_queue,
           test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_not_told_yet,

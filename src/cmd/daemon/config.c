@@ -115,7 +115,8 @@ static const struct pen_option options[] = {
      .max = 1000000000,
      .env = "PENUMBRA_MAX_CLIENT_QUEUE",
      .help = "the same for the jobs of one client's address; 0, the default, stands for half of "
-             "--max-queue, and for all of it on the loopback interface and behind --trusted-proxy"},
+             "--max-queue, and for all of it on the loopback interface and for requests of "
+             "--trusted-proxy that have no X-Forwarded-For"},
     {.name = "keep-days",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, keep_days),
@@ -152,9 +153,9 @@ static const struct pen_option options[] = {
      .value = "ADDRESS",
      .env = "PENUMBRA_TRUSTED_PROXY",
      .help = "the numeric address of a proxy: any number of the requests that come through it may "
-             "wait (wait=, events), and the last address in their X-Forwarded-For is the client's, "
-             "for shares and --max-client-queue. Of other addresses 32 may wait, of the loopback "
-             "interface any number"},
+             "wait (wait=, events), and the last address in their X-Forwarded-For, which the proxy "
+             "must set or append to, is the client's, for shares and --max-client-queue. Of other "
+             "addresses 32 may wait, of the loopback interface any number"},
     {.name = "log-file",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, log_file),

@@ -13,7 +13,8 @@
 #include "cmd/daemon/listen.h"
 #include "cmd/options.h"
 
-/* Bounds of jobs that the operator sets. 0: none, or that of pen_limits_default. */
+/* Bounds of jobs that the operator sets. 0: none, or that of pen_limits_default, or what the help
+ * of its option says. */
 struct pen_job_limits {
     int timeout; /* seconds */
     int seconds; /* that it may be expected to take */

@@ -41,7 +41,7 @@ static bool is_readable(int fd, int64_t until_ns)
 }
 
 /* Reads the head of the request, or what comes of it in time: a client whose request was not read
- * would see a reset instead of the answer. */
+ * would see a reset instead of the answer. So does one that goes on sending for longer. */
 static void answer_client(int fd, const struct pen_buf *answer)
 {
     static char request[REQUEST_BYTES];

@@ -38,8 +38,8 @@ struct pen_address_key pen_http_address_key(const struct sockaddr *peer,
                                             const unsigned char trusted[16], bool count_loopback);
 
 /* The address of the client for whom a proxy sends a request: the last one that X-Forwarded-For
- * lists, since the proxy has added that one itself. Those before it may be anything. Returns false
- * if it is no numeric address. */
+ * lists, since the proxy has added that one itself. Those before it may be anything. A port is
+ * passed over. Returns false if it is no numeric address. */
 bool pen_http_address_forwarded(const char *forwarded_for, struct pen_address_key *key);
 
 /* The address as text, an IPv4 address in dots; "" if it is not known. PEER_BYTES of text. */

@@ -65,9 +65,9 @@ bool pen_sqlite_share_served(struct pen_driver *driver, int64_t batch, int64_t n
     return pen_sqlite_run(&query, st);
 }
 
-static bool read_pace(struct pen_driver *driver, struct pen_queue *queue, struct pen_status *st)
+static bool read_facts(struct pen_driver *driver, struct pen_queue *queue, struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_QUEUE_PACE);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_QUEUE_FACTS);
     int64_t now_ms;
     bool row;
     if (!pen_sqlite_now(driver, &now_ms, st))
@@ -75,9 +75,9 @@ static bool read_pace(struct pen_driver *driver, struct pen_queue *queue, struct
     pen_sqlite_int(&query, now_ms);
     if (!pen_sqlite_next(&query, &row, st) || !row)
         return row;
-    const int64_t workers = pen_sqlite_column_int(&query, 1);
     queue->running = pen_sqlite_column_int(&query, 0);
-    queue->pace_ms = workers > 0 ? pen_sqlite_column_int(&query, 2) / 1000 / workers : 0;
+    queue->workers = pen_sqlite_column_int(&query, 1);
+    queue->job_us = pen_sqlite_column_int(&query, 2);
     pen_sqlite_end(&query);
     return true;
 }
@@ -94,7 +94,7 @@ bool pen_sqlite_queue(struct pen_driver *driver, struct pen_queue *queue, struct
     pen_sqlite_end(&query);
     if (queue->ids.failed)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the queue");
-    return ok && read_pace(driver, queue, st);
+    return ok && read_facts(driver, queue, st);
 }
 
 bool pen_sqlite_queue_lengths(struct pen_driver *driver, const char *address, int64_t *all,

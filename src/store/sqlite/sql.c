@@ -286,13 +286,13 @@ static const char *const sql_text[] = {
         " ORDER BY o.turn, l.served_us, l.id) AS turn FROM of_lane o JOIN lane l ON l.id = o.lane)"
         " SELECT o.id FROM of_peer o JOIN peer p ON p.id = o.peer"
         " ORDER BY p.priority DESC, o.turn, p.served_us, p.id",
-    [SQL_QUEUE_PACE] =
+    [SQL_QUEUE_FACTS] =
         "SELECT (SELECT count(*) FROM job WHERE state = 1),"
         " (SELECT count(*) FROM worker w WHERE w.seen_ms + w.lease_ms > ?1 OR EXISTS (SELECT 1"
         " FROM batch b WHERE b.state = 1 AND b.worker = w.id AND b.lease_until_ms > ?1)),"
         " (SELECT CAST(coalesce(avg(spent_us), 0) AS INTEGER) FROM (SELECT spent_us FROM job"
-        " WHERE finished_ms > 0 AND removed_ms = 0 ORDER BY finished_ms DESC LIMIT 50)"
-        " WHERE spent_us > 0)",
+        " WHERE finished_ms > 0 AND removed_ms = 0 AND spent_us > 0"
+        " ORDER BY finished_ms DESC LIMIT 50))",
     [SQL_NEXT_SCENE] = "SELECT s.id, length(s.document), 0, NULL, (SELECT min(j.id) FROM job j"
                        " WHERE j.scene = s.id AND j.removed_ms = 0), ''"
                        " FROM scene s WHERE s.id > ? ORDER BY s.id LIMIT 1",
