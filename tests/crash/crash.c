@@ -72,7 +72,7 @@ static void check(struct test *t, bool ok, const char *what, const char *about)
         return;
     t->failures++;
     printf("not ok: round %d: %s: %s\n", t->round, what, about);
-    fflush(stdout);
+    daemon_show_log(&t->daemon);
 }
 
 /* Submits one job; with a key, again until it is acknowledged. Returns whether it was. */
@@ -147,8 +147,11 @@ static void stop_worker(struct test *t)
         waitpid(extra, NULL, 0);
         t->extra_killed++;
     } else {
+        char how[END_BYTES];
+        daemon_wait_for_worker(extra);
         kill(extra, SIGTERM);
-        check(t, process_end(extra, 10000), "a worker alone ends with exit code 0", "");
+        bool well = process_end(extra, 10000, how);
+        check(t, well, "a worker alone ends with exit code 0", how);
     }
 }
 

@@ -51,12 +51,41 @@ bool daemon_start(struct daemon *daemon)
     return ok;
 }
 
+/* Whether the process has blocked SIGTERM, which it waits for by a descriptor then. */
+static bool waits_for_sigterm(pid_t pid)
+{
+    char path[40], line[200];
+    unsigned long long blocked = 0;
+    snprintf(path, sizeof path, "/proc/%d/status", (int)pid);
+    FILE *file = fopen(path, "re");
+    while (file && fgets(line, sizeof line, file) && sscanf(line, "SigBlk: %llx", &blocked) != 1)
+        ;
+    if (file)
+        fclose(file);
+    return blocked >> (SIGTERM - 1) & 1;
+}
+
 pid_t daemon_extra_worker(const struct daemon *daemon)
 {
     char *arguments[] = {
         "penumbrad", "--role", "worker", "--store", (char *)(uintptr_t)daemon->store,
         "--threads", "1",      NULL};
     return spawn(daemon, arguments, STDOUT_FILENO);
+}
+
+void daemon_wait_for_worker(pid_t pid)
+{
+    for (int i = 0; i < 1000 && !waits_for_sigterm(pid); i++)
+        pause_ms(10);
+}
+
+void daemon_show_log(const struct daemon *daemon)
+{
+    char command[400];
+    fflush(stdout);
+    snprintf(command, sizeof command, "tail -n 20 '%s'", daemon->log);
+    if (system(command) != 0)
+        printf("no log\n");
 }
 
 /* A process from /proc. */
@@ -188,26 +217,33 @@ bool daemon_kill(struct daemon *daemon)
     return both_gone(api, worker, CHILD_END_MS);
 }
 
-bool process_end(pid_t pid, int ms)
+bool process_end(pid_t pid, int ms, char how[END_BYTES])
 {
     int status = 0;
     int64_t until_ns = pen_clock_ns() + (int64_t)ms * 1000000;
+    how[0] = '\0';
     while (waitpid(pid, &status, WNOHANG) == 0) {
         if (pen_clock_ns() > until_ns) {
             kill(pid, SIGKILL);
             waitpid(pid, &status, 0);
+            snprintf(how, END_BYTES, "it was still there after %d ms", ms);
             return false;
         }
         pause_ms(5);
     }
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    if (WIFSIGNALED(status))
+        snprintf(how, END_BYTES, "it was ended by signal %d", WTERMSIG(status));
+    else if (WEXITSTATUS(status) != 0)
+        snprintf(how, END_BYTES, "it ended with exit code %d", WEXITSTATUS(status));
+    return how[0] == '\0';
 }
 
 bool daemon_drain(struct daemon *daemon)
 {
     pid_t api = daemon_child(daemon, "api"), worker = daemon_child(daemon, "work");
     kill(daemon->pid, SIGTERM);
-    bool well = process_end(daemon->pid, 10000);
+    char how[END_BYTES];
+    bool well = process_end(daemon->pid, 10000, how);
     daemon->pid = 0;
     return both_gone(api, worker, 100) && well;
 }

@@ -19,6 +19,12 @@ bool daemon_start(struct daemon *daemon);
 /* Starts a worker process on the same store, without a supervisor. */
 pid_t daemon_extra_worker(const struct daemon *daemon);
 
+/* Waits, at most 10 s, until that worker waits for SIGTERM, which would end it at once before. */
+void daemon_wait_for_worker(pid_t pid);
+
+/* Prints the last lines of the log of all processes. */
+void daemon_show_log(const struct daemon *daemon);
+
 /* The process id of the "api" or "work" child, 0 if there is none at the moment. */
 pid_t daemon_child(const struct daemon *daemon, const char *role);
 
@@ -30,8 +36,9 @@ bool daemon_kill(struct daemon *daemon);
 bool daemon_drain(struct daemon *daemon);
 
 /* Waits for the end of a child of this process, at most `ms`, then kills it. Returns whether it
- * ended by itself with exit code 0. */
-bool process_end(pid_t pid, int ms);
+ * ended by itself with exit code 0; else `how` tells how it ended. */
+enum { END_BYTES = 60 };
+bool process_end(pid_t pid, int ms, char how[END_BYTES]);
 
 /* The number of processes that run the daemon on this store, without zombies. */
 int daemon_processes(const struct daemon *daemon);
