@@ -2,7 +2,8 @@
 /* Statements, transactions and errors of the SQLite driver, and the length of the write-ahead log.
  * SQLite's own rule for the log, a passive checkpoint every so many pages, lets it grow as long as
  * readers overlap. So there is a second limit, beyond which the log is truncated after a short wait
- * for readers. */
+ * for readers. On a small disk both are lower: when the disk is full, what the log has must fit
+ * into the reserve, or it could never be copied into the file, and nothing could be removed. */
 #include "store/sqlite/sqlite.h"
 
 #include <errno.h>
@@ -15,7 +16,7 @@
 
 enum {
     WAL_CHECKPOINT_PAGES = 2000, /* 8 MiB: copy the log as far as readers allow */
-    WAL_TRUNCATE_PAGES = 6000,   /* 24 MiB: wait for readers, copy and truncate the log */
+    WAL_TRUNCATE_TIMES = 3,      /* so much longer: wait for readers, copy and truncate the log */
     WAL_PATIENCE_MS = 20         /* how long to wait for readers; writers wait, too */
 };
 
@@ -345,12 +346,23 @@ bool pen_sqlite_checkpoint(struct pen_driver *driver, struct pen_status *st)
     return rc == SQLITE_OK || (rc & 0xff) == SQLITE_BUSY || pen_sqlite_error(store, rc, st);
 }
 
+/* The pages of the log from which on it is copied: at most a quarter of the reserve. */
+static int log_pages_max(const struct pen_sqlite_store *store)
+{
+    enum { RESERVE_PART = 4, PAGE_BYTES = 4096 };
+    const int64_t pages = pen_sqlite_reserve_bytes(store) / RESERVE_PART / PAGE_BYTES;
+    return pages < WAL_CHECKPOINT_PAGES ? (int)pages : WAL_CHECKPOINT_PAGES;
+}
+
+/* On a small disk no copying is left to another handle, which may come too late. */
 static void keep_log_short(struct pen_sqlite_store *store)
 {
-    store->base.checkpoint_due = store->wal_pages >= WAL_CHECKPOINT_PAGES;
-    if (store->wal_pages >= WAL_TRUNCATE_PAGES)
+    const int most = log_pages_max(store);
+    store->base.checkpoint_due = store->wal_pages >= most;
+    if (store->wal_pages >= WAL_TRUNCATE_TIMES * most)
         checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
-    else if (store->base.checkpoint_due && !store->base.delegates_checkpoints)
+    else if (store->base.checkpoint_due &&
+             (!store->base.delegates_checkpoints || most < WAL_CHECKPOINT_PAGES))
         checkpoint(store, SQLITE_CHECKPOINT_PASSIVE);
 }
 

@@ -57,7 +57,7 @@ static int open_reserve(const struct pen_sqlite_store *store, int flags, int64_t
     return fd;
 }
 
-static int64_t wanted_bytes(const struct pen_sqlite_store *store)
+int64_t pen_sqlite_reserve_bytes(const struct pen_sqlite_store *store)
 {
     struct pen_room room = {0};
     disk_room(store, &room);
@@ -70,7 +70,7 @@ static int64_t wanted_bytes(const struct pen_sqlite_store *store)
 bool pen_sqlite_reserve_make(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    int64_t bytes = 0, wanted = wanted_bytes(store);
+    int64_t bytes = 0, wanted = pen_sqlite_reserve_bytes(store);
     int fd = open_reserve(store, O_CREAT, &bytes);
     int error = fd < 0 ? errno : 0;
     if (fd >= 0 && bytes < wanted) {
@@ -93,7 +93,7 @@ bool pen_sqlite_reserve_release(struct pen_driver *driver)
 {
     int64_t bytes = 0;
     int fd = open_reserve(pen_sqlite_of(driver), 0, &bytes);
-    int64_t left = bytes - wanted_bytes(pen_sqlite_of(driver)) / RELEASES;
+    int64_t left = bytes - pen_sqlite_reserve_bytes(pen_sqlite_of(driver)) / RELEASES;
     bool released = fd >= 0 && bytes > 0 && ftruncate(fd, left > 0 ? (off_t)left : 0) == 0;
     if (fd >= 0)
         close(fd);
@@ -106,7 +106,7 @@ bool pen_sqlite_reserve_is_out(struct pen_driver *driver)
     int fd = open_reserve(pen_sqlite_of(driver), 0, &bytes);
     if (fd >= 0)
         close(fd);
-    return fd >= 0 && bytes < wanted_bytes(pen_sqlite_of(driver));
+    return fd >= 0 && bytes < pen_sqlite_reserve_bytes(pen_sqlite_of(driver));
 }
 
 bool pen_sqlite_meta_get(struct pen_driver *driver, const char *name, int64_t *value,

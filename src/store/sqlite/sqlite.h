@@ -268,6 +268,9 @@ bool pen_sqlite_exec(struct pen_sqlite_store *store, const char *sql, struct pen
 bool pen_sqlite_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,
                        struct pen_status *st);
 
+/* room.c: the size of the reserve, which depends on that of the disk. */
+int64_t pen_sqlite_reserve_bytes(const struct pen_sqlite_store *store);
+
 /* Copies the write-ahead log into the database and truncates it, if readers finish soon enough. */
 void pen_sqlite_truncate_log(struct pen_sqlite_store *store);
 
