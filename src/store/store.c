@@ -283,7 +283,6 @@ bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *sc
 static bool may_repeat(struct pen_store *store, int *tries, const struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
-    struct pen_status ignored;
     if (st->code != PEN_STORAGE_FULL || store->outcome_unknown || driver->closed)
         return false;
     if ((*tries)++ > 0) {
@@ -292,7 +291,7 @@ static bool may_repeat(struct pen_store *store, int *tries, const struct pen_sta
         pen_log(PEN_LOG_WARN, "the disk of the store %s is full: its reserve is used to free space",
                 driver->name);
     }
-    driver->ops->checkpoint(driver, &ignored);
+    driver->ops->restart_log(driver);
     return true;
 }
 

@@ -168,7 +168,7 @@ END_TEST
 
 START_TEST(test_shares__new_labels_take_nothing_from_other_addresses)
 {
-    char label[16];
+    char label[24];
     open_bed();
     submit_many(60, 0, "10.0.0.1", NULL);
     for (int i = 0; i < 60; i++) {

@@ -196,8 +196,8 @@ struct pen_driver_ops {
     bool (*room)(struct pen_driver *driver, struct pen_room *room, struct pen_status *st);
     /* A part of the disk that is set aside for the calls that free space. `make` sets it aside, or
      * what is missing of it, and fails with PEN_STORAGE_FULL; `release` gives a part of it up, and
-     * returns whether there was any; `is_out`: it is wanted, and not all there. PostgreSQL: does
-     * nothing. */
+     * returns whether there was any; `is_out`: it is wanted, and not all there, or the log will
+     * need it. PostgreSQL: does nothing. */
     bool (*reserve_make)(struct pen_driver *driver, struct pen_status *st);
     bool (*reserve_release)(struct pen_driver *driver);
     bool (*reserve_is_out)(struct pen_driver *driver);
@@ -208,8 +208,11 @@ struct pen_driver_ops {
                      struct pen_status *st);
     /* Copies the log's changes to their place. PostgreSQL: does nothing. */
     bool (*checkpoint)(struct pen_driver *driver, struct pen_status *st);
-    /* The same once a fraction of the length has been reached at which commits do so: whoever can
-     * wait spares others the wait. PostgreSQL: does nothing. */
+    /* The same, and waits for readers, so that the next write begins the log anew, for which a full
+     * disk needs no space. Faults are noted. PostgreSQL: does nothing. */
+    void (*restart_log)(struct pen_driver *driver);
+    /* As `checkpoint`, once a fraction of the length has been reached at which commits do so:
+     * whoever can wait spares others the wait. PostgreSQL: does nothing. */
     bool (*keep_log_short)(struct pen_driver *driver, struct pen_status *st);
     /* The store's identity. PostgreSQL: a row. */
     const char *(*identity)(struct pen_driver *driver);

@@ -7,8 +7,8 @@
  * the store has recovered. A fault lasts while the two differ.
  *
  *   fault      refused until recovery                    recovered when
- *   no space   submits (507). Calls that cancel or       about a MiB could be written, and the
- *              delete jobs are tried, with the reserve   reserve is there again.
+ *   no space   submits (507). Calls that cancel or       a MiB is free, the reserve is there
+ *              delete jobs are tried, with the reserve   again, and a trial write is synced.
  *              of the disk if it must be. Calls that
  *              store results are tried until the
  *              reserve is given up for those.

@@ -43,11 +43,11 @@ void pen_sqlite_repair_unlock(struct pen_driver *driver, int lock)
     pen_wake_unlock(lock);
 }
 
-static bool write_probe(struct pen_driver *driver, enum pen_sqlite_sql sql, struct pen_status *st)
+bool pen_sqlite_probe(struct pen_driver *driver, struct pen_status *st)
 {
     if (!pen_sqlite_begin_write(driver, st))
         return false;
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), sql);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_PROBE);
     pen_sqlite_int(&query, pen_clock_wall_ms());
     if (pen_sqlite_run(&query, st) && pen_sqlite_commit(driver, st))
         return true;
@@ -55,34 +55,23 @@ static bool write_probe(struct pen_driver *driver, enum pen_sqlite_sql sql, stru
     return false;
 }
 
-bool pen_sqlite_probe(struct pen_driver *driver, struct pen_status *st)
-{
-    return write_probe(driver, SQL_PROBE, st);
-}
+/* What must be free beside the reserve before new jobs are taken. */
+enum { SPACE_BYTES = 1 << 20 };
 
-/* Writes a large row and then a small one in its place. Overwriting an existing log would prove
- * nothing about space on the disk, so the log is truncated first. A reserve that was given up is
- * set aside again. */
+/* A trial write alone would prove nothing about space, since an existing log is overwritten. A
+ * reserve that was given up is set aside again. */
 bool pen_sqlite_space(struct pen_driver *driver, struct pen_status *st)
 {
-    pen_sqlite_truncate_log(pen_sqlite_of(driver));
-    return write_probe(driver, SQL_PROBE_LARGE, st) && write_probe(driver, SQL_PROBE, st) &&
-           (!pen_sqlite_reserve_is_out(driver) || pen_sqlite_reserve_make(driver, st));
-}
-
-/* The length of the log from which housekeeping copies it, before a submit has to. */
-enum { LOG_PAGES = 500 };
-
-bool pen_sqlite_keep_log_short(struct pen_driver *driver, struct pen_status *st)
-{
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    if (store->wal_pages < LOG_PAGES)
-        return true;
-    store->wal_pages = 0;
-    return pen_sqlite_checkpoint(driver, st);
+    if (!pen_sqlite_checkpoint(driver, st))
+        return false;
+    if (!pen_sqlite_log_fits(store))
+        return pen_sqlite_io_error(store, SQLITE_FULL, 0, st);
+    return pen_sqlite_reserve_allocate(store, SPACE_BYTES, st) && pen_sqlite_probe(driver, st);
 }
 
-/* Of one call of reclaim, so that writers get their turn. */
+/* Of one call of reclaim, so that writers get their turn. The log is not made longer than it is
+ * kept: on a full disk it could not be. */
 enum { RECLAIM_PAGES = 256, RECLAIM_MS = 10 };
 
 /* Moves pages from the end of the file into free pages. SQLite looks for the place of a page in the
@@ -91,7 +80,8 @@ enum { RECLAIM_PAGES = 256, RECLAIM_MS = 10 };
 static bool move_pages(struct pen_sqlite_store *store, int64_t pages, struct pen_status *st)
 {
     const int64_t until_ns = pen_clock_ns() + RECLAIM_MS * INT64_C(1000000);
-    for (int i = 0; i < pages && i < RECLAIM_PAGES && pen_clock_ns() < until_ns; i++) {
+    const int most = store->log_pages < RECLAIM_PAGES ? store->log_pages : RECLAIM_PAGES;
+    for (int i = 0; i < pages && i < most && pen_clock_ns() < until_ns; i++) {
         struct pen_sqlite_query vacuum = pen_sqlite_query(store, SQL_VACUUM);
         if (!pen_sqlite_run(&vacuum, st))
             return false;

@@ -196,8 +196,9 @@ static bool configure(struct pen_sqlite_store *store, struct pen_status *st)
     return pen_sqlite_exec(store,
                            "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
                            "PRAGMA temp_store = MEMORY; PRAGMA cell_size_check = ON;"
-                           "PRAGMA secure_delete = OFF; PRAGMA journal_size_limit = 8388608",
-                           st);
+                           "PRAGMA secure_delete = OFF",
+                           st) &&
+           pen_sqlite_limit_log(store, st);
 }
 
 static bool connect(struct pen_sqlite_store *store, const char *path, struct pen_status *st)

@@ -1,24 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Statements, transactions and errors of the SQLite driver, and the length of the write-ahead log.
- * SQLite's own rule for the log, a passive checkpoint every so many pages, lets it grow as long as
- * readers overlap. So there is a second limit, beyond which the log is truncated after a short wait
- * for readers. On a small disk both are lower: when the disk is full, what the log has must fit
- * into the reserve, or it could never be copied into the file, and nothing could be removed. */
+/* Statements, transactions and errors of the SQLite driver. */
 #include "store/sqlite/sqlite.h"
 
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-#include "base/clock.h"
-
-enum {
-    WAL_CHECKPOINT_PAGES = 2000, /* 8 MiB: copy the log as far as readers allow */
-    WAL_TRUNCATE_TIMES = 3,      /* so much longer: wait for readers, copy and truncate the log */
-    WAL_PATIENCE_MS = 20         /* how long to wait for readers; writers wait, too */
-};
 
 struct pen_sqlite_query pen_sqlite_query(struct pen_sqlite_store *store, enum pen_sqlite_sql sql)
 {
@@ -320,52 +307,6 @@ bool pen_sqlite_exec(struct pen_sqlite_store *store, const char *sql, struct pen
     return rc == SQLITE_OK || pen_sqlite_error(store, rc, st);
 }
 
-/* A checkpoint that does not complete is no failure of its caller: a later one completes. A fault
- * that it meets is noted. */
-static void checkpoint(struct pen_sqlite_store *store, int mode)
-{
-    struct pen_status ignored;
-    int64_t patience = store->patience_ms;
-    store->patience_ms = WAL_PATIENCE_MS;
-    int rc = sqlite3_wal_checkpoint_v2(store->db, "main", mode, NULL, NULL);
-    store->patience_ms = patience;
-    store->wal_pages = 0;
-    if (rc != SQLITE_OK)
-        pen_sqlite_error(store, rc, &ignored);
-}
-
-void pen_sqlite_truncate_log(struct pen_sqlite_store *store)
-{
-    checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
-}
-
-bool pen_sqlite_checkpoint(struct pen_driver *driver, struct pen_status *st)
-{
-    struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    int rc = sqlite3_wal_checkpoint_v2(store->db, "main", SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
-    return rc == SQLITE_OK || (rc & 0xff) == SQLITE_BUSY || pen_sqlite_error(store, rc, st);
-}
-
-/* The pages of the log from which on it is copied: at most a quarter of the reserve. */
-static int log_pages_max(const struct pen_sqlite_store *store)
-{
-    enum { RESERVE_PART = 4, PAGE_BYTES = 4096 };
-    const int64_t pages = pen_sqlite_reserve_bytes(store) / RESERVE_PART / PAGE_BYTES;
-    return pages < WAL_CHECKPOINT_PAGES ? (int)pages : WAL_CHECKPOINT_PAGES;
-}
-
-/* On a small disk no copying is left to another handle, which may come too late. */
-static void keep_log_short(struct pen_sqlite_store *store)
-{
-    const int most = log_pages_max(store);
-    store->base.checkpoint_due = store->wal_pages >= most;
-    if (store->wal_pages >= WAL_TRUNCATE_TIMES * most)
-        checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE);
-    else if (store->base.checkpoint_due &&
-             (!store->base.delegates_checkpoints || most < WAL_CHECKPOINT_PAGES))
-        checkpoint(store, SQLITE_CHECKPOINT_PASSIVE);
-}
-
 bool pen_sqlite_prepare(struct pen_sqlite_store *store, struct pen_status *st)
 {
     static const enum pen_sqlite_sql always[] = {SQL_BEGIN_READ, SQL_BEGIN_WRITE, SQL_COMMIT,
@@ -450,7 +391,7 @@ bool pen_sqlite_commit(struct pen_driver *driver, struct pen_status *st)
     if (!ok)
         return false;
     driver->transactions++;
-    keep_log_short(store);
+    pen_sqlite_keep_log_limits(store);
     return true;
 }
 

@@ -2,7 +2,7 @@
 /* The space that the store and its disk have, and the reserve: a file beside the store, ending in
  * -reserve, whose only use is to be cut when the disk is full. Then there is space for what frees
  * more: cancelling and removing jobs. It is made whole again before new jobs are taken. Its size
- * lets a log of the length that query.c allows be copied into the store. */
+ * lets a log of the length that checkpoint.c allows be copied into the store. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -40,6 +40,12 @@ bool pen_sqlite_room(struct pen_driver *driver, struct pen_room *room, struct pe
     return true;
 }
 
+int64_t pen_sqlite_free_bytes(const struct pen_sqlite_store *store)
+{
+    struct pen_room room = {0};
+    return disk_room(store, &room) ? room.disk_free_bytes : INT64_MAX / 2;
+}
+
 /* Opens the reserve; *bytes is its length. Returns -1 with errno. */
 static int open_reserve(const struct pen_sqlite_store *store, int flags, int64_t *bytes)
 {
@@ -67,26 +73,36 @@ int64_t pen_sqlite_reserve_bytes(const struct pen_sqlite_store *store)
     return part < reserve_max_bytes ? part : reserve_max_bytes;
 }
 
-bool pen_sqlite_reserve_make(struct pen_driver *driver, struct pen_status *st)
+bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
+                                 struct pen_status *st)
 {
-    struct pen_sqlite_store *store = pen_sqlite_of(driver);
     int64_t bytes = 0, wanted = pen_sqlite_reserve_bytes(store);
     int fd = open_reserve(store, O_CREAT, &bytes);
     int error = fd < 0 ? errno : 0;
-    if (fd >= 0 && bytes < wanted) {
-        error = posix_fallocate(fd, 0, (off_t)wanted);
-        if (error && ftruncate(fd, (off_t)bytes) != 0)
+    if (fd >= 0 && bytes < wanted + more) {
+        error = posix_fallocate(fd, 0, (off_t)(wanted + more));
+        const int64_t kept = error || bytes > wanted ? bytes : wanted;
+        if (ftruncate(fd, (off_t)kept) != 0 && !error)
             error = errno;
     }
     if (fd >= 0)
         close(fd);
     if (!error)
         return true;
-    bool full = error == ENOSPC || error == EDQUOT;
-    return pen_fail(st, full ? PEN_STORAGE_FULL : PEN_STORAGE,
-                    full ? "the store %s has no space left: its reserve, %lld KiB, is used up"
-                         : "the reserve of the store %s, of %lld KiB, cannot be made",
+    if (error != ENOSPC && error != EDQUOT)
+        return pen_fail(st, PEN_STORAGE,
+                        "the reserve of the store %s, of %lld KiB, cannot be made: %s", store->path,
+                        (long long)(wanted >> 10), strerror(error));
+    if (bytes >= wanted)
+        return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space left", store->path);
+    return pen_fail(st, PEN_STORAGE_FULL,
+                    "the store %s has no space left: its reserve, %lld KiB, is used up",
                     store->path, (long long)(wanted >> 10));
+}
+
+bool pen_sqlite_reserve_make(struct pen_driver *driver, struct pen_status *st)
+{
+    return pen_sqlite_reserve_allocate(pen_sqlite_of(driver), 0, st);
 }
 
 bool pen_sqlite_reserve_release(struct pen_driver *driver)
@@ -102,11 +118,13 @@ bool pen_sqlite_reserve_release(struct pen_driver *driver)
 
 bool pen_sqlite_reserve_is_out(struct pen_driver *driver)
 {
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
     int64_t bytes = 0;
-    int fd = open_reserve(pen_sqlite_of(driver), 0, &bytes);
-    if (fd >= 0)
-        close(fd);
-    return fd >= 0 && bytes < pen_sqlite_reserve_bytes(pen_sqlite_of(driver));
+    int fd = open_reserve(store, 0, &bytes);
+    if (fd < 0)
+        return false;
+    close(fd);
+    return bytes < pen_sqlite_reserve_bytes(store) || !pen_sqlite_log_fits(store);
 }
 
 bool pen_sqlite_meta_get(struct pen_driver *driver, const char *name, int64_t *value,

@@ -84,11 +84,6 @@ static const char *const sql_text[] = {
     [SQL_PROBE] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
                   " VALUES ('', zeroblob(32), '', ?) ON CONFLICT (key)"
                   " DO UPDATE SET answer = '', created_ms = excluded.created_ms",
-    [SQL_PROBE_LARGE] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
-                        " VALUES ('', zeroblob(32), hex(zeroblob(524288)), ?) ON CONFLICT (key)"
-                        " DO UPDATE SET answer = excluded.answer,"
-                        " created_ms = excluded.created_ms",
-
     [SQL_KEY_ADD] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
                     " VALUES (?, ?, ?, ?) ON CONFLICT (key) DO NOTHING",
     [SQL_KEY_GET] = "SELECT body_sha256, answer FROM idempotency WHERE key = ?",

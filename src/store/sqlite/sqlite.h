@@ -25,7 +25,6 @@ enum pen_sqlite_sql {
     SQL_META_GET,
     SQL_META_PUT,
     SQL_PROBE,
-    SQL_PROBE_LARGE,
     SQL_KEY_ADD,
     SQL_KEY_GET,
     SQL_KEYS_REMOVE,
@@ -186,12 +185,15 @@ struct pen_sqlite_store {
     const char *wanted; /* the identity that the store must have; NULL: any */
     char identity[PEN_STORE_IDENTITY_BYTES];
     struct pen_wake *wake;
-    int64_t patience_ms; /* how long to wait for locks of other handles */
-    bool took_aged;      /* the last claim took what had waited long, see next_open */
-    int wal_pages;       /* length of the write-ahead log after the last commit */
-    struct stat opened;  /* the file when it was first opened, for device and inode */
-    bool says_log;       /* the file itself says that it needs its log, as last looked at */
-    bool has_log;        /* `log` is that of the log when this connection was opened */
+    int64_t patience_ms;      /* how long to wait for locks of other handles */
+    bool took_aged;           /* the last claim took what had waited long, see next_open */
+    int wal_pages;            /* length of the write-ahead log after the last commit */
+    int log_pages;            /* the length from which on commits copy it, see checkpoint.c */
+    int uncopied_pages;       /* of the log, which readers kept from being copied the last time */
+    int64_t restart_after_ns; /* until then commits do not wait for readers */
+    struct stat opened;       /* the file when it was first opened, for device and inode */
+    bool says_log;            /* the file itself says that it needs its log, as last looked at */
+    bool has_log;             /* `log` is that of the log when this connection was opened */
     struct stat log;
     bool sound;      /* opened without a fault, and none met since: closing may write */
     int lock_fd;     /* holds the lock of a worker; -1: none */
@@ -268,11 +270,25 @@ bool pen_sqlite_exec(struct pen_sqlite_store *store, const char *sql, struct pen
 bool pen_sqlite_pragma(struct pen_sqlite_store *store, const char *sql, int64_t *value,
                        struct pen_status *st);
 
-/* room.c: the size of the reserve, which depends on that of the disk. */
+/* room.c: the size of the reserve, which depends on that of the disk; what is free on the disk;
+ * sets the reserve aside, or what is missing of it, if `more` bytes are free beside it. */
 int64_t pen_sqlite_reserve_bytes(const struct pen_sqlite_store *store);
+int64_t pen_sqlite_free_bytes(const struct pen_sqlite_store *store);
+bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
+                                 struct pen_status *st);
 
-/* Copies the write-ahead log into the database and truncates it, if readers finish soon enough. */
+/* checkpoint.c: sets the lengths of the log by the size of the disk, when opening; keeps them,
+ * after a commit. */
+bool pen_sqlite_limit_log(struct pen_sqlite_store *store, struct pen_status *st);
+void pen_sqlite_keep_log_limits(struct pen_sqlite_store *store);
+
+/* checkpoint.c: copies the log into the database and truncates it, if readers finish soon enough.
+ */
 void pen_sqlite_truncate_log(struct pen_sqlite_store *store);
+
+/* checkpoint.c: tells whether there is space for what readers kept from being copied, in the
+ * reserve or else on the disk. */
+bool pen_sqlite_log_fits(const struct pen_sqlite_store *store);
 
 /* schema.c: makes the schema in a new file; checks and upgrades a file of an older schema; installs
  * the triggers that refuse illegal changes of state. */
@@ -340,6 +356,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(reserve_is_out)                                                                             \
     OP(meta_get)                                                                                   \
     OP(meta_put)                                                                                   \
+    OP(restart_log)                                                                                \
     OP(checkpoint)                                                                                 \
     OP(identity)                                                                                   \
     OP(settle)                                                                                     \
