@@ -48,37 +48,39 @@ below list-p99-ms 20
 below ready-p99-ms 100
 
 # Bad requests beside a render. The same requests to a server that only accepts and closes show what the
-# clients themselves take of the processors.
+# clients themselves take of the processors. Both are measured in pairs, since a machine's speed drifts.
 daemon_stop
 daemon_start
 port=${url##*:}
-renders_beside() { # PORT FILE: adds the milliseconds of renders beside bad requests to this port
-    "$load" bad "$1" 10000 "$seconds" >"$work/values" &
-    clients=$!
-    sleep 1
-    while kill -0 $clients 2>/dev/null; do
-        submit '{"scene": "builtin:room", "render": {"width": 1000, "height": 1400, "samples_per_pixel": 4}}'
-        while [ "$(curl -s "$url$job?wait=60" | jq -r .state)" = running ]; do :; done
-        kill -0 $clients 2>/dev/null && curl -s "$url$job/stats" | jq '.timing.render_ms | numbers' >>"$2"
-    done
-    wait $clients
-    echo "$(value per-second) requests in a second"
-    expect "requests-in-a-second-$1" "$(awk -v n="$(value per-second)" 'BEGIN {print (n > 9500)}')" 1
-}
 middle() { # FILE: the median
     sort -n "$1" | awk '{v[NR] = $1} END {print NR ? v[int((NR + 1) / 2)] : "none"}'
 }
-for _ in 1 2 3; do
-    renders_beside 0 "$work/alone"
-    renders_beside "$port" "$work/beside"
+renders_beside() { # PORT: sets $took to the milliseconds of a render beside bad requests to this port
+    : >"$work/renders"
+    "$load" bad "$1" 10000 "$((seconds / 2))" >"$work/values" &
+    clients=$!
+    sleep 1
+    while kill -0 $clients 2>/dev/null; do
+        submit '{"scene": "builtin:room", "render": {"width": 1000, "height": 1400, "samples_per_pixel": 2}}'
+        while [ "$(curl -s "$url$job?wait=60" | jq -r .state)" = running ]; do :; done
+        kill -0 $clients 2>/dev/null &&
+            curl -s "$url$job/stats" | jq '.timing.render_ms | numbers' >>"$work/renders"
+    done
+    wait $clients
+    took=$(middle "$work/renders")
+    echo "port $1: $(value per-second) requests in a second, $(wc -l <"$work/renders") renders of $took ms"
+    expect "requests-in-a-second-$1" "$(awk -v n="$(value per-second)" 'BEGIN {print (n > 9500)}')" 1
+    expect "renders-beside-$1" "$(($(wc -l <"$work/renders") > 2))" 1
+}
+for _ in 1 2 3 4 5 6; do
+    renders_beside 0
+    alone=$took
+    renders_beside "$port"
     expect bad-health-failed "$(value health-failed)" 0
     cat "$work/values"
+    awk -v a="$alone" -v b="$took" 'BEGIN {print b / a}' >>"$work/ratios"
 done
-alone=$(middle "$work/alone") beside=$(middle "$work/beside")
-expect renders-beside-each "$(awk -v a="$(wc -l <"$work/alone")" -v b="$(wc -l <"$work/beside")" \
-    'BEGIN {print (a > 2 && b > 2)}')" 1
-echo "== renders beside bad requests to a server that only closes: $alone ms ($(wc -l <"$work/alone"))"
-echo "== and to the daemon: $beside ms ($(wc -l <"$work/beside"))"
-echo "slower $(awk -v a="$alone" -v b="$beside" 'BEGIN {print b / a}')" >"$work/values"
+echo "== renders beside bad requests to the daemon, and to a server that only closes: $(sort -n "$work/ratios" | tr '\n' ' ')"
+echo "slower $(middle "$work/ratios")" >"$work/values"
 below slower 1.1
 finish
