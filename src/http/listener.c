@@ -34,8 +34,7 @@ enum {
     ACCEPT_AGAIN_MS = 5,
     WINDOW_NS = 10000000,   /* over which the rate of connections is taken */
     RUSH_EVERY_NS = 250000, /* 4000 connections in a second */
-    GATHER_NS = 500000,
-    RUSH_GATHERS = 3, /* connections at each wake, or the pauses are of no use */
+    RUSH_GATHERS = 3,       /* connections at each wake, or the pauses are of no use */
     RUSH_AGAIN_NS = 1000000000
 };
 
@@ -147,7 +146,7 @@ static void *accept_all(void *arg)
             break;
         if (n > 0 && ready && fds[1].revents) {
             if (is_rush(&rate, listener->http))
-                nanosleep(&(struct timespec){.tv_nsec = GATHER_NS}, NULL);
+                nanosleep(&(struct timespec){.tv_nsec = RUSH_ACCEPT_NS}, NULL);
             rate.accepted += accept_burst(listener);
             rate.wakes++;
         }

@@ -292,8 +292,6 @@ static void close_all(struct loop *loop)
     free_dead(loop);
 }
 
-enum { RUSH_PAUSE_NS = 250000 };
-
 static void *run(void *arg)
 {
     struct loop *loop = arg;
@@ -302,7 +300,7 @@ static void *run(void *arg)
     bool goes_on = true;
     while (goes_on) {
         if (atomic_load_explicit(&loop->http->rush_until_ns, memory_order_relaxed) > loop->now_ns)
-            nanosleep(&(struct timespec){.tv_nsec = RUSH_PAUSE_NS}, NULL);
+            nanosleep(&(struct timespec){.tv_nsec = RUSH_LOOP_NS}, NULL);
         int count = epoll_wait(loop->epoll_fd, events, EVENTS, wait_ms);
         loop->now_ns = pen_clock_ns();
         for (int i = 0; i < count; i++)

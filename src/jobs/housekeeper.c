@@ -10,7 +10,7 @@
 #include "jobs/jobs.h"
 
 enum {
-    ROUND_MS = 1000,        /* between rounds, if there is nothing to do */
+    ROUND_MS = 1000,        /* between rounds */
     PURGE_MS = 600000,      /* between calls of pen_store_purge */
     LOG_MS = 60000,         /* between log lines about a store that fails */
     PAUSE_MS = 5,           /* the shortest pause after a slice */
@@ -26,6 +26,7 @@ enum {
 struct pen_housekeeper {
     struct pen_jobs *jobs;   /* used by the thread alone */
     struct pen_store *store; /* the one of `jobs` */
+    int64_t round_ms;
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t change;
@@ -122,14 +123,14 @@ static void scrub_if_due(struct pen_housekeeper *keeper)
 static void *run(void *user)
 {
     struct pen_housekeeper *keeper = user;
-    int64_t pause_ms = ROUND_MS;
+    int64_t pause_ms = keeper->round_ms;
     while (pause_for(keeper, pause_ms)) {
         int64_t begun_ns = pen_clock_ns();
         purge_if_due(keeper);
         scrub_if_due(keeper);
         bool more = do_slice(keeper);
         int64_t took_ms = (pen_clock_ns() - begun_ns) / 1000000;
-        pause_ms = more ? (took_ms > PAUSE_MS ? took_ms : PAUSE_MS) : ROUND_MS;
+        pause_ms = more ? (took_ms > PAUSE_MS ? took_ms : PAUSE_MS) : keeper->round_ms;
     }
     return NULL;
 }
@@ -142,7 +143,8 @@ static void release(struct pen_housekeeper *keeper)
     free(keeper);
 }
 
-struct pen_housekeeper *pen_housekeeper_new(const char *store_url, struct pen_status *st)
+struct pen_housekeeper *pen_housekeeper_new(const char *store_url, int64_t round_ms,
+                                            struct pen_status *st)
 {
     pthread_condattr_t monotonic;
     struct pen_housekeeper *keeper = calloc(1, sizeof *keeper);
@@ -150,6 +152,7 @@ struct pen_housekeeper *pen_housekeeper_new(const char *store_url, struct pen_st
         pen_fail(st, PEN_NO_MEMORY, "no memory for the housekeeping");
         return NULL;
     }
+    keeper->round_ms = round_ms > 0 ? round_ms : ROUND_MS;
     keeper->purged_ns = pen_clock_ns();
     keeper->scrub_ns = keeper->purged_ns + (int64_t)SCRUB_AGAIN_MS * 1000000;
     pthread_condattr_init(&monotonic);

@@ -320,7 +320,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
     w->context.scenes = pen_scene_cache_new(o->scene_cap_bytes);
     if (!w->context.scenes)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
-    w->housekeeper = pen_housekeeper_new(o->store_url, st);
+    w->housekeeper = pen_housekeeper_new(o->store_url, o->housekeeping_ms, st);
     return w->housekeeper != NULL;
 }
 

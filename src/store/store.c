@@ -283,16 +283,17 @@ bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *sc
 static bool may_repeat(struct pen_store *store, int *tries, const struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
-    if (st->code != PEN_STORAGE_FULL || store->outcome_unknown || driver->closed)
+    struct pen_status ignored;
+    if (st->code != PEN_STORAGE_FULL || store->outcome_unknown || driver->closed ||
+        !enter(store, PEN_NEED_WRITE, &ignored))
         return false;
-    if ((*tries)++ > 0) {
-        if (!driver->ops->reserve_release(driver))
-            return false;
+    const bool first = (*tries)++ == 0, again = first || driver->ops->reserve_release(driver);
+    if (!first && again)
         pen_log(PEN_LOG_WARN, "the disk of the store %s is full: its reserve is used to free space",
                 driver->name);
-    }
-    driver->ops->restart_log(driver);
-    return true;
+    if (again)
+        driver->ops->restart_log(driver, first);
+    return leave(store, NULL, again);
 }
 
 static bool cancel(struct pen_store *store, const char *id, struct pen_status *st)

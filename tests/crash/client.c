@@ -53,8 +53,8 @@ static void take_answer(const char *text, struct answer *answer)
     snprintf(answer->body, sizeof answer->body, "%s", head_end + 4);
 }
 
-int client_call(int port, const char *method, const char *path, const char *key, const char *body,
-                struct answer *answer)
+int client_call(int port, const char *method, const char *path, const char *key, const char *from,
+                const char *body, struct answer *answer)
 {
     char request[REQUEST_BYTES], text[ANSWER_BYTES];
     *answer = (struct answer){0};
@@ -64,9 +64,10 @@ int client_call(int port, const char *method, const char *path, const char *key,
     int bytes =
         snprintf(request, sizeof request,
                  "%s %s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nConnection: close\r\n"
-                 "Content-Type: application/json\r\nContent-Length: %zu\r\n%s%s%s\r\n%s",
+                 "Content-Type: application/json\r\nContent-Length: %zu\r\n%s%s%s%s%s%s\r\n%s",
                  method, path, port, body ? strlen(body) : 0, key ? "Idempotency-Key: " : "",
-                 key ? key : "", key ? "\r\n" : "", body ? body : "");
+                 key ? key : "", key ? "\r\n" : "", from ? "X-Forwarded-For: " : "",
+                 from ? from : "", from ? "\r\n" : "", body ? body : "");
     if (send(fd, request, (size_t)bytes, MSG_NOSIGNAL) == bytes && receive(fd, text, sizeof text))
         take_answer(text, answer);
     close(fd);

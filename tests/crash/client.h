@@ -10,9 +10,10 @@ struct answer {
     char body[ANSWER_BYTES];
 };
 
-/* Sends a request and waits at most 5 s for the answer. key: Idempotency-Key, or NULL; body may be
- * NULL. Returns the status, 0 without a complete answer. */
-int client_call(int port, const char *method, const char *path, const char *key, const char *body,
-                struct answer *answer);
+/* Sends a request and waits at most 5 s for the answer. key: Idempotency-Key, or NULL; from: the
+ * client's address in X-Forwarded-For, or NULL; body may be NULL. Returns the status, 0 without a
+ * complete answer. */
+int client_call(int port, const char *method, const char *path, const char *key, const char *from,
+                const char *body, struct answer *answer);
 
 #endif

@@ -8,10 +8,16 @@
  *   acknowledged ⊆ stored     each acknowledged job is stored once
  *   no job fails by a kill    each job has succeeded, or was cancelled by this test
  *   the same bytes            pictures and ray counts are those of an undisturbed run
- *   nothing is left over      pen_store_audit finds nothing; no process outlives its supervisor */
+ *   nothing is left over      pen_store_audit finds nothing; no process outlives its supervisor
+ *
+ * Jobs come from three addresses, which have shares of the work of their own. Only the jobs that
+ * ended last are kept, so those of earlier rounds are removed while processes are killed: each of
+ * them is stored, or is gone and has left its statistics. Retention keeps a job for a minute after
+ * its end; the test makes the jobs of a round that it has checked older than that. */
 #include <inttypes.h>
 #include <pthread.h>
 #include <signal.h>
+#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,9 +32,11 @@
 #include "kinds.h"
 
 enum { LEASE_MS = 600, KEEP_MS = 20, ROUND_JOBS = 6, KEY_BYTES = 48, JOBS_END_MS = 120000 };
+enum { HOUSEKEEPING_MS = 50, AGE_WAIT_MS = 5000, CLIENTS = 3, EARLIER_JOBS = 64 };
+_Static_assert((int)ROUND_JOBS < (int)DAEMON_KEEP_JOBS, "a round's own jobs may be removed");
 
 struct job {
-    int kind, priority;
+    int kind, priority, client;
     char id[PEN_ID_BYTES], key[KEY_BYTES]; /* id "": never acknowledged; key "": without */
     bool cancelled;                        /* a cancel of it was acknowledged */
 };
@@ -56,7 +64,12 @@ struct test {
     pthread_mutex_t lock;
     struct job job[ROUND_JOBS]; /* guarded by lock */
     int job_count;              /* guarded by lock */
-    uint64_t submit_random;     /* of the submitting thread */
+    struct earlier {
+        char id[PEN_ID_BYTES];
+        bool succeeded;
+    } earlier[EARLIER_JOBS]; /* jobs of earlier rounds that may be stored still */
+    int earlier_count, removed;
+    uint64_t submit_random; /* of the submitting thread */
 };
 
 static unsigned draw(uint64_t *state, unsigned below)
@@ -78,12 +91,13 @@ static void check(struct test *t, bool ok, const char *what, const char *about)
 /* Submits one job; with a key, again until it is acknowledged. Returns whether it was. */
 static bool submit(struct test *t, struct job *job)
 {
-    char body[4096];
+    char body[4096], from[24];
     struct answer answer;
+    snprintf(from, sizeof from, "10.0.0.%d", job->client + 1);
     kind_body(job->kind, job->priority, body, sizeof body);
     for (int tries = 0; tries < (job->key[0] ? 100 : 1); tries++) {
         int port = atomic_load(&t->daemon.port);
-        client_call(port, "POST", "/v1/jobs", job->key[0] ? job->key : NULL, body, &answer);
+        client_call(port, "POST", "/v1/jobs", job->key[0] ? job->key : NULL, from, body, &answer);
         if (answer.status == 202)
             return sscanf(answer.body, "{\"id\":\"%36[^\"]", job->id) == 1;
         pause_ms(50);
@@ -97,6 +111,7 @@ static void *submit_round(void *user)
     for (int i = 0; i < ROUND_JOBS; i++) {
         struct job job = {.kind = (int)draw(&t->submit_random, KINDS)};
         job.priority = (int)draw(&t->submit_random, 11) - 5;
+        job.client = (int)draw(&t->submit_random, CLIENTS);
         if (draw(&t->submit_random, 3) > 0)
             snprintf(job.key, sizeof job.key, "%d-%d-%u", t->round, i,
                      draw(&t->submit_random, 1u << 30));
@@ -165,7 +180,7 @@ static void cancel_some(struct test *t)
         snprintf(path, sizeof path, "/v1/jobs/%s/cancel", t->job[i].id);
     bool known = i >= 0 && t->job[i].id[0];
     pthread_mutex_unlock(&t->lock);
-    if (!known || client_call(t->daemon.port, "POST", path, NULL, NULL, &answer) != 202)
+    if (!known || client_call(t->daemon.port, "POST", path, NULL, NULL, NULL, &answer) != 202)
         return;
     pthread_mutex_lock(&t->lock);
     t->job[i].cancelled = true;
@@ -284,30 +299,90 @@ static void repeat_keys(struct test *t)
     }
 }
 
-/* Checks all jobs in the store, which are this round's, and deletes them. */
-static void check_round(struct test *t)
+/* Remembers an ended job of this round for check_earlier. */
+static void remember(struct test *t, const struct pen_job_record *record)
+{
+    if (t->earlier_count == EARLIER_JOBS)
+        t->earlier[0] = t->earlier[--t->earlier_count];
+    struct earlier *job = &t->earlier[t->earlier_count++];
+    snprintf(job->id, sizeof job->id, "%s", record->id);
+    job->succeeded = record->state == PEN_JOB_SUCCEEDED;
+}
+
+/* A removed job has left its statistics. Forgets it. */
+static void check_removed(struct test *t, int i)
+{
+    struct pen_buf stats;
+    struct pen_status st;
+    const struct earlier job = t->earlier[i];
+    pen_buf_init(&stats);
+    bool left = pen_store_removed_stats(pen_jobs_store(t->jobs), job.id, &stats, &st);
+    check(t, left || (!job.succeeded && st.code == PEN_GONE),
+          "a removed job has left its statistics", job.id);
+    pen_buf_release(&stats);
+    t->earlier[i] = t->earlier[--t->earlier_count];
+    t->removed++;
+}
+
+/* Makes all ended jobs a minute and more older. */
+static void age_jobs(struct test *t)
+{
+    sqlite3 *db;
+    bool ok = sqlite3_open(t->daemon.store, &db) == SQLITE_OK &&
+              sqlite3_busy_timeout(db, AGE_WAIT_MS) == SQLITE_OK &&
+              sqlite3_exec(db, "UPDATE job SET finished_ms = finished_ms - 70000 WHERE state > 1",
+                           NULL, NULL, NULL) == SQLITE_OK;
+    check(t, ok, "jobs are made older", sqlite3_errmsg(db));
+    sqlite3_close(db);
+}
+
+static void check_earlier(struct test *t)
+{
+    for (int i = t->earlier_count - 1; i >= 0; i--) {
+        struct pen_job_record record;
+        struct pen_status st;
+        bool stored = pen_store_job(pen_jobs_store(t->jobs), t->earlier[i].id, &record, &st);
+        check(t, stored || st.code == PEN_GONE, "an earlier job is stored or was removed",
+              t->earlier[i].id);
+        if (stored)
+            pen_job_record_release(&record);
+        else
+            check_removed(t, i);
+    }
+}
+
+/* Checks the jobs in the store that are this round's, and what became of those before. */
+static void check_round(struct test *t, int64_t begun_ms)
 {
     struct pen_store *store = pen_jobs_store(t->jobs);
     struct pen_status st;
     struct pen_job_filter filter = {.state = -1, .limit = 500};
     struct pen_job_record *records;
-    int count, found, found_jobs = 0;
+    int count, found, found_jobs = 0, created = 0;
     check(t, wait_for_all(t), "all jobs end", "");
     repeat_keys(t);
     must(pen_store_audit(store, print_finding, t, &found, &st), &st, "audit");
     must(pen_store_jobs(store, &filter, &records, &count, &st), &st, "list");
     for (int i = 0; i < count; i++) {
         const struct job *job = find_job(t, records[i].id);
+        if (records[i].created_ms < begun_ms)
+            continue;
+        created++;
         found_jobs += job != NULL;
         check_job(t, &records[i], job);
-        must(pen_store_delete(store, records[i].id, NULL, &st), &st, "delete");
     }
+    check_earlier(t);
+    for (int i = 0; i < count; i++) {
+        if (records[i].created_ms >= begun_ms)
+            remember(t, &records[i]);
+    }
+    age_jobs(t);
     pen_job_records_free(records, count);
     int acknowledged = 0;
     for (int i = 0; i < t->job_count; i++)
         acknowledged += t->job[i].id[0] != '\0';
     check(t, found_jobs == acknowledged, "every acknowledged job is stored", "");
-    check(t, count <= t->job_count, "no job is stored twice", "");
+    check(t, created <= t->job_count, "no job is stored twice", "");
     must(pen_store_audit(store, print_finding, t, &found, &st), &st, "audit");
 }
 
@@ -315,11 +390,12 @@ static void run_round(struct test *t)
 {
     pthread_t thread;
     t->job_count = 0;
+    const int64_t begun_ms = pen_clock_wall_ms();
     pthread_create(&thread, NULL, submit_round, t);
     for (int n = 3 + (int)draw(&t->random, 4); n > 0; n--)
         disturb(t);
     pthread_join(thread, NULL);
-    check_round(t);
+    check_round(t, begun_ms);
 }
 
 static void run_undisturbed(struct test *t)
@@ -365,8 +441,8 @@ static int report(const struct test *t, int rounds, int64_t begin_ns)
            t->done[KILL_API], t->done[KILL_WORKER], t->extra_killed, t->done[STOP_WORKER],
            t->done[DRAIN], t->done[CANCEL]);
     printf("%d jobs submitted, %d acknowledged; of the stored ones %d succeeded, %d "
-           "cancelled; %d submits repeated\n",
-           t->submitted, t->acknowledged, t->succeeded, t->cancelled, t->repeats);
+           "cancelled; %d submits repeated; %d jobs removed since newer ones had ended\n",
+           t->submitted, t->acknowledged, t->succeeded, t->cancelled, t->repeats, t->removed);
     printf("%d%%: Checks: %d, Failures: %d, Errors: 0\n",
            100 * (t->checks - t->failures) / t->checks, t->checks, t->failures);
     return t->failures ? 1 : 0;
@@ -375,7 +451,7 @@ static int report(const struct test *t, int rounds, int64_t begin_ns)
 static void set_up(struct test *t, const char *build, char folder[])
 {
     static char program[4096], store[128], log[128];
-    char lease[16], keep[16];
+    char lease[16], keep[16], housekeeping[16];
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
     if (!mkdtemp(folder)) {
@@ -387,6 +463,8 @@ static void set_up(struct test *t, const char *build, char folder[])
     snprintf(log, sizeof log, "%s/log", folder);
     snprintf(lease, sizeof lease, "%d", LEASE_MS);
     snprintf(keep, sizeof keep, "%d", KEEP_MS);
+    snprintf(housekeeping, sizeof housekeeping, "%d", HOUSEKEEPING_MS);
+    setenv("PENUMBRA_HOUSEKEEPING_MS", housekeeping, 1);
     setenv("PENUMBRA_LEASE_MS", lease, 1);
     setenv("PENUMBRA_KEEP_MS", keep, 1);
     t->daemon = (struct daemon){.program = program, .store = store, .log = log};
@@ -400,6 +478,7 @@ static void set_up(struct test *t, const char *build, char folder[])
 static void tear_down(struct test *t, const char *folder)
 {
     check(t, daemon_drain(&t->daemon), "the last drain", "");
+    check(t, t->removed > 0, "jobs were removed while processes were killed", "");
     check(t, daemon_processes(&t->daemon) == 0, "no process of the daemon is left over", "");
     check(t, count_log(t, "Sanitizer") + count_log(t, "runtime error:") == 0,
           "no sanitizer reports an error", t->daemon.log);

@@ -34,9 +34,12 @@ static pid_t spawn(const struct daemon *daemon, char *const *arguments, int out)
 
 bool daemon_start(struct daemon *daemon)
 {
+    char keep[16];
+    snprintf(keep, sizeof keep, "%d", DAEMON_KEEP_JOBS);
     char *arguments[] = {
-        "penumbrad", "--listen", "127.0.0.1:0", "--store", (char *)(uintptr_t)daemon->store,
-        "--threads", "2",        "--log-level", "debug",   NULL};
+        "penumbrad", "--listen",    "127.0.0.1:0", "--store", (char *)(uintptr_t)daemon->store,
+        "--threads", "2",           "--log-level", "debug",   "--trusted-proxy",
+        "127.0.0.1", "--keep-jobs", keep,          NULL};
     int ends[2], port = 0;
     char line[256] = "";
     if (pipe2(ends, O_CLOEXEC) != 0)

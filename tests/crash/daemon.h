@@ -13,6 +13,9 @@ struct daemon {
     atomic_int port;
 };
 
+/* The ended jobs that the daemon keeps. It also takes X-Forwarded-For. */
+enum { DAEMON_KEEP_JOBS = 8 };
+
 /* Starts the daemon on a free port and waits for its first line. Returns whether that has come. */
 bool daemon_start(struct daemon *daemon);
 

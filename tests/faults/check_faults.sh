@@ -161,7 +161,9 @@ fault ""
 full=$work/full
 mkdir "$full"
 if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
-    trap 'daemon_stop; umount "$full" 2>/dev/null; clean_up' EXIT
+    readers=
+    # shellcheck disable=SC2086
+    trap 'kill $readers 2>/dev/null; daemon_stop; umount "$full" 2>/dev/null; clean_up' EXIT
     store=$full/penumbra.db
     daemon_start
     children="$(child api) $(child work)"
@@ -169,7 +171,6 @@ if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
     first=$(basename "$job")
     PENUMBRA_URL=$url "$penumbra" wait "$first" >/dev/null
     # Readers that overlap all the time keep the store's log from beginning anew
-    readers=
     for _ in 1 2 3 4; do
         curl -s "$url/v1/jobs?limit=500#[1-1000000]" >/dev/null &
         readers="$readers $!"

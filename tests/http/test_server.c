@@ -15,6 +15,8 @@
 #include "http/internal/encoding.h"
 #include "http/internal/http.h"
 #include "support/server.h"
+#include "support/store.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 static int64_t ms_since(int64_t begun_ns)
@@ -112,6 +114,37 @@ START_TEST(test_server__bodies_in_memory_are_bounded)
     }
     ck_assert_int_eq(status, 400); /* spaces are no JSON */
     free(body);
+    server_stop(&server);
+}
+END_TEST
+
+/* Heads that have not ended: beyond the memory that there is for them all, a longer one is refused,
+ * and short requests are served. */
+START_TEST(test_server__unread_heads_in_memory_are_bounded)
+{
+    enum { HEADS = 1900, HEAD_BYTES = 30000, MIB = 1 << 20, HEADS_MIB = 48 };
+    static char head[HEAD_BYTES + 1] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: ";
+    struct server server;
+    int fd[HEADS], refused = 0;
+    size_t most = 0;
+    server_allow_many_files();
+    server_start(&server, &(struct server_options){.connections = 2 * HEADS});
+    memset(head + strlen(head), 'x', HEAD_BYTES - strlen(head));
+    for (int i = 0; i < HEADS; i++) {
+        fd[i] = server_connect(&server);
+        ck_assert(client_send(fd[i], head));
+        const size_t kept = atomic_load(&server.http->head_bytes);
+        most = kept > most ? kept : most;
+    }
+    server_expect_alive(&server);
+    for (int i = 0; i < HEADS; i++) {
+        refused += client_sees_end(fd[i], 0);
+        close(fd[i]);
+    }
+    printf("# %zu bytes of heads, %d of %d refused\n", most, refused, HEADS);
+    ck_assert_uint_gt(most, HEADS_MIB / 2 * MIB);
+    ck_assert_uint_lt(most, (HEADS_MIB + 4) * MIB);
+    ck_assert_int_gt(refused, 0);
     server_stop(&server);
 }
 END_TEST
@@ -642,6 +675,38 @@ START_TEST(test_server__store_that_takes_no_writes_is_reported)
 }
 END_TEST
 
+/* What the background check has found damaged is told; the daemon stays ready. */
+START_TEST(test_server__damage_that_was_found_is_reported)
+{
+    struct server server;
+    struct answer answer;
+    struct store_bed bed = {0};
+    struct pen_scrub scrub = {0};
+    struct pen_status st;
+    char path[80];
+    bool more = true;
+    server_start(&server, &(struct server_options){0});
+    server_submit(&server, path);
+    server_ask(&server, "GET /readyz HTTP/1.1", NULL, &answer);
+    ck_assert_ptr_null(strstr(answer.body, "damaged"));
+    answer_release(&answer);
+    snprintf(bed.url, sizeof bed.url, "%s", server.store);
+    store_run_sql(&bed, "UPDATE scene SET document = x'55'", NULL, 0);
+    struct pen_store *store = store_bed_handle(&bed);
+    while (more)
+        store_must(pen_store_scrub(store, &scrub, &more, &st), &st, "scrub");
+    pen_store_close(store);
+    server_ask(&server, "GET /readyz HTTP/1.1", NULL, &answer);
+    ck_assert_int_eq(answer.status, 200);
+    ck_assert_ptr_nonnull(strstr(answer.body, "\"damaged\":1"));
+    answer_release(&answer);
+    server_ask(&server, "GET /metrics HTTP/1.1", NULL, &answer);
+    ck_assert_ptr_nonnull(strstr(answer.body, "\npenumbra_store_damaged 1\n"));
+    answer_release(&answer);
+    server_stop(&server);
+}
+END_TEST
+
 enum { CLIENTS = 16, SUBMITS = 10 };
 
 struct client {
@@ -769,6 +834,7 @@ END_TEST
 
 PEN_SUITE("server", test_server__partial_requests_are_ended,
           test_server__aborted_uploads_leave_nothing, test_server__bodies_in_memory_are_bounded,
+          test_server__unread_heads_in_memory_are_bounded,
           test_server__pipelined_requests_are_answered_in_order,
           test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
           test_server__compressed_bodies_are_decoded_under_the_limit,
@@ -780,6 +846,7 @@ PEN_SUITE("server", test_server__partial_requests_are_ended,
           test_server__waiting_requests_are_bounded, test_server__disconnected_waiters_do_no_harm,
           test_server__stop_answers_waiting_requests, test_server__drain_refuses_new_jobs_only,
           test_server__store_that_takes_no_writes_is_reported,
+          test_server__damage_that_was_found_is_reported,
           test_server__concurrent_submits_are_all_kept,
           test_server__concurrent_submits_with_one_key_are_one_job, test_server__jobs_are_rendered,
           test_server__listening_socket_stays_the_callers, test_server__unusable_store_is_an_error)

@@ -286,16 +286,18 @@ static size_t limit_memory(int mib)
 }
 
 /* Reads what tests set in a worker's environment: the length of leases, the time between states
- * that are kept, and a fault. */
+ * that are kept and between rounds of the housekeeping, and a fault. */
 static bool take_test_settings(struct pen_worker_options *options, struct pen_fault_hook *hook,
                                struct pen_status *st)
 {
     const char *lease = getenv("PENUMBRA_LEASE_MS"), *keep = getenv("PENUMBRA_KEEP_MS"),
-               *fault = getenv("PENUMBRA_TEST_FAULT");
+               *round = getenv("PENUMBRA_HOUSEKEEPING_MS"), *fault = getenv("PENUMBRA_TEST_FAULT");
     if (lease)
         options->lease_ms = strtol(lease, NULL, 10);
     if (keep)
         options->keep_ms = strtol(keep, NULL, 10);
+    if (round)
+        options->housekeeping_ms = strtol(round, NULL, 10);
     if (!fault || !*fault)
         return true;
     if (!pen_fault_parse(fault, hook, st))

@@ -15,6 +15,10 @@
 
 enum { RESERVED_SLOTS = 64 }; /* kept for health and short reads when all connections are at work */
 
+/* The pauses of a rush (listener.c): of the acceptor, which gathers connections, and of a loop,
+ * which gathers what they send. */
+enum { RUSH_ACCEPT_NS = 500000, RUSH_LOOP_NS = 250000 };
+
 struct pen_http {
     struct pen_limits limits;
     struct listener *listener;

@@ -8,13 +8,17 @@
 #ifndef PEN_JOBS_INTERNAL_HOUSEKEEPER_H
 #define PEN_JOBS_INTERNAL_HOUSEKEEPER_H
 
+#include <stdint.h>
+
 #include "base/status.h"
 
 struct pen_housekeeper;
 
-/* Starts the thread. Owns: pen_housekeeper_free, which waits for the slice in progress. Fails: as
- * pen_store_open, and PEN_NO_MEMORY. */
-struct pen_housekeeper *pen_housekeeper_new(const char *store_url, struct pen_status *st);
+/* Starts the thread. round_ms: between rounds, if there is nothing to do; 0: a second. Owns:
+ * pen_housekeeper_free, which waits for the slice in progress. Fails: as pen_store_open, and
+ * PEN_NO_MEMORY. */
+struct pen_housekeeper *pen_housekeeper_new(const char *store_url, int64_t round_ms,
+                                            struct pen_status *st);
 void pen_housekeeper_free(struct pen_housekeeper *keeper);
 
 #endif

@@ -191,13 +191,14 @@ struct pen_driver_ops {
     bool (*check_start)(struct pen_driver *driver, struct pen_status *st);
     /* Writes a little in a transaction of its own, and syncs it. */
     bool (*probe)(struct pen_driver *driver, struct pen_status *st);
-    /* Fails unless there is space for about a MiB, which is written and removed again. */
+    /* Fails unless a MiB is free, what is missing of the reserve, and what the log needs to be
+     * copied. PostgreSQL: a trial write. */
     bool (*space)(struct pen_driver *driver, struct pen_status *st);
     bool (*room)(struct pen_driver *driver, struct pen_room *room, struct pen_status *st);
     /* A part of the disk that is set aside for the calls that free space. `make` sets it aside, or
      * what is missing of it, and fails with PEN_STORAGE_FULL; `release` gives a part of it up, and
-     * returns whether there was any; `is_out`: it is wanted, and not all there, or the log will
-     * need it. PostgreSQL: does nothing. */
+     * returns whether there was any; `is_out`: it is wanted, and not all there, or the log has
+     * more to copy than there is space for. PostgreSQL: does nothing. */
     bool (*reserve_make)(struct pen_driver *driver, struct pen_status *st);
     bool (*reserve_release)(struct pen_driver *driver);
     bool (*reserve_is_out)(struct pen_driver *driver);
@@ -208,9 +209,10 @@ struct pen_driver_ops {
                      struct pen_status *st);
     /* Copies the log's changes to their place. PostgreSQL: does nothing. */
     bool (*checkpoint)(struct pen_driver *driver, struct pen_status *st);
-    /* The same, and waits for readers, so that the next write begins the log anew, for which a full
-     * disk needs no space. Faults are noted. PostgreSQL: does nothing. */
-    void (*restart_log)(struct pen_driver *driver);
+    /* The same, and waits for readers, longer at the first try, so that the next write begins the
+     * log anew, for which a full disk needs no space. Faults are noted. PostgreSQL: does nothing.
+     */
+    void (*restart_log)(struct pen_driver *driver, bool first);
     /* As `checkpoint`, once a fraction of the length has been reached at which commits do so:
      * whoever can wait spares others the wait. PostgreSQL: does nothing. */
     bool (*keep_log_short)(struct pen_driver *driver, struct pen_status *st);

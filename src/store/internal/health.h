@@ -7,9 +7,9 @@
  * the store has recovered. A fault lasts while the two differ.
  *
  *   fault      refused until recovery                    recovered when
- *   no space   submits (507). Calls that cancel or       a MiB is free, the reserve is there
- *              delete jobs are tried, with the reserve   again, and a trial write is synced.
- *              of the disk if it must be. Calls that
+ *   no space   submits (507). Calls that cancel or       the log can be copied, a trial write
+ *              delete jobs are tried, with the reserve   is synced, the reserve is there again,
+ *              of the disk if it must be. Calls that     and a MiB is free.
  *              store results are tried until the
  *              reserve is given up for those.
  *   I/O        writes (503, or 507 if the cause was a    the store was reopened, a trial write is

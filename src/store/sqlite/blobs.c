@@ -103,9 +103,21 @@ static void bind_start(struct pen_sqlite_query *query, const struct pen_blob_sta
         query->rc = sqlite3_bind_zeroblob64(query->stmt, ++query->bound, start->total);
 }
 
+/* A blob is written to the log and copied from there, so there must be space for it twice: else it
+ * could fill the disk with a log that can never be copied. */
+static bool has_space(const struct pen_sqlite_store *store, int64_t bytes)
+{
+    enum { SMALL_BYTES = 1 << 20 };
+    return bytes <= SMALL_BYTES ||
+           2 * bytes <= pen_sqlite_free_bytes(store) + pen_sqlite_reserve_bytes(store);
+}
+
 static bool write_start(struct pen_driver *driver, enum pen_blob_kind kind, int64_t number,
                         const struct pen_blob_start *start, struct pen_status *st)
 {
+    if (!has_space(pen_sqlite_of(driver), (int64_t)start->total))
+        return pen_fail(st, PEN_STORAGE_FULL, "the store has no space left for %zu bytes",
+                        start->total);
     if (start->bytes == start->total)
         return true;
     return pen_sqlite_blob_write(driver, kind, number, 0, start->data, start->bytes, st);

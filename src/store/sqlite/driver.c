@@ -58,16 +58,22 @@ bool pen_sqlite_probe(struct pen_driver *driver, struct pen_status *st)
 /* What must be free beside the reserve before new jobs are taken. */
 enum { SPACE_BYTES = 1 << 20 };
 
-/* A trial write alone would prove nothing about space, since an existing log is overwritten. A
- * reserve that was given up is set aside again. */
+/* If copying the log fails for lack of space, the reserve is given up for it. A trial write begins
+ * the log anew, which makes a long one short. It proves nothing about space, since it overwrites
+ * what is there, so that is tried afterwards, when the reserve is made whole. */
 bool pen_sqlite_space(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    if (!pen_sqlite_checkpoint(driver, st))
-        return false;
+    while (!pen_sqlite_checkpoint(driver, st)) {
+        if (st->code != PEN_STORAGE_FULL || !pen_sqlite_reserve_release(driver))
+            return false;
+    }
     if (!pen_sqlite_log_fits(store))
         return pen_sqlite_io_error(store, SQLITE_FULL, 0, st);
-    return pen_sqlite_reserve_allocate(store, SPACE_BYTES, st) && pen_sqlite_probe(driver, st);
+    if (!pen_sqlite_probe(driver, st))
+        return false;
+    return pen_sqlite_reserve_allocate(store, SPACE_BYTES, st) ||
+           (st->code != PEN_STORAGE_FULL && pen_sqlite_free_bytes(store) >= SPACE_BYTES);
 }
 
 /* Of one call of reclaim, so that writers get their turn. The log is not made longer than it is

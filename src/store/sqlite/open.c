@@ -167,10 +167,12 @@ static bool check_kind(const char *path, struct pen_status *st)
  * to 100 ms at a time, many times as long as a commit takes. */
 static int on_busy(void *arg, int count)
 {
+    enum { FIRST_STEP_NS = 100000, GROWTH_NS = 50000, GROWING = 40 };
     const struct pen_sqlite_store *store = arg;
-    int64_t step_ns = 100000 + 50000 * (int64_t)(count < 40 ? count : 40);
-    int64_t waited_ms = (int64_t)count * step_ns / 2000000;
-    if (waited_ms >= store->patience_ms)
+    const int64_t grown = count < GROWING ? count : GROWING,
+                  step_ns = FIRST_STEP_NS + GROWTH_NS * grown,
+                  waited_ns = grown * (FIRST_STEP_NS + step_ns) / 2 + (count - grown) * step_ns;
+    if (waited_ns >= store->patience_ms * 1000000)
         return 0;
     struct timespec pause = {.tv_nsec = (long)step_ns};
     nanosleep(&pause, NULL);

@@ -43,7 +43,8 @@ bool pen_sqlite_room(struct pen_driver *driver, struct pen_room *room, struct pe
 int64_t pen_sqlite_free_bytes(const struct pen_sqlite_store *store)
 {
     struct pen_room room = {0};
-    return disk_room(store, &room) ? room.disk_free_bytes : INT64_MAX / 2;
+    const bool known = disk_room(store, &room) && room.disk_bytes > 0;
+    return known ? room.disk_free_bytes : INT64_MAX / 2;
 }
 
 /* Opens the reserve; *bytes is its length. Returns -1 with errno. */
@@ -68,6 +69,8 @@ int64_t pen_sqlite_reserve_bytes(const struct pen_sqlite_store *store)
     struct pen_room room = {0};
     disk_room(store, &room);
     int64_t part = room.disk_bytes / RESERVE_PART;
+    if (room.disk_bytes == 0) /* not known: it counts as large */
+        return reserve_max_bytes;
     if (part < reserve_min_bytes)
         return reserve_min_bytes;
     return part < reserve_max_bytes ? part : reserve_max_bytes;
@@ -79,10 +82,10 @@ bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
     int64_t bytes = 0, wanted = pen_sqlite_reserve_bytes(store);
     int fd = open_reserve(store, O_CREAT, &bytes);
     int error = fd < 0 ? errno : 0;
-    if (fd >= 0 && bytes < wanted + more) {
-        error = posix_fallocate(fd, 0, (off_t)(wanted + more));
-        const int64_t kept = error || bytes > wanted ? bytes : wanted;
-        if (ftruncate(fd, (off_t)kept) != 0 && !error)
+    const int64_t whole = bytes > wanted ? bytes : wanted;
+    if (fd >= 0 && bytes < whole + more) {
+        error = posix_fallocate(fd, 0, (off_t)(whole + more));
+        if (ftruncate(fd, (off_t)(error ? bytes : whole)) != 0 && !error)
             error = errno;
     }
     if (fd >= 0)
@@ -120,11 +123,13 @@ bool pen_sqlite_reserve_is_out(struct pen_driver *driver)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     int64_t bytes = 0;
+    if (!pen_sqlite_log_fits(store))
+        return true;
     int fd = open_reserve(store, 0, &bytes);
     if (fd < 0)
         return false;
     close(fd);
-    return bytes < pen_sqlite_reserve_bytes(store) || !pen_sqlite_log_fits(store);
+    return bytes < pen_sqlite_reserve_bytes(store);
 }
 
 bool pen_sqlite_meta_get(struct pen_driver *driver, const char *name, int64_t *value,

@@ -185,15 +185,15 @@ struct pen_sqlite_store {
     const char *wanted; /* the identity that the store must have; NULL: any */
     char identity[PEN_STORE_IDENTITY_BYTES];
     struct pen_wake *wake;
-    int64_t patience_ms;      /* how long to wait for locks of other handles */
-    bool took_aged;           /* the last claim took what had waited long, see next_open */
-    int wal_pages;            /* length of the write-ahead log after the last commit */
-    int log_pages;            /* the length from which on commits copy it, see checkpoint.c */
-    int uncopied_pages;       /* of the log, which readers kept from being copied the last time */
-    int64_t restart_after_ns; /* until then commits do not wait for readers */
-    struct stat opened;       /* the file when it was first opened, for device and inode */
-    bool says_log;            /* the file itself says that it needs its log, as last looked at */
-    bool has_log;             /* `log` is that of the log when this connection was opened */
+    int64_t patience_ms; /* how long to wait for locks of other handles */
+    bool took_aged;      /* the last claim took what had waited long, see next_open */
+    int wal_pages;       /* length of the write-ahead log after the last commit */
+    int log_pages;       /* the length from which on commits copy it, see checkpoint.c */
+    int uncopied_pages;  /* of the log, which could not be copied the last time */
+    int vain_pages;      /* copied when a commit last waited for readers in vain; -1: it did not */
+    struct stat opened;  /* the file when it was first opened, for device and inode */
+    bool says_log;       /* the file itself says that it needs its log, as last looked at */
+    bool has_log;        /* `log` is that of the log when this connection was opened */
     struct stat log;
     bool sound;      /* opened without a fault, and none met since: closing may write */
     int lock_fd;     /* holds the lock of a worker; -1: none */
@@ -286,7 +286,7 @@ void pen_sqlite_keep_log_limits(struct pen_sqlite_store *store);
  */
 void pen_sqlite_truncate_log(struct pen_sqlite_store *store);
 
-/* checkpoint.c: tells whether there is space for what readers kept from being copied, in the
+/* checkpoint.c: tells whether there is space for what could not be copied from the log, in the
  * reserve or else on the disk. */
 bool pen_sqlite_log_fits(const struct pen_sqlite_store *store);
 
