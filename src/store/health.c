@@ -103,7 +103,7 @@ static void note_faults(struct pen_store *store)
 static bool refuse(const struct pen_store *store, struct pen_status *st)
 {
     int error = (int)atomic_load(word(store, WORD_ERRNO + PEN_FAULT_IO));
-    bool full = error == ENOSPC || error == EDQUOT;
+    bool full = pen_errno_is_full(error);
     if (is_faulty(store, PEN_FAULT_DAMAGE))
         return pen_fail(st, PEN_STORAGE,
                         "the store %s is damaged; it is not served until a check finds it whole: "

@@ -89,14 +89,6 @@ static void remove_jobs(int count)
     }
 }
 
-static void purge(void)
-{
-    struct pen_status st;
-    bool more = true;
-    while (more)
-        store_must(pen_store_purge_slice(bed.store, &more, &st), &st, "purge");
-}
-
 static void pause_ms(int ms)
 {
     const struct timespec pause = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000L};
@@ -140,7 +132,7 @@ static void write_beside_reader(bool removes)
     end_read(reader);
     if (removes) {
         remove_jobs(jobs);
-        purge();
+        store_purge_slices(bed.store);
     }
     int waited_ms = 0;
     for (; !submit(jobs, &st) && waited_ms < RECOVERY_MS; waited_ms += STEP_MS)

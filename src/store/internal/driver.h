@@ -32,6 +32,7 @@
 #ifndef PEN_STORE_INTERNAL_DRIVER_H
 #define PEN_STORE_INTERNAL_DRIVER_H
 
+#include <errno.h>
 #include <stdatomic.h>
 
 #include "base/arena.h"
@@ -44,6 +45,11 @@ enum pen_fault {
     PEN_FAULT_DAMAGE, /* the stored bytes contradict each other */
     PEN_FAULT_COUNT
 };
+
+static inline bool pen_errno_is_full(int error)
+{
+    return error == ENOSPC || error == EDQUOT;
+}
 
 /* The numbers of shared words that health.c and tally.c use. */
 enum { PEN_HEALTH_WORDS = 16, PEN_TALLY_WORDS = 64 };

@@ -35,7 +35,7 @@ struct copy {
 
 static bool cannot_write(const char *path, int error, struct pen_status *st)
 {
-    return pen_fail(st, error == ENOSPC || error == EDQUOT ? PEN_STORAGE_FULL : PEN_IO,
+    return pen_fail(st, pen_errno_is_full(error) ? PEN_STORAGE_FULL : PEN_IO,
                     "cannot write the backup %s: %s", path, strerror(error));
 }
 

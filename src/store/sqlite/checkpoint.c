@@ -112,9 +112,11 @@ bool pen_sqlite_log_fits(const struct pen_sqlite_store *store)
 static void copy_and_restart(struct pen_sqlite_store *store, int64_t wait_ms)
 {
     int copied;
-    try_checkpoint(store, SQLITE_CHECKPOINT_PASSIVE, 0, &copied);
-    if (!is_small(store) && copied >= 0 && copied == store->vain_pages)
-        return;
+    if (!is_small(store) && store->vain_pages >= 0) {
+        try_checkpoint(store, SQLITE_CHECKPOINT_PASSIVE, 0, &copied);
+        if (copied == store->vain_pages)
+            return;
+    }
     const bool restarted = try_checkpoint(store, SQLITE_CHECKPOINT_RESTART,
                                           wait_ms < WAIT_MOST_MS ? wait_ms : WAIT_MOST_MS, &copied);
     store->vain_pages = restarted ? -1 : copied;

@@ -103,7 +103,7 @@ static bool make_folders(char *path, struct pen_status *st)
         bool ok = mkdir(path, 0700) == 0 || errno == EEXIST;
         int error = errno;
         if (!ok)
-            pen_fail(st, error == ENOSPC ? PEN_STORAGE_FULL : PEN_STORAGE,
+            pen_fail(st, pen_errno_is_full(error) ? PEN_STORAGE_FULL : PEN_STORAGE,
                      "cannot make the folder %s: %s", path, strerror(error));
         *slash = '/';
         if (!ok)
@@ -147,7 +147,7 @@ static bool check_header(struct pen_sqlite_store *store, struct pen_status *st)
 
 static bool cannot_open(const char *path, int error, struct pen_status *st)
 {
-    return pen_fail(st, error == ENOSPC || error == EDQUOT ? PEN_STORAGE_FULL : PEN_STORAGE,
+    return pen_fail(st, pen_errno_is_full(error) ? PEN_STORAGE_FULL : PEN_STORAGE,
                     "cannot open the store %s: %s", path, strerror(error));
 }
 

@@ -199,7 +199,7 @@ static const char *what_failed(int rc)
 
 bool pen_sqlite_io_error(struct pen_sqlite_store *store, int rc, int error, struct pen_status *st)
 {
-    bool full = (rc & 0xff) == SQLITE_FULL || error == ENOSPC || error == EDQUOT;
+    bool full = (rc & 0xff) == SQLITE_FULL || pen_errno_is_full(error);
     bool sync = rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_DIR_FSYNC;
     note_fault(store, full && !sync ? PEN_FAULT_FULL : PEN_FAULT_IO, error);
     if (full && !sync)

@@ -79,7 +79,8 @@ int64_t pen_sqlite_reserve_bytes(const struct pen_sqlite_store *store)
 bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
                                  struct pen_status *st)
 {
-    int64_t bytes = 0, wanted = pen_sqlite_reserve_bytes(store);
+    const int64_t wanted = pen_sqlite_reserve_bytes(store);
+    int64_t bytes = 0;
     int fd = open_reserve(store, O_CREAT, &bytes);
     int error = fd < 0 ? errno : 0;
     const int64_t whole = bytes > wanted ? bytes : wanted;
@@ -92,15 +93,13 @@ bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
         close(fd);
     if (!error)
         return true;
-    if (error != ENOSPC && error != EDQUOT)
-        return pen_fail(st, PEN_STORAGE,
-                        "the reserve of the store %s, of %lld KiB, cannot be made: %s", store->path,
-                        (long long)(wanted >> 10), strerror(error));
-    if (bytes >= wanted)
-        return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space left", store->path);
-    return pen_fail(st, PEN_STORAGE_FULL,
-                    "the store %s has no space left: its reserve, %lld KiB, is used up",
-                    store->path, (long long)(wanted >> 10));
+    if (pen_errno_is_full(error))
+        return pen_fail(st, PEN_STORAGE_FULL,
+                        "the store %s has no space left: it needs %lld KiB more, for its reserve "
+                        "and new work",
+                        store->path, (long long)((whole + more - bytes + 1023) >> 10));
+    return pen_fail(st, PEN_STORAGE, "the reserve of the store %s, of %lld KiB, cannot be made: %s",
+                    store->path, (long long)(whole >> 10), strerror(error));
 }
 
 bool pen_sqlite_reserve_make(struct pen_driver *driver, struct pen_status *st)
