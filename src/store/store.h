@@ -93,7 +93,7 @@ void pen_store_close(struct pen_store *store);
 const char *pen_store_identity(const struct pen_store *store);
 
 /* Brings everything into the store's own file, so that it is complete without the files beside it.
- * To be called before the last handle is closed. */
+ * To be called before the last handle is closed; nothing is done while there are others. */
 bool pen_store_settle(struct pen_store *store, struct pen_status *st);
 
 /* Looks for damage in the whole store and its log. Fails: PEN_STORAGE with the first damage found.

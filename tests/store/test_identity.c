@@ -207,6 +207,29 @@ START_TEST(test_identity__a_settled_store_needs_no_other_file)
 }
 END_TEST
 
+START_TEST(test_identity__a_store_that_others_use_is_not_settled)
+{
+    struct pen_status st;
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_open(&bed);
+    struct pen_store *other = store_bed_handle(&bed);
+    store_must(pen_store_settle(bed.store, &st), &st, "settle");
+    pen_store_close(bed.store);
+    submit(other, 1);
+    pen_store_close(other);
+    ck_assert_int_eq(rename(beside("-wal"), beside(".wal")), 0);
+    refuse(bed.url, PEN_STORAGE, "-wal, the log of the store's last changes, is missing");
+    ck_assert_int_eq(rename(beside(".wal"), beside("-wal")), 0);
+    bed.store = store_bed_handle(&bed); /* the last one now, which may settle it */
+    store_must(pen_store_settle(bed.store, &st), &st, "settle");
+    pen_store_close(bed.store);
+    unlink(beside("-wal"));
+    bed.store = store_bed_handle(&bed);
+    ck_assert_int_eq(count_jobs(bed.store), 1);
+    store_bed_close(&bed);
+}
+END_TEST
+
 /* A process that may make no store makes no folder either. */
 START_TEST(test_identity__nothing_is_made_where_the_store_is_gone)
 {
@@ -332,6 +355,7 @@ PEN_SUITE("identity of a store", test_identity__is_made_once_and_a_backup_has_an
           test_identity__another_store_is_refused, test_identity__a_missing_log_is_noticed,
           test_identity__an_empty_log_is_the_operators_consent,
           test_identity__a_settled_store_needs_no_other_file,
+          test_identity__a_store_that_others_use_is_not_settled,
           test_identity__nothing_is_made_where_the_store_is_gone,
           test_identity__the_log_of_another_store_is_not_applied,
           test_identity__a_log_that_is_removed_in_use_takes_no_jobs,

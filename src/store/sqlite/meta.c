@@ -17,9 +17,7 @@
  *    to the store that was here before. SQLite would apply it to this one.
  *
  * Not noticed: a log that was emptied, which looks like one after a checkpoint; a store that was
- * replaced by an older copy of itself with its log; a log that goes missing after one program has
- * settled the store, while another one (penumbrad --role worker) still wrote to it, and before the
- * next opening. */
+ * replaced by an older copy of itself with its log. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -183,13 +181,26 @@ bool pen_sqlite_join_company(struct pen_sqlite_store *store, struct pen_status *
     return say_log(store, log[0] != '0', st);
 }
 
+/* A handle that writes after the store was settled would leave a log of which the file says
+ * nothing. So there must be none; one that is opened afterwards says it again. */
 bool pen_sqlite_settle(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    if (!set_needs_log(store, false, st))
-        return false;
-    pen_sqlite_truncate_log(store);
-    return true;
+    int lock = -1;
+    bool ok = true;
+    const bool locked = pen_wake_try_lock(store->wake, &lock);
+    if (locked && pen_wake_be_alone(store->wake)) {
+        ok = set_needs_log(store, false, st);
+        if (ok)
+            pen_sqlite_truncate_log(store);
+        pen_wake_end_alone(store->wake);
+    } else
+        pen_log(PEN_LOG_INFO,
+                "another program uses the store %s, which needs its log, %s-wal, therefore",
+                store->path, store->path);
+    if (locked)
+        pen_wake_unlock(lock);
+    return ok;
 }
 
 const char *pen_sqlite_identity(struct pen_driver *driver)

@@ -27,6 +27,9 @@
 #include "base/log.h"
 
 enum { SIGNAL_COUNT = 2, FIRST_WORD = 16, IDENTITY_AT = 256, TALLY_AT = 1024, FILE_BYTES = 4096 };
+
+/* The byte that every handle locks, beyond the file's own bytes and before those of workers. */
+enum { IN_USE_AT = 1 << 15 };
 _Static_assert((int)PEN_SIGNAL_CHANGES + 1 == SIGNAL_COUNT && (int)SIGNAL_COUNT <= (int)FIRST_WORD,
                "a counter for each signal, before the health words");
 _Static_assert((FIRST_WORD + PEN_HEALTH_WORDS) * sizeof(uint32_t) <= IDENTITY_AT &&
@@ -60,6 +63,16 @@ static bool fill_file(int fd)
     return true;
 }
 
+/* Locks the byte of the handles: F_RDLCK as one of several, F_WRLCK as the only one. The lock
+ * belongs to the descriptor (an open file description lock). Returns false if others prevent it; a
+ * file system without locks prevents nothing. */
+static bool lock_in_use(int fd, int type)
+{
+    struct flock lock = {
+        .l_type = (short)type, .l_whence = SEEK_SET, .l_start = IN_USE_AT, .l_len = 1};
+    return fcntl(fd, F_OFD_SETLK, &lock) == 0 || (errno != EAGAIN && errno != EACCES);
+}
+
 struct pen_wake *pen_wake_open(const char *path)
 {
     struct pen_wake *wake = calloc(1, sizeof *wake);
@@ -77,6 +90,7 @@ struct pen_wake *pen_wake_open(const char *path)
         if (map != MAP_FAILED) {
             wake->counter = map;
             wake->fd = fd;
+            lock_in_use(fd, F_RDLCK);
             return wake;
         }
     }
@@ -152,6 +166,17 @@ void pen_wake_unlock(int lock)
 {
     if (lock >= 0)
         close(lock);
+}
+
+bool pen_wake_be_alone(struct pen_wake *wake)
+{
+    return wake->fd < 0 || lock_in_use(wake->fd, F_WRLCK);
+}
+
+void pen_wake_end_alone(struct pen_wake *wake)
+{
+    if (wake->fd >= 0)
+        lock_in_use(wake->fd, F_RDLCK);
 }
 
 void pen_wake_wait(struct pen_wake *wake, enum pen_signal signal, uint32_t *seen, int timeout_ms)

@@ -39,4 +39,10 @@ _Atomic uint64_t *pen_wake_tallies(struct pen_wake *wake);
 bool pen_wake_try_lock(struct pen_wake *wake, int *lock);
 void pen_wake_unlock(int lock);
 
+/* Whether no other handle, of any process, has the file open. The caller has the lock of
+ * pen_wake_try_lock, which is also held while a handle is opened, and calls pen_wake_end_alone
+ * before it gives that back. Returns true if that cannot be known. */
+bool pen_wake_be_alone(struct pen_wake *wake);
+void pen_wake_end_alone(struct pen_wake *wake);
+
 #endif
