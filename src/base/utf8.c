@@ -79,22 +79,69 @@ static uint32_t code_of(const char *text, size_t length)
     return code;
 }
 
+struct range {
+    uint32_t first, last;
+};
+
+/* Whether one of the ranges, which are in ascending order, has the code. */
+static bool in_ranges(uint32_t code, const struct range *ranges, size_t count)
+{
+    for (size_t i = 0; i < count && code >= ranges[i].first; i++) {
+        if (code <= ranges[i].last)
+            return true;
+    }
+    return false;
+}
+
 /* Characters of the Unicode categories Cc, Zl and Zp; and those of Cf that have no shape of their
  * own, without the joiners U+200C and U+200D, which some scripts need. The bidirectional ones
  * (Unicode Standard Annex #9) could make a name look like another text. */
 static bool is_hidden(uint32_t code)
 {
-    static const struct {
-        uint32_t first, last;
-    } ranges[] = {{0x00, 0x1F},       {0x7F, 0x9F},       {0xAD, 0xAD},      {0x61C, 0x61C},
-                  {0x180E, 0x180E},   {0x200B, 0x200B},   {0x200E, 0x200F},  {0x2028, 0x202E},
-                  {0x2060, 0x206F},   {0xFEFF, 0xFEFF},   {0xFFF9, 0xFFFB},  {0x13430, 0x1345F},
-                  {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A}, {0xE0000, 0xE007F}};
-    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0] && code >= ranges[i].first; i++) {
-        if (code <= ranges[i].last)
-            return true;
+    static const struct range hidden[] = {
+        {0x00, 0x1F},       {0x7F, 0x9F},       {0xAD, 0xAD},      {0x61C, 0x61C},
+        {0x180E, 0x180E},   {0x200B, 0x200B},   {0x200E, 0x200F},  {0x2028, 0x202E},
+        {0x2060, 0x206F},   {0xFEFF, 0xFEFF},   {0xFFF9, 0xFFFB},  {0x13430, 0x1345F},
+        {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A}, {0xE0000, 0xE007F}};
+    return in_ranges(code, hidden, sizeof hidden / sizeof *hidden);
+}
+
+static bool is_mark(uint32_t code)
+{
+    static const struct range marks[] = {{0x300, 0x36F},   {0x483, 0x489},   {0x1AB0, 0x1AFF},
+                                         {0x1DC0, 0x1DFF}, {0x200C, 0x200D}, {0x20D0, 0x20FF},
+                                         {0xFE00, 0xFE0F}, {0xFE20, 0xFE2F}};
+    return in_ranges(code, marks, sizeof marks / sizeof *marks);
+}
+
+static bool is_wide(uint32_t code)
+{
+    static const struct range wide[] = {{0x1100, 0x115F},   {0x231A, 0x231B},   {0x2329, 0x232A},
+                                        {0x2E80, 0x303E},   {0x3041, 0x4DBF},   {0x4E00, 0xA4CF},
+                                        {0xA960, 0xA97F},   {0xAC00, 0xD7A3},   {0xF900, 0xFAFF},
+                                        {0xFE10, 0xFE19},   {0xFE30, 0xFE6F},   {0xFF00, 0xFF60},
+                                        {0xFFE0, 0xFFE6},   {0x1F300, 0x1F64F}, {0x1F680, 0x1F6FF},
+                                        {0x1F900, 0x1F9FF}, {0x1FA70, 0x1FAFF}, {0x20000, 0x3FFFD}};
+    return in_ranges(code, wide, sizeof wide / sizeof *wide);
+}
+
+int pen_utf8_char_columns(const char *text, size_t bytes, size_t *length)
+{
+    *length = pen_utf8_char(text, bytes);
+    if (*length == 0) {
+        *length = 1;
+        return 1;
     }
-    return false;
+    const uint32_t code = code_of(text, *length);
+    return is_mark(code) ? 0 : is_wide(code) ? 2 : 1;
+}
+
+size_t pen_utf8_columns(const char *text, size_t bytes)
+{
+    size_t columns = 0;
+    for (size_t length; bytes > 0; text += length, bytes -= length)
+        columns += (size_t)pen_utf8_char_columns(text, bytes, &length);
+    return columns;
 }
 
 size_t pen_utf8_show_char(const char *text, size_t bytes, char out[PEN_UTF8_SHOWN_BYTES])

@@ -14,6 +14,15 @@ size_t pen_utf8_char(const char *text, size_t bytes);
  * part of a valid character counts as one. */
 size_t pen_utf8_count(const char *text);
 
+/* The number of columns that the character at the start of `bytes` (at least 1) of text takes on a
+ * terminal: 2 for those of East Asian scripts and emoji, 0 for marks that are set over the
+ * character before, else 1. *length is its length in bytes; a byte that is not part of a valid
+ * character is one of a column. Source: Unicode Standard Annex #11, East Asian Width. */
+int pen_utf8_char_columns(const char *text, size_t bytes, size_t *length);
+
+/* The same for all characters of `bytes` of text. */
+size_t pen_utf8_columns(const char *text, size_t bytes);
+
 /* Copies text into out as valid UTF-8 with a terminating zero. Each byte that is not part of a
  * valid character becomes '?'; text that does not fit is cut between characters. out_bytes is at
  * least 1, and text and out do not overlap. Returns whether all of the text fitted. */

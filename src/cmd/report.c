@@ -27,9 +27,10 @@ int pen_report_errors(const char *program, const char *file, const struct pen_er
         return pen_code_exit(PEN_INTERNAL);
     for (size_t i = 0; i < errors->count; i++)
         pen_report(program, file, &errors->item[i]);
-    if (errors->total > errors->count)
-        pen_report_say(stderr, "%s: %s%s%zu more errors", program, file ? file : "",
-                       file ? ": " : "", errors->total - errors->count);
+    const size_t more = errors->total - errors->count;
+    if (more > 0)
+        pen_report_say(stderr, "%s: %s%s%zu more error%s", program, file ? file : "",
+                       file ? ": " : "", more, more == 1 ? "" : "s");
     return pen_code_exit(errors->item[0].code);
 }
 

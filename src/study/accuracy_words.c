@@ -120,12 +120,17 @@ void pen_accuracy_write_answer(const json_t *report, struct pen_buf *out)
 
 void pen_accuracy_write_method(const json_t *report, struct pen_buf *out)
 {
-    pen_buf_printf(out,
-                   "Times are of rendering, without building the tree: medians of up to %.0f runs "
-                   "with different seeds, interleaved in a random order. Errors are medians over "
-                   "the seeds, against the reference; spreads are from 5 to 95 %%. Efficiency is "
-                   "1 / (MSE · s).",
-                   pen_bench_report_number(report, "seeds"));
+    const double seeds = pen_bench_report_number(report, "seeds");
+    pen_buf_puts(out, "Times are of rendering, without building the tree: ");
+    if (seeds == 1)
+        pen_buf_puts(out, "of one run of each row, in a random order. ");
+    else
+        pen_buf_printf(out,
+                       "medians of up to %.0f runs with different seeds, interleaved in a random "
+                       "order. ",
+                       seeds);
+    pen_buf_puts(out, "Errors are medians over the seeds, against the reference; spreads are from "
+                      "5 to 95 %. Efficiency is 1 / (MSE · s).");
 }
 
 void pen_accuracy_write_reference(const json_t *report, struct pen_buf *out)

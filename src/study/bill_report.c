@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The bill as JSON, CSV, Markdown and text. */
+#include <stdio.h>
 #include <string.h>
 
 #include "io/figures.h"
@@ -92,35 +93,70 @@ static void write_csv(const struct pen_bill *bill, struct pen_buf *out)
     }
 }
 
-/* One row of a table, with these marks between and around its cells. */
-static void write_row(const struct pen_bill *bill, const struct pen_bill_row *r, const char *form,
-                      struct pen_buf *out)
+/* The cells of a row of a table, as text. */
+enum { CELLS = 9, CELL_BYTES = 24 };
+static const char *const titles[CELLS] = {"without", "ms",   "least", "most", "costs ms",
+                                          "of all",  "rays", "RMSE",  "FLIP"};
+
+static void make_cells(const struct pen_bill *bill, const struct pen_bill_row *r,
+                       char cell[CELLS][CELL_BYTES])
 {
-    char cost[24] = "", share[24] = "", rays[24] = "", rmse[24] = "", flip[24] = "";
-    if (r->effect) {
-        snprintf(cost, sizeof cost, "%.1f", pen_bill_cost_ms(bill, r));
-        snprintf(share, sizeof share, "%.1f %%", 100 * pen_bill_share(bill, r));
-        snprintf(rays, sizeof rays, "%.0f", pen_bill_rays(bill, r));
-        snprintf(rmse, sizeof rmse, "%.5f", r->rmse);
-        snprintf(flip, sizeof flip, "%.4f", r->flip);
-    }
-    pen_buf_printf(out, form, pen_bill_name(r), r->median_ms, r->min_ms, r->max_ms, cost, share,
-                   rays, rmse, flip);
+    memset(cell, 0, CELLS * sizeof *cell);
+    snprintf(cell[0], sizeof *cell, "%s", pen_bill_name(r));
+    snprintf(cell[1], sizeof *cell, "%.1f", r->median_ms);
+    snprintf(cell[2], sizeof *cell, "%.1f", r->min_ms);
+    snprintf(cell[3], sizeof *cell, "%.1f", r->max_ms);
+    if (!r->effect)
+        return;
+    snprintf(cell[4], sizeof *cell, "%.1f", pen_bill_cost_ms(bill, r));
+    snprintf(cell[5], sizeof *cell, "%.1f %%", 100 * pen_bill_share(bill, r));
+    snprintf(cell[6], sizeof *cell, "%.0f", pen_bill_rays(bill, r));
+    snprintf(cell[7], sizeof *cell, "%.5f", r->rmse);
+    snprintf(cell[8], sizeof *cell, "%.4f", r->flip);
 }
 
-static void write_table(const struct pen_bill *bill, bool markdown, struct pen_buf *out)
+static void write_markdown(const struct pen_bill *bill, struct pen_buf *out)
 {
-    static const char text[] = "%-22s %9.1f %9.1f %9.1f %9s %8s %12s %9s %8s\n",
-                      md[] = "| %s | %.1f | %.1f | %.1f | %s | %s | %s | %s | %s |\n";
-    if (markdown)
-        pen_buf_puts(out,
-                     "| without | ms | least | most | it costs ms | of all | rays | RMSE | FLIP |\n"
-                     "|---|---:|---:|---:|---:|---:|---:|---:|---:|\n");
-    else
-        pen_buf_printf(out, "%-22s %9s %9s %9s %9s %8s %12s %9s %8s\n", "without", "ms", "least",
-                       "most", "costs ms", "of all", "rays", "RMSE", "FLIP");
-    for (int i = 0; i < bill->rows; i++)
-        write_row(bill, &bill->row[i], markdown ? md : text, out);
+    char cell[CELLS][CELL_BYTES];
+    for (int i = 0; i < CELLS; i++)
+        pen_buf_printf(out, "| %s%s", titles[i], i + 1 < CELLS ? " " : " |\n");
+    for (int i = 0; i < CELLS; i++)
+        pen_buf_printf(out, "%s%s", i == 0 ? "|---" : "|---:", i + 1 < CELLS ? "" : "|\n");
+    for (int row = 0; row < bill->rows; row++) {
+        make_cells(bill, &bill->row[row], cell);
+        for (int i = 0; i < CELLS; i++)
+            pen_buf_printf(out, "| %s%s", cell[i], i + 1 < CELLS ? " " : " |\n");
+    }
+}
+
+/* A line with the first cell and some of the others. */
+static void write_line(const char *first, const char *const *cell, int count, struct pen_buf *out)
+{
+    pen_buf_printf(out, "%-22s", first);
+    for (int i = 0; i < count; i++)
+        pen_buf_printf(out, " %10s", cell[i]);
+    pen_buf_puts(out, "\n");
+}
+
+/* Two tables, the second below the first, since one would be wider than 80 columns. */
+static void write_text(const struct pen_bill *bill, struct pen_buf *out)
+{
+    enum { PARTS = 2 };
+    static const int begin[PARTS + 1] = {1, 6, CELLS};
+    char cell[CELLS][CELL_BYTES];
+    const char *cells[CELLS];
+    for (int part = 0; part < PARTS; part++) {
+        const int first = begin[part], count = begin[part + 1] - first;
+        pen_buf_puts(out, part ? "\n" : "");
+        write_line(titles[0], titles + first, count, out);
+        for (int row = 0; row < bill->rows; row++) {
+            make_cells(bill, &bill->row[row], cell);
+            for (int i = 0; i < count; i++)
+                cells[i] = cell[first + i];
+            if (part == 0 || bill->row[row].effect)
+                write_line(cell[0], cells, count, out);
+        }
+    }
 }
 
 bool pen_bill_write(const struct pen_bill *bill, const char *scene, const char *format,
@@ -132,7 +168,9 @@ bool pen_bill_write(const struct pen_bill *bill, const char *scene, const char *
         write_csv(bill, out);
     else if (strcmp(format, "html") == 0)
         pen_bill_write_html(bill, scene, out);
+    else if (strcmp(format, "md") == 0)
+        write_markdown(bill, out);
     else
-        write_table(bill, strcmp(format, "md") == 0, out);
+        write_text(bill, out);
     return !out->failed || pen_fail(st, PEN_NO_MEMORY, "out of memory for a report");
 }

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/utf8.h"
 #include "io/figures.h"
 #include "io/json_build.h"
 
@@ -313,6 +314,29 @@ json_t *pen_explain_json(const struct pen_explain_task *task)
                      pen_figure(f->spent_ms));
 }
 
+/* Writes a text from this column of a terminal on, in lines that end before its 80th column. */
+static void write_wrapped(const char *text, int column, struct pen_buf *out)
+{
+    enum { COLUMNS = 80 };
+    int at = column;
+    while (*text) {
+        const size_t bytes = strcspn(text, " ");
+        const int wide = (int)pen_utf8_columns(text, bytes);
+        if (at > column && at + 1 + wide > COLUMNS) {
+            pen_buf_printf(out, "\n%*s", column, "");
+            at = column;
+        } else if (at > column) {
+            pen_buf_puts(out, " ");
+            at++;
+        }
+        pen_buf_add(out, text, bytes);
+        at += wide;
+        text += bytes;
+        text += strspn(text, " ");
+    }
+    pen_buf_puts(out, "\n");
+}
+
 static void write_effects(const json_t *list, const char *title, struct pen_buf *out)
 {
     size_t i;
@@ -320,8 +344,8 @@ static void write_effects(const json_t *list, const char *title, struct pen_buf 
     pen_buf_printf(out, "%s\n", title);
     json_array_foreach(list, i, item)
     {
-        pen_buf_printf(out, "  %-20s %s\n", json_string_value(json_object_get(item, "name")),
-                       json_string_value(json_object_get(item, "because")));
+        pen_buf_printf(out, "  %-20s ", json_string_value(json_object_get(item, "name")));
+        write_wrapped(json_string_value(json_object_get(item, "because")), 23, out);
     }
 }
 

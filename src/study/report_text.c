@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports as plain text with aligned tables, for a terminal, and as Markdown. */
+/* Reports as plain text with aligned tables, for a terminal, and as Markdown. A table that is wider
+ * than a terminal of 80 columns goes on below itself: each part begins with the first column. */
 #include <string.h>
 
+#include "base/utf8.h"
 #include "study/internal/report_formats.h"
 #include "study/internal/table.h"
 #include "study/report.h"
+
+enum { TERMINAL_COLUMNS = 80, GAP = 2 };
 
 void pen_bench_write_plain(const char *text, struct pen_buf *out)
 {
@@ -14,13 +18,9 @@ void pen_bench_write_plain(const char *text, struct pen_buf *out)
     }
 }
 
-/* The number of characters of a text in UTF-8. */
 static size_t width_of(const char *text)
 {
-    size_t width = 0;
-    for (; *text; text++)
-        width += ((unsigned char)*text & 0xC0) != 0x80;
-    return width;
+    return pen_utf8_columns(text, strlen(text));
 }
 
 static size_t column_width(const struct pen_bench_table *table, size_t column)
@@ -33,7 +33,7 @@ static size_t column_width(const struct pen_bench_table *table, size_t column)
     return width;
 }
 
-static void write_aligned(const struct pen_bench_table *table, size_t row, size_t column,
+static void write_aligned(const struct pen_bench_table *table, size_t row, size_t column, bool last,
                           struct pen_buf *out)
 {
     const char *text = pen_bench_table_cell(table, row, column);
@@ -41,7 +41,33 @@ static void write_aligned(const struct pen_bench_table *table, size_t row, size_
     const bool words = table->is_text[column];
     pen_buf_printf(out, "%*s", words ? 0 : blank, "");
     pen_bench_write_plain(text, out);
-    pen_buf_printf(out, "%*s", words && column + 1 < table->columns ? blank : 0, "");
+    pen_buf_printf(out, "%*s", words && !last ? blank : 0, "");
+}
+
+/* The column behind the last one that fits beside the first, from `begin` on: at least one does. */
+static size_t part_end(const struct pen_bench_table *table, size_t begin)
+{
+    size_t width = column_width(table, 0), end = begin;
+    while (end < table->columns) {
+        width += GAP + column_width(table, end);
+        if (width > TERMINAL_COLUMNS && end > begin)
+            break;
+        end++;
+    }
+    return end;
+}
+
+static void write_part(const struct pen_bench_table *table, size_t begin, size_t end,
+                       struct pen_buf *out)
+{
+    for (size_t row = 0; row < table->rows; row++) {
+        write_aligned(table, row, 0, begin == end, out);
+        for (size_t column = begin; column < end; column++) {
+            pen_buf_printf(out, "%*s", GAP, "");
+            write_aligned(table, row, column, column + 1 == end, out);
+        }
+        pen_buf_puts(out, "\n");
+    }
 }
 
 void pen_bench_write_text_table(const json_t *report, const struct pen_bench_column *columns,
@@ -49,12 +75,10 @@ void pen_bench_write_text_table(const json_t *report, const struct pen_bench_col
 {
     struct pen_bench_table table;
     bool ok = pen_bench_table_init(report, columns, &table);
-    for (size_t row = 0; ok && row < table.rows; row++) {
-        for (size_t column = 0; column < table.columns; column++) {
-            pen_buf_puts(out, column ? "  " : "");
-            write_aligned(&table, row, column, out);
-        }
-        pen_buf_puts(out, "\n");
+    for (size_t begin = 1, end; ok && begin < table.columns; begin = end) {
+        end = part_end(&table, begin);
+        pen_buf_puts(out, begin > 1 ? "\n" : "");
+        write_part(&table, begin, end, out);
     }
     pen_bench_table_release(&table);
     out->failed |= !ok;

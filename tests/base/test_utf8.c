@@ -57,5 +57,24 @@ START_TEST(test_utf8__characters_are_counted)
 }
 END_TEST
 
-PEN_SUITE("utf8", test_utf8__characters_are_counted, test_utf8__hidden_characters_are_escaped,
-          test_utf8__other_text_is_shown_as_it_is, test_utf8__text_is_cut_between_characters)
+/* Wide: U+65E5, U+1F469; a mark: U+0308; a joiner: U+200D. */
+START_TEST(test_utf8__columns_of_a_terminal_are_counted)
+{
+    static const struct {
+        const char *text;
+        size_t columns;
+    } cases[] = {{"", 0},
+                 {"abc", 3},
+                 {"\xC3\xBC", 1},
+                 {"u\xCC\x88", 1},
+                 {"\xE6\x97\xA5\xE6\x97\xA5", 4},
+                 {"\xF0\x9F\x91\xA9\xE2\x80\x8D\xF0\x9F\x92\xBB", 4},
+                 {"\xFF\xC3", 2}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        ck_assert_uint_eq(pen_utf8_columns(cases[i].text, strlen(cases[i].text)), cases[i].columns);
+}
+END_TEST
+
+PEN_SUITE("utf8", test_utf8__characters_are_counted, test_utf8__columns_of_a_terminal_are_counted,
+          test_utf8__hidden_characters_are_escaped, test_utf8__other_text_is_shown_as_it_is,
+          test_utf8__text_is_cut_between_characters)

@@ -76,6 +76,10 @@ exits "fetch a view that was not submitted" 4 "$penumbra" fetch "$views" -o x.pf
 exits "submit and wait" 0 "$penumbra" submit builtin:spheres "$@" --wait
 exits "submit and fetch" 0 "$penumbra" submit builtin:spheres "$@" -o b.png
 check "the built-in scene equals the file" cmp b.png a.png
+exits "submit to standard output" 0 "$penumbra" submit builtin:spheres "$@" -o -
+check "it has the picture and nothing else" cmp stdout a.png
+check "standard error has the job's id" grep -qx "[0-9a-f-]\{36\}" stderr
+exits "submit to standard output with --json" 2 "$penumbra" submit builtin:spheres "$@" -o - --json
 exits "submit from standard input" 0 sh -c "'$penumbra' submit - --json -w <scene.json"
 expect "without options the picture has the scene's size" "$(jq .progress.total stdout)" \
     "$(jq '.render.width * .render.height' scene.json)"

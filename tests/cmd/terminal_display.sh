@@ -8,7 +8,8 @@ display() { # COLUMNS KEYS COMMAND…
     python3 "$root/tests/cmd/display.py" "$columns" 60 "$keys" "$@"
 }
 fits() { # NAME COLUMNS: no line of the last output is longer; the text has no escape sequences
-    longest=$(sed 's/\x1b\[[0-9]*[A-Z]//g' "$work/stdout" | python3 -c 'import sys; print(max(len(l.rstrip("\n")) for l in sys.stdin))')
+    longest=$(sed 's/\x1b\[[0-9]*[A-Z]//g' "$work/stdout" | python3 -c 'import sys, unicodedata
+print(max(sum(2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in l.rstrip("\n")) for l in sys.stdin))')
     expect "$1 ($longest)" "$((longest <= $2))" 1
 }
 small="--set width=16 --set height=12"
@@ -41,6 +42,9 @@ export PENUMBRA_URL="$url"
 # shellcheck disable=SC2086
 id=$("$penumbra" submit builtin:spheres $small --name "a name that is longer than eighty columns have space for, grün")
 "$penumbra" wait "$id" >log
+# shellcheck disable=SC2086
+wide=$("$penumbra" submit builtin:spheres $small --name "部屋部屋部屋部屋部屋部屋部屋部屋部屋部屋")
+"$penumbra" wait "$wide" >log
 "$penumbra" fetch "$id" -o - >fetched.png
 check "fetch -o - gets a PNG" cmp fetched.png out.png
 # shellcheck disable=SC2086
@@ -72,7 +76,26 @@ wait $!
 exits "top on 120 columns" 0 display 120 q "$penumbra" top --interval 60
 fits "top fits 120 columns" 120
 prints "with bars" stdout "["
+exits "top --once on 80 columns" 0 display 80 "" "$penumbra" top --once
+fits "top --once fits 80 columns" 80
 "$penumbra" cancel "$long" >log
+
+# Tables of studies, which go on below themselves
+# shellcheck disable=SC2086
+exits "effects" 0 "$penumbra" effects builtin:spheres $small --repeats 1
+fits "effects fits 80 columns" 80
+# shellcheck disable=SC2086
+exits "explain" 0 "$penumbra" explain builtin:room
+fits "explain fits 80 columns" 80
+# shellcheck disable=SC2086
+exits "bench" 0 "$penumbra" bench builtin:spheres $small --repeats 1 --warmup 0
+sed -i '/^Milliseconds/,$d' stdout
+fits "the table of bench fits 80 columns" 80
+expect "each part of it begins with the row" "$(grep -c '^row ' stdout) $(grep -c '^  0 ' stdout)" "2 2"
+# shellcheck disable=SC2086
+exits "accuracy" 0 "$penumbra" accuracy builtin:spheres $small --seeds 1
+sed -i '/^The cheapest\|^No row/,$d' stdout
+fits "the table of accuracy fits 80 columns" 80
 
 # Help and suggestions
 exits "help COMMAND" 0 "$penumbra" help render

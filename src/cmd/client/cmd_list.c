@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/utf8.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
 #include "cmd/client/progress.h"
@@ -132,15 +133,17 @@ static struct table table_for_output(void)
     return table;
 }
 
-/* The number of bytes of the first `count` characters. */
-static int bytes_of(const char *text, int count)
+/* The number of bytes of the characters that fit into so many columns. */
+static int bytes_of(const char *text, int columns)
 {
-    int bytes = 0;
-    for (; text[bytes]; bytes++) {
-        if ((text[bytes] & 0xC0) != 0x80 && count-- == 0)
+    const size_t all = strlen(text);
+    size_t bytes = 0, length = 0;
+    for (int used = 0; bytes < all; bytes += length) {
+        used += pen_utf8_char_columns(text + bytes, all - bytes, &length);
+        if (used > columns)
             break;
     }
-    return bytes;
+    return (int)bytes;
 }
 
 static void print_line(const struct table *table, const char *id, const char *kind,

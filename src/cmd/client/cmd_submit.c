@@ -299,6 +299,11 @@ static bool post(struct pen_client *client, const struct body *body, const char 
     return ok;
 }
 
+static bool to_standard_output(const struct values *values)
+{
+    return values->output && strcmp(values->output, "-") == 0;
+}
+
 /* Prints the job's id; then waits and fetches the result if the options ask for it. */
 static int follow(struct pen_client *client, const struct values *values, json_t *job)
 {
@@ -307,7 +312,7 @@ static int follow(struct pen_client *client, const struct values *values, json_t
     snprintf(id, sizeof id, "%s", pen_remote_text(job, "id"));
     bool waits = values->wait || values->output;
     if (!values->json)
-        pen_report_say(stdout, "%s", id);
+        pen_report_say(to_standard_output(values) ? stderr : stdout, "%s", id);
     else if (!waits)
         pen_report_line(json_incref(job));
     fflush(stdout);
@@ -348,6 +353,8 @@ static bool check_output(const struct values *values, struct pen_status *st)
     const bool study = values->kind && strcmp(values->kind, "render") != 0;
     if (!values->output)
         return true;
+    if (to_standard_output(values) && values->json)
+        return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json uses");
     if (!(study ? pen_output_report_format(values->output, values->format, st)
                 : pen_output_format(values->output, values->format, st)) &&
         (values->kind || !pen_output_report_format(values->output, values->format, st)))
@@ -409,7 +416,7 @@ const struct pen_command pen_command_submit = {
     .summary = "Submits a scene or a job to a daemon and prints the job's id.",
     .details = "SCENE is a file, - for standard input, or builtin:NAME; a file may hold a bare "
                "scene, in JSON or XML, or a whole job. Once the id is printed, the job is on the "
-               "daemon's disk.",
+               "daemon's disk. With -o - the id goes to standard error.",
     .options = options,
     .min_args = 1,
     .max_args = 1,

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* `penumbra top`: the workers and running jobs of a daemon, redrawn every second on a terminal. */
 #include <stdio.h>
+#include <string.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/utf8.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
 #include "cmd/client/keys.h"
@@ -147,21 +149,34 @@ static void write_state(const struct state *state, int columns, struct pen_buf *
     json_array_foreach(state->running, i, item) write_job(item, columns, out);
 }
 
-/* Draws over the last text: cuts each line at the width, clears what is behind its end, and at last
- * the lines below. */
+/* Cuts each line at the width, and ends it with `end`. */
+static void cut_lines(const struct pen_buf *text, int columns, const char *end, struct pen_buf *out)
+{
+    const char *c = (const char *)text->data;
+    size_t left = strlen(c), length;
+    pen_buf_puts(out, "");
+    for (int column = 0; left > 0; c += length, left -= length) {
+        if (*c == '\n') {
+            pen_buf_puts(out, end);
+            column = 0;
+            length = 1;
+            continue;
+        }
+        column += pen_utf8_char_columns(c, left, &length);
+        if (column <= columns)
+            pen_buf_add(out, c, length);
+    }
+}
+
+/* Draws over the last text, and clears what is behind the end of a line, and the lines below. */
 static void draw(const struct pen_buf *text, int columns)
 {
-    int column = 0;
+    struct pen_buf lines = {0};
+    cut_lines(text, columns, "\033[K\n", &lines);
     fputs("\033[H", stdout);
-    for (const char *c = (const char *)text->data; *c; c++) {
-        if (*c == '\n')
-            fputs("\033[K", stdout), column = 0;
-        else
-            column += (*c & 0xC0) != 0x80; /* the first byte of a character */
-        if (column <= columns)
-            fputc(*c, stdout);
-    }
+    fputs(lines.failed ? "out of memory" : (const char *)lines.data, stdout);
     fputs("\033[J", stdout);
+    pen_buf_release(&lines);
     fflush(stdout);
 }
 
@@ -169,22 +184,27 @@ static void show(const struct state *state, const struct values *values, bool li
 {
     struct winsize size;
     int columns = COLUMNS;
-    struct pen_buf text = {0};
+    struct pen_buf text = {0}, lines = {0};
     if (values->json) {
         pen_report_line(json_pack("{s:O, s:O, s:O}", "workers", state->workers, "running",
                                   state->running, "queued", state->queued));
         return;
     }
-    if (live && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 30)
+    const bool terminal = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0;
+    if (terminal && size.ws_col > 30)
         columns = size.ws_col;
     write_state(state, columns, &text);
-    if (!text.failed && pen_buf_add(&text, "", 1)) {
-        if (live)
-            draw(&text, columns);
-        else
-            pen_report_show(stdout, (const char *)text.data);
-    }
+    if (text.failed)
+        pen_report_say(stderr, "penumbra: out of memory");
+    else if (live)
+        draw(&text, columns);
+    else if (terminal) {
+        cut_lines(&text, columns, "\n", &lines);
+        pen_report_show(stdout, lines.failed ? "out of memory\n" : (const char *)lines.data);
+    } else
+        pen_report_show(stdout, (const char *)text.data);
     pen_buf_release(&text);
+    pen_buf_release(&lines);
 }
 
 static bool update(struct pen_client *client, const struct values *values, bool live,
