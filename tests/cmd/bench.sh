@@ -69,7 +69,7 @@ prints "the comparison has both builds" stdout "after: "
 exits "bench against a report, as JSON" 0 "$penumbra" bench builtin:spheres $tiny -m tile=8,16 --repeats 10 --baseline a.json --json
 expect "the report has the comparison" "$(jq -c '.comparison | [.counters, .pictures, .host_differences, (.rows | length)]' stdout)" '["same","same",[],2]'
 exits "compare two reports" 0 "$penumbra" compare a.json a.json
-prints "compares counters, pictures and times" stdout "counters  picture"
+prints "compares counters, pictures and times" stdout "calibrated  counters"
 jq '.rows[1].rays.shadow += 1' a.json >b.json
 exits "a counter that differs" 7 "$penumbra" compare a.json b.json
 prints "the counter is named" stdout "row 1: rays.shadow "
