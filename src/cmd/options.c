@@ -168,9 +168,12 @@ static bool unknown_option(const struct pen_command *command, const char *name,
     const char *near = pen_option_nearest(command->options, name);
     if (near)
         return pen_fail(st, PEN_USAGE, "unknown option --%s, nearest is --%s", name, near);
-    if (pen_settings_has(name) && pen_option_find(command->options, "set") >= 0)
-        return pen_fail(st, PEN_USAGE, "unknown option --%s; it is a setting: --set %s=VALUE", name,
-                        name);
+    const char *setting = NULL;
+    if (pen_option_find(command->options, "set") >= 0)
+        setting = pen_settings_nearest(name);
+    if (setting)
+        return pen_fail(st, PEN_USAGE, "unknown option --%s; %s is a setting: --set %s=VALUE", name,
+                        strcmp(name, setting) == 0 ? "it" : setting, setting);
     return pen_fail(st, PEN_USAGE, "unknown option --%s, see --help", name);
 }
 

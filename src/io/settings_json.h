@@ -18,6 +18,9 @@ json_t *pen_settings_json(const struct pen_settings *settings);
 /* Whether `key` is the name of a render setting. */
 bool pen_settings_has(const char *key);
 
+/* The name of a setting that pen_nearest_name (io/message.h) finds for `word`, or NULL. */
+const char *pen_settings_nearest(const char *word);
+
 /* Applies one member of a `render` object to *settings, which an error leaves unchanged.
  * `at` is the place of that object. Fails: returns false with errors->count > 0. */
 bool pen_settings_read_member(const char *key, const json_t *value, const char *at,

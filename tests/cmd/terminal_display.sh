@@ -105,6 +105,8 @@ exits "help of an unknown command" 2 "$penumbra" help rendr
 prints "names the nearest" stderr 'nearest is "render"'
 exits "a setting as an option" 2 "$penumbra" render builtin:spheres --width 3 -o x.png
 prints "says how to write it" stderr "--set width=VALUE"
+exits "a misspelt setting as an option" 2 "$penumbra" render builtin:spheres --samples-per-pixels 3 -o x.png
+prints "says how to write the nearest" stderr "samples_per_pixel is a setting: --set samples_per_pixel=VALUE"
 exits "a long option with one dash" 2 "$penumbra" render builtin:spheres -output x.png
 prints "names the option" stderr "unknown option -output, nearest is --output"
 exits "a misspelt one with one dash" 2 "$penumbra" render builtin:spheres -viev x -o x.png

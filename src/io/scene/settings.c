@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/utf8.h"
+#include "io/message.h"
 #include "io/scene/reader.h"
 #include "io/scene/tables.h"
 #include "io/settings_json.h"
@@ -102,6 +103,18 @@ bool pen_settings_read(const json_t *render, const char *at, struct pen_settings
 bool pen_settings_has(const char *key)
 {
     return pen_field_find(pen_settings_fields, key) != NULL;
+}
+
+const char *pen_settings_nearest(const char *word)
+{
+    enum { NAMES = 64 };
+    const char *names[NAMES];
+    int count = 0;
+    for (const struct pen_field *field = pen_settings_fields; field->key && count < NAMES - 1;
+         field++)
+        names[count++] = field->key;
+    names[count] = NULL;
+    return pen_nearest_name(word, names);
 }
 
 bool pen_settings_read_member(const char *key, const json_t *value, const char *at,
