@@ -6,6 +6,8 @@
 #   install-deps.sh           to build, run and test
 #   install-deps.sh --lint    also what `make lint` and the clang build use
 #   install-deps.sh --bench   also what the comparisons in tests/bench use
+#   install-deps.sh --promtool   also Prometheus, whose promtool then checks /metrics; where the machine
+#                             has systemd, its server is started, too
 set -eu
 
 packages="gcc g++ make libc6-dev pkg-config libjansson-dev libpng-dev zlib1g-dev libsqlite3-dev
@@ -15,8 +17,9 @@ for option in "$@"; do
     case $option in
     --lint) packages="$packages clang clang-format libclang-rt-14-dev binutils" ;;
     --bench) packages="$packages povray" ;;
+    --promtool) packages="$packages prometheus" ;;
     *)
-        echo "install-deps.sh: unknown option '$option' (allowed: --lint, --bench)" >&2
+        echo "install-deps.sh: unknown option '$option' (allowed: --lint, --bench, --promtool)" >&2
         exit 2
         ;;
     esac
