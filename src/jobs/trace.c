@@ -3,6 +3,19 @@
 #include "jobs/trace.h"
 
 #include <pthread.h>
+#include <stdio.h>
+
+void pen_trace_batch(struct pen_trace *trace, const char *job)
+{
+    snprintf(trace->job, sizeof trace->job, "%s", job);
+}
+
+void pen_trace_batch_ended(struct pen_trace *trace, bool proven)
+{
+    trace->job[0] = '\0';
+    if (proven)
+        atomic_store_explicit(&trace->proven, true, memory_order_relaxed);
+}
 
 void pen_trace_pixel(struct pen_trace *trace, int thread, int x, int y)
 {

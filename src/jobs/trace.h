@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* What a worker is doing, in memory that the supervisor shares and that outlives the worker: the
- * pixel of each render thread, the thread that crashed, the last lines of the log. All zeros at
- * first. The worker writes it; the supervisor reads it to report why the worker died.
+ * pixel of each render thread, the thread that crashed, the last lines of the log, the job of the
+ * batch that it works on. All zeros at first. The worker writes it; the supervisor reads it to
+ * report why the worker died, and whether that was over a job.
  *
- * Threads: each place is written by its own render thread alone. All fields are atomic and relaxed:
- * the reader needs only roughly the last state. */
+ * Threads: each place is written by its own render thread alone. All fields but `job` are atomic
+ * and relaxed: the reader needs only roughly the last state. */
 #ifndef PEN_JOBS_TRACE_H
 #define PEN_JOBS_TRACE_H
 
@@ -13,6 +14,7 @@
 #include <stdint.h>
 
 #include "base/log.h"
+#include "store/store.h"
 
 enum { PEN_TRACE_THREADS = 256 };
 
@@ -25,7 +27,16 @@ struct pen_trace {
     atomic_int crashed; /* 1 + the number of the thread that crashed; 0: unknown */
     struct pen_trace_place place[PEN_TRACE_THREADS]; /* by number of the render thread */
     struct pen_log_ring log;
+    char job[PEN_ID_BYTES]; /* "": works on no batch. Written by the worker's own thread; to be read
+                             * by others when the worker has ended */
+    atomic_bool proven;     /* has ended the work on a batch as it should: the worker is sound */
 };
+
+/* Notes that work on a batch of this job begins. */
+void pen_trace_batch(struct pen_trace *trace, const char *job);
+
+/* Notes that it has ended; `proven`: with a result that the store has. */
+void pen_trace_batch_ended(struct pen_trace *trace, bool proven);
 
 /* Notes that a thread is about to begin a pixel. */
 void pen_trace_pixel(struct pen_trace *trace, int thread, int x, int y);

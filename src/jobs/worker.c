@@ -198,11 +198,11 @@ static bool run_batch_with_retries(struct worker *w, const struct pen_claim *cla
     }
 }
 
-/* Handles a claim: runs the batch and commits the result. *next becomes the next claim if the
- * commit has taken one. The job is not charged for the time of the commit, which waits for a store
- * that fails. */
-static bool work_on(struct worker *w, struct pen_claim *claim, struct pen_next *next,
-                    struct pen_status *st)
+/* Handles a claim: runs the batch and commits the result; then *proven is true. *next becomes the
+ * next claim if the commit has taken one. The job is not charged for the time of the commit, which
+ * waits for a store that fails. */
+static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_next *next,
+                         bool *proven, struct pen_status *st)
 {
     struct pen_batch_output output;
     struct pen_status why;
@@ -228,10 +228,25 @@ static bool work_on(struct worker *w, struct pen_claim *claim, struct pen_next *
         done = pen_fail(&why, PEN_CANCELLED, "the time is up");
     }
     bool ok = !done || commit(w, claim, &output, next, st);
+    *proven = done && ok;
     enum pen_claim_end ended = pen_heartbeat_end(w->context.heart);
     if (!done)
         return end_failed(w, claim, ended, &why, st);
     pen_batch_output_release(&output);
+    return ok;
+}
+
+/* As handle_claim, and notes in the trace what is worked on. */
+static bool work_on(struct worker *w, struct pen_claim *claim, struct pen_next *next,
+                    struct pen_status *st)
+{
+    struct pen_trace *trace = w->context.trace;
+    bool proven = false;
+    if (trace)
+        pen_trace_batch(trace, claim->job_id);
+    const bool ok = handle_claim(w, claim, next, &proven, st);
+    if (trace)
+        pen_trace_batch_ended(trace, proven);
     return ok;
 }
 

@@ -59,6 +59,32 @@ expect "all 21 jobs are listed" "$("$penumbra" list --json | jq '.jobs | length'
 daemon_stop
 forget_injected_segv
 
+# What a job is charged with is not held against the worker: the daemon stays ready
+start segv@1,1@bad
+(while :; do curl -s -o /dev/null -w '%{http_code}\n' "$url/readyz" && sleep 0.05; done) >ready &
+loop=$!
+bad ''
+failed "a job that crashes its worker thrice fails" job-failed
+: >goods
+good
+check "the next job succeeds" all_good
+sleep 1
+kill $loop
+wait $loop 2>/dev/null
+expect "and the daemon was ready all the time" "$(sort -u ready)" 200
+check "the log tells whose fault it was" grep -q "(1 in a row; this one is held against its job)" "$work/log"
+daemon_stop
+forget_injected_segv
+
+# A worker that crashes over each job is not sound
+start segv@1,1
+not_ready() { [ "$(curl -s -o ready.json -w '%{http_code}' "$url/readyz")" = 503 ]; }
+for _ in 1 2 3; do bad ', "max_attempts": 1'; done
+check "a daemon whose worker crashes over each job is not ready" within 20 not_ready
+expect_match "/readyz gives the reason" "$(jq -r .detail ready.json)" '*worker process ended 3 times*or over different jobs*'
+daemon_stop
+forget_injected_segv
+
 # Other kinds of crashes
 for kind in abort exit; do
     start $kind@0,0@bad

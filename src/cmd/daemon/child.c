@@ -21,6 +21,8 @@
 
 /* A process that lived this long did not crash at its start. */
 static const int64_t stable_ns = INT64_C(10) * 1000000000;
+/* How often a worker is asked whether it has done enough. */
+static const int64_t check_ns = INT64_C(250) * 1000000;
 static const int64_t first_pause_ns = INT64_C(100) * 1000000;
 static const int64_t longest_pause_ns = INT64_C(5) * 1000000000;
 
@@ -152,26 +154,56 @@ static _Noreturn void exec_child(const struct arguments *arguments, const struct
     _exit(PEN_EXEC_FAILED);
 }
 
-int64_t pen_child_stable_at_ns(const struct pen_child *child)
+int64_t pen_child_check_at_ns(const struct pen_child *child)
 {
-    return child->pid && child->failures > 0 ? child->started_ns + stable_ns : INT64_MAX;
+    if (!child->pid || child->failures == 0)
+        return INT64_MAX;
+    const int64_t stable_at_ns = child->started_ns + stable_ns;
+    const int64_t check_at_ns = child->trace ? pen_clock_ns() + check_ns : stable_at_ns;
+    return check_at_ns < stable_at_ns ? check_at_ns : stable_at_ns;
 }
 
 void pen_child_reset_failures(struct pen_child *child)
 {
-    if (pen_clock_ns() >= pen_child_stable_at_ns(child))
-        child->failures = 0;
+    const bool stable = child->pid && pen_clock_ns() - child->started_ns >= stable_ns;
+    if (stable ||
+        (child->trace && atomic_load_explicit(&child->trace->proven, memory_order_relaxed)))
+        child->failures = child->blamed_count = 0;
 }
 
-/* Counts a failure and sets the time of the next start. Returns the pause until then. */
-static int64_t schedule_restart(struct pen_child *child)
+/* Counts the crash over a job. Returns false if one over this job was counted before. */
+static bool blame(struct pen_child *child, const char *job)
+{
+    for (int i = 0; i < child->blamed_count && i < PEN_CHILD_BLAMED; i++)
+        if (strcmp(child->blamed[i], job) == 0)
+            return false;
+    memcpy(child->blamed[child->blamed_count++ % PEN_CHILD_BLAMED], job, PEN_ID_BYTES);
+    return true;
+}
+
+/* Whether the end of a process counts, see child.h. Comes after keep_death_report. */
+static bool end_counts(struct pen_child *child, int wait_status)
+{
+    char job[PEN_ID_BYTES] = "";
+    if (child->trace && child->ready)
+        memcpy(job, child->trace->job, sizeof job - 1);
+    if (!job[0])
+        return true;
+    if (WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0)
+        return false;
+    return child->dead.end != PEN_WORKER_CRASHED || blame(child, job);
+}
+
+/* Sets the time of the next start, and counts the failure if it counts. Returns the pause until
+ * then. */
+static int64_t schedule_restart(struct pen_child *child, bool counts)
 {
     int64_t pause = 0;
-    if (child->failures > 0)
+    if (counts && child->failures > 0)
         pause = child->failures > 6 ? longest_pause_ns : first_pause_ns << (child->failures - 1);
     if (pause > longest_pause_ns)
         pause = longest_pause_ns;
-    child->failures++;
+    child->failures += counts;
     child->start_at_ns = pen_clock_ns() + pause;
     return pause;
 }
@@ -183,6 +215,8 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
     child->ready = child->stopping = child->killed = false;
     pid_t pid = -1;
     close_fd(&child->trace_fd);
+    pen_crash_record_unmap(child->trace);
+    child->trace = NULL;
     if (is_worker(child)) {
         struct pen_status st;
         if (!pen_worker_id_make(child->name, &st)) { /* the worker then makes its own */
@@ -190,6 +224,7 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
             child->name[0] = '\0';
         }
         child->trace_fd = pen_crash_record_new();
+        child->trace = pen_crash_record_map(child->trace_fd);
         child->oom_kills = pen_oom_kills();
     }
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) == 0) {
@@ -207,7 +242,7 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
     }
     if (pid < 0) {
         pen_log(PEN_LOG_ERROR, "cannot start the %s process: %s", child->role, strerror(errno));
-        schedule_restart(child);
+        schedule_restart(child, true);
         return;
     }
     child->pid = pid;
@@ -250,17 +285,19 @@ void pen_child_ended(struct pen_child *child, int wait_status)
     /* A worker that was never ready held no leases and released none. */
     if (child->ready && !expected)
         keep_death_report(child, wait_status);
+    const bool counts = end_counts(child, wait_status);
     child->ready = false;
     if (child->stopping) {
-        child->failures = 0;
+        child->failures = child->blamed_count = 0;
         child->start_at_ns = pen_clock_ns();
         pen_log(expected ? PEN_LOG_INFO : PEN_LOG_WARN, "the %s process %d ended: %s", child->role,
                 pid, child->last_end);
         return;
     }
-    int64_t pause_ns = schedule_restart(child);
-    pen_log(PEN_LOG_WARN,
-            "the %s process %d ended: %s, after %.1f s; starting it again in %.1f s (%d in a row)",
-            child->role, pid, child->last_end, (double)lived_ns * 1e-9, (double)pause_ns * 1e-9,
-            child->failures);
+    int64_t pause_ns = schedule_restart(child, counts);
+    pen_log(
+        PEN_LOG_WARN,
+        "the %s process %d ended: %s, after %.1f s; starting it again in %.1f s (%d in a row%s)",
+        child->role, pid, child->last_end, (double)lived_ns * 1e-9, (double)pause_ns * 1e-9,
+        child->failures, counts ? "" : "; this one is held against its job");
 }

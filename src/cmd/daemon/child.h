@@ -1,6 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* One child process of the supervisor: starting it, recording its end, and the time of the next
- * start. */
+ * start.
+ *
+ * Ends in a row are counted, and begin anew once a process has lived for some time or, as a worker,
+ * has ended the work on a batch as it should. An end that has another cause than the process does
+ * not count:
+ *  - a worker's crash over a job, which the store charges to that job (src/store/README.md), counts
+ *    once for each job: a job that crashes each worker is at fault itself, but a worker that
+ *    crashes over one job after another is not sound;
+ *  - a worker that ends itself, since its render threads do not stop although their job has ended.
+ */
 #ifndef PEN_CMD_DAEMON_CHILD_H
 #define PEN_CMD_DAEMON_CHILD_H
 
@@ -9,22 +18,28 @@
 #include <sys/types.h>
 
 #include "cmd/daemon/config.h"
+#include "jobs/trace.h"
 #include "store/store.h"
 
+enum { PEN_CHILD_BLAMED = 8 };
+
 struct pen_child {
-    const char *role;               /* "api" or "worker" */
-    pid_t pid;                      /* 0: not running */
-    int control_fd;                 /* -1: not running, or the child closed its end */
-    bool ready;                     /* has sent "ready" since its start */
-    bool answered;                  /* has answered the last "ping" */
-    bool stopping;                  /* was sent "stop" */
-    bool killed;                    /* by the supervisor */
-    int64_t started_ns;             /* the last start */
-    int64_t start_at_ns;            /* the next start, if it is not running */
-    int failures;                   /* ends in a row, each soon after its start */
+    const char *role;                            /* "api" or "worker" */
+    pid_t pid;                                   /* 0: not running */
+    int control_fd;                              /* -1: not running, or the child closed its end */
+    bool ready;                                  /* has sent "ready" since its start */
+    bool answered;                               /* has answered the last "ping" */
+    bool stopping;                               /* was sent "stop" */
+    bool killed;                                 /* by the supervisor */
+    int64_t started_ns;                          /* the last start */
+    int64_t start_at_ns;                         /* the next start, if it is not running */
+    int failures;                                /* ends in a row that count, see above */
+    char blamed[PEN_CHILD_BLAMED][PEN_ID_BYTES]; /* the last jobs whose crashes are among them */
+    int blamed_count;                            /* crashes of different jobs among them */
     char name[PEN_WORKER_ID_BYTES]; /* a worker's id in the store; "": the worker makes its own */
     char last_end[96];              /* "signal 11 (SIGSEGV)"; "": has not ended yet */
     int trace_fd;                   /* a worker's crash record (crash_record.h); -1: none */
+    struct pen_trace *trace;        /* the same, mapped; NULL: none */
     int64_t oom_kills;              /* pen_oom_kills at a worker's start */
     /* The last worker that ended with leases, until its successor has released them. name "":
      * none. */
@@ -44,15 +59,16 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
 /* Notes that the child has sent "ready": a worker has released the leases of its predecessor. */
 void pen_child_ready(struct pen_child *child);
 
-/* The time from which on a running child has lived long enough not to be in a crash loop. Returns
- * INT64_MAX if it is not running or has no failures. */
-int64_t pen_child_stable_at_ns(const struct pen_child *child);
+/* When to call pen_child_reset_failures next. Returns INT64_MAX if the child is not running or has
+ * no failures. */
+int64_t pen_child_check_at_ns(const struct pen_child *child);
 
-/* Sets failures to 0 once that time has come. */
+/* Sets failures to 0 once the child has lived long enough, or done enough, not to be in a crash
+ * loop. */
 void pen_child_reset_failures(struct pen_child *child);
 
 /* Records the end of the process with this wait status, logs it, and sets the time of the next
- * start: now, or after a pause that doubles with each end soon after a start. */
+ * start: now, or after a pause that doubles with each end that counts. */
 void pen_child_ended(struct pen_child *child, int wait_status);
 
 #endif

@@ -26,6 +26,12 @@ struct pen_trace *pen_crash_record_map(int fd)
     return trace == MAP_FAILED ? NULL : trace;
 }
 
+void pen_crash_record_unmap(struct pen_trace *trace)
+{
+    if (trace)
+        munmap(trace, sizeof *trace);
+}
+
 /* SA_RESETHAND: the raised signal has its default effect, as if there were no handler. */
 static void on_crash(int number)
 {

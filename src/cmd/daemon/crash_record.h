@@ -10,9 +10,10 @@
  * reports of crashes lack pixel and log lines. */
 int pen_crash_record_new(void);
 
-/* Maps the record into this process until its end, shared with all processes that map it. Returns
- * NULL if fd is -1 or cannot be mapped. */
+/* Maps the record into this process, shared with all processes that map it, until the process ends
+ * or unmaps it. Returns NULL if fd is -1 or cannot be mapped. */
 struct pen_trace *pen_crash_record_map(int fd);
+void pen_crash_record_unmap(struct pen_trace *trace); /* NULL: nothing */
 
 /* Copies all further log lines to the record, and installs signal handlers that note in it which
  * thread crashed. Handlers that are already installed stay. */

@@ -24,7 +24,7 @@ enum { KILL_WORKER_S = 7, KILL_API_S = 9, DRAIN_CHECK_MS = 20 };
 _Static_assert(KILL_WORKER_S * 1000 > PEN_DRAIN_WORKER_MS, "a worker gives its batch back first");
 /* When a drain ends without waiting for a process that not even SIGKILL has ended. */
 static const int64_t longest_drain_ns = 9700000000;
-/* The number of ends in a row that counts as a crash loop: the daemon is not ready. */
+/* The number of ends in a row (child.h) that is a crash loop: the daemon is not ready. */
 enum { CRASH_LOOP = 3 };
 
 struct supervisor {
@@ -48,9 +48,10 @@ static void describe_crash_loop(const struct pen_child *child, char *text, size_
 {
     if (child->failures >= CRASH_LOOP)
         snprintf(text, size,
-                 "the %s process ended %d times in a row, soon after its start, the last time by "
-                 "%s",
-                 child->role, child->failures, child->last_end);
+                 "the %s process ended %d times in a row, soon after its start%s, the last time "
+                 "by %s",
+                 child->role, child->failures, child->blamed_count ? " or over different jobs" : "",
+                 child->last_end);
 }
 
 /* Sends the api the reason why the daemon is not ready, or none: a worker in a crash loop, or
@@ -240,7 +241,7 @@ static void handle_message(struct supervisor *s, struct pen_child *child)
         send_state(s, true);
 }
 
-/* The time until the next start or ping is due or a child counts as stable; a short time when
+/* The time until the next start, ping or check of a child's failures is due; a short time when
  * draining. */
 static int wait_ms(const struct supervisor *s)
 {
@@ -251,7 +252,7 @@ static int wait_ms(const struct supervisor *s)
     const int64_t now = pen_clock_ns();
     for (int i = 0; i < 2; i++) {
         const struct pen_child *child = children[i];
-        int64_t at = child->pid ? pen_child_stable_at_ns(child) : child->start_at_ns;
+        int64_t at = child->pid ? pen_child_check_at_ns(child) : child->start_at_ns;
         next = at < next ? at : next;
     }
     if (next == INT64_MAX)

@@ -6,7 +6,7 @@
  *  - It owns the listening socket. While an api process is replaced, new connections wait in the
  *    socket's queue; none is refused.
  *  - It starts a child that has ended again. If a child ends soon after each start, the pauses
- *    between the starts double.
+ *    between the starts double. What a job is charged with is not held against the worker.
  *  - The successor of a worker first releases the leases of dead workers.
  *  - The children end when it ends or dies, because their control channel closes.
  *  - SIGTERM and SIGINT drain the daemon within 10 s:
