@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* The first estimate of what a job will take, from which its first eta_seconds come. It is made
- * once, before the job's first batch, where the bound of the job's rays means more than ten
- * seconds, which its batches tell (batch_layout.c). It is left out where it would cost more than a
- * thirtieth of the pixels, or more than ten seconds itself by that bound: then the first batches,
- * of a second each, tell soon enough.
+/* The first estimate of what a job will take, from which its first eta_seconds come: its budget, if
+ * it has one. Else it is made once, before the job's first batch, where the bound of the job's rays
+ * means more than ten seconds, which its batches tell (batch_layout.c). It is left out where it
+ * would cost more than a thirtieth of the pixels, or more than ten seconds itself by that bound:
+ * then the first batches, of a second each, tell soon enough.
  *
  * A job that is expected to take longer than the operator allows fails: by this estimate if even
  * the lower end of its interval is above, and later by the time that its first batches took. */
@@ -57,8 +57,11 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
                                            .pixel_begins = pen_batch_pixel_hook(context),
                                            .pixel_user = context};
     const bool wanted = is_wanted(context, claim) && task.view >= 0;
+    const double budget_s = pen_stored_request_budget(request);
     struct pen_forecast forecast;
     struct pen_status ignored;
+    if (context->fresh && budget_s > 0)
+        pen_store_estimate(context->store, claim, (int64_t)ceil(1000 * budget_s), &ignored);
     context->fresh = false;
     if (!wanted)
         return true;

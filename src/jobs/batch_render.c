@@ -137,7 +137,6 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .pixel_user = context,
                                    /* After a crash, the next tells at which pixel it happens. */
                                    .pixel_by_pixel = claim->attempt > 1,
-                                   .deadline_ns = context->deadline_ns,
                                    .keep_tile_ms = true};
     if (task.view < 0)
         return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
@@ -177,15 +176,17 @@ static void write_hex(const unsigned char *bytes, size_t count, char *out)
         snprintf(out + 2 * i, 3, "%02x", bytes[i]);
 }
 
-/* When the rounds of a job with a budget have to end, so that its commit comes in time:
+/* How long the rounds of a job with a budget may take, so that its commit comes in time:
  * compressing, encoding and storing take about half a microsecond for each pixel. 0 without a
  * budget. */
-static int64_t deadline_of(const struct pen_batch_context *context, int64_t begun_ns)
+static int64_t budget_of(const struct pen_batch_context *context)
 {
     const double seconds = pen_stored_request_budget(&context->request);
     const struct pen_settings *s = &context->request.settings;
-    const double after_ns = 500.0 * s->width * s->height;
-    return seconds > 0 ? begun_ns + (int64_t)(seconds * 1e9 - after_ns) : 0;
+    const double left_ns = seconds * 1e9 - 500.0 * s->width * s->height;
+    if (seconds <= 0)
+        return 0;
+    return left_ns > 1 ? (int64_t)left_ns : 1;
 }
 
 /* Makes what a job may ask for beside the picture of a view. */
@@ -246,7 +247,8 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
 bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim *claim,
                       struct pen_batch_output *output, struct pen_status *st)
 {
-    context->deadline_ns = deadline_of(context, pen_clock_ns());
+    context->begun_ns = pen_clock_ns();
+    context->budget_ns = budget_of(context);
     bool ok = render(context, claim, output, st);
     pen_png_free(context->picture);
     context->picture = NULL;

@@ -5,13 +5,18 @@
  * The picture gets the same bytes.
  *
  * A state has 65 bytes for each pixel. So it is kept at most every ten seconds, and not for more
- * than a twentieth of the time. With a budget of time there is none: that runs from the claim.
+ * than a twentieth of the time.
+ *
+ * A budget of time begins with the claim. Who goes on with what is kept has what is left of it: the
+ * rounds that are kept have used up their time, and the time of waiting does not count.
  *
  * Before each tile a render thread asks whether there is a reason to pause: that a state is due, or
  * twice a second whether the store has a batch of higher priority. Only then the threads stop. To
  * stop them at regular times to look would cost more, as they have to wait for the slowest.
  *
- * With the state goes the progress of the job: the view's pixels times the share of its rays. */
+ * With the state goes the progress of the job: the view's pixels times the share of its rays or, if
+ * it has a budget and no target, of its time. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/clock.h"
@@ -49,6 +54,15 @@ static bool pause_round(void *user)
     return pen_keeper_is_due(&r->keeper, &r->outranked);
 }
 
+/* The share of the view that is done. */
+static double share_of(const struct rounds *r, const struct pen_render_stats *stats)
+{
+    const double most = 0.99, budget_ms = (double)r->keeper.context->budget_ns * 1e-6;
+    const double by_rays = pen_adaptive_share(&stats->adaptive, (int)stats->tile_count);
+    const double by_time = budget_ms > 0 ? stats->render_ms / budget_ms : 0;
+    return fmin(most, fmax(by_rays, by_time));
+}
+
 /* Keeps the state, if that is due. Returns whether the rounds go on. */
 static bool keep(void *user, const struct pen_adaptive *adaptive,
                  const struct pen_render_stats *stats)
@@ -59,7 +73,7 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
     if (!pen_keeper_is_due(&r->keeper, &outranked) && !r->outranked)
         return true;
     const int64_t begun_ns = pen_clock_ns();
-    const double share = pen_adaptive_share(&stats->adaptive, (int)stats->tile_count);
+    const double share = share_of(r, stats);
     pen_adaptive_save(adaptive, stats, build_of(r), &state);
     const struct pen_kept kept = {.done = (int64_t)(share * (double)r->keeper.claim->pixels),
                                   .data = state.data,
@@ -101,7 +115,7 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
     context->adaptive = pen_adaptive_new(task->settings, st);
     if (!context->adaptive)
         return false;
-    if (task->deadline_ns == 0 && can_keep(context)) {
+    if (can_keep(context)) {
         r.host = pen_host_json();
         if (read_kept(&r, task, context->adaptive, &earlier))
             rounds.earlier = &earlier;
@@ -109,6 +123,9 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
         rounds.paused = keep;
         rounds.pause_user = &r;
     }
+    if (context->budget_ns > 0)
+        rounds.deadline_ns =
+            context->begun_ns + context->budget_ns - (int64_t)(earlier.render_ms * 1e6);
     const bool ok = pen_render_rounds(context->pool, &rounds, context->adaptive, stats, st);
     free(earlier.tile_ms);
     json_decref(r.host);

@@ -186,6 +186,42 @@ static bool is_within_limits(const struct pen_request *request, const struct pen
                             st);
 }
 
+/* The budget of a request, in seconds; NULL: it has none. */
+static double *budget_of(struct pen_request *request)
+{
+    switch (request->kind) {
+    case PEN_KIND_RENDER:
+        return &request->budget_seconds;
+    case PEN_KIND_BENCHMARK:
+        return &request->spec.budget_s;
+    case PEN_KIND_ACCURACY:
+        return &request->accuracy.budget_s;
+    case PEN_KIND_EFFECTS:
+    case PEN_KIND_EXPLAIN:
+    case PEN_KIND_COUNT:
+        break;
+    }
+    return NULL;
+}
+
+/* No budget is longer than the operator allows a job to take. One that the body does not name, a
+ * default, becomes as long as that. */
+static void bound_budget(struct pen_request *request, const struct pen_limits *limits,
+                         struct pen_errors *errors)
+{
+    double *budget = budget_of(request);
+    const json_t *value = request->bare ? NULL : json_object_get(request->body, "budget_seconds");
+    if (!budget || limits->seconds <= 0 || *budget <= limits->seconds)
+        return;
+    if (value)
+        pen_request_fail(errors, PEN_INVALID, "", "budget_seconds",
+                         "must be a number above 0, at most %g, which this daemon allows "
+                         "(--max-seconds), found %s",
+                         limits->seconds, pen_found(value).text);
+    else
+        *budget = limits->seconds;
+}
+
 static void check_limits(struct pen_request *request, const struct pen_limits *limits,
                          struct pen_errors *errors)
 {
@@ -219,6 +255,7 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
                                &request->accuracy, errors);
     if (request->kind == PEN_KIND_EFFECTS)
         pen_repeats_read(request->body, &request->repeats, errors);
+    bound_budget(request, limits, errors);
     if (ok && choose_views(request, errors) && errors->count == 0)
         check_limits(request, limits, errors);
 }

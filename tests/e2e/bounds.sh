@@ -87,6 +87,14 @@ submit '{"scene": "builtin:spheres", "render": {"width": 100, "height": 100, "ta
 expect_problem too-many-samples-in-rounds 413 '*max_samples is 4096, this daemon allows at most 16*'
 submit '{"scene": "builtin:spheres", "priority": 1, "render": {"width": 100, "height": 100}}'
 expect_problem too-large-a-priority 422 '*at most 0, which this daemon allows, found 1*'
+for kind in render benchmark accuracy; do
+    submit '{"scene": "builtin:spheres", "kind": "'$kind'", "budget_seconds": 80000, "render": {"width": 16, "height": 12}}'
+    expect_problem "too-long-a-budget-$kind" 422 '*at most 5, which this daemon allows (--max-seconds), found 80000*'
+    expect "its-place-$kind" "$(body '.errors[0].pointer')" /budget_seconds
+done
+submit '{"scene": "builtin:spheres", "kind": "benchmark", "interval": 0.5, "render": {"width": 16, "height": 12}}'
+expect a-default-budget-is-bounded "$status $(body .budget_seconds)" "202 5"
+call "$job/cancel" -X POST
 submit '{"scene": "builtin:spheres", "priority": 0, "render": {"width": 100, "height": 100, "samples_per_pixel": 16}}'
 expect what-is-allowed "$status" 202
 call "/v1/explain" -H 'Content-Type: application/json' -d '{"scene": "builtin:spheres", "render": {"width": 100, "height": 100}}'

@@ -230,8 +230,36 @@ START_TEST(test_rounds__job_of_higher_priority_comes_between_two_rounds)
 }
 END_TEST
 
+/* A job with a budget gives way as one with a target does, and has used up what it had rendered. */
+START_TEST(test_rounds__budget_gives_way_and_goes_on_with_the_rest)
+{
+    static const char timed[] =
+        "{\"scene\": \"builtin:lens\", \"views\": [\"middle\"], \"budget_seconds\": 3, \"render\":"
+        " {\"width\": 64, \"height\": 48, \"tile\": 8, \"max_samples\": 65536}}";
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, timed, id);
+    struct pen_buf state = jobs_wait_kept(&bed, id, PEN_KEPT_STATE);
+    pen_buf_release(&state);
+    usleep(1500000);
+    jobs_submit(&bed, urgent, other);
+    ck_assert_int_eq(jobs_wait(&bed, other), PEN_JOB_SUCCEEDED);
+    ck_assert_int_eq(store_job_state(bed.bed.store, id), PEN_JOB_RUNNING);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    struct pen_status st;
+    json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
+    double render_ms;
+    ck_assert_int_eq(json_unpack(stats, "{s:{s:F}}", "timing", "render_ms", &render_ms), 0);
+    json_decref(stats);
+    ck_assert_double_gt(render_ms, 1500);
+    ck_assert_double_lt(render_ms, 4000); /* 4500 if it had begun anew */
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 PEN_SUITE("rounds", test_rounds__killed_worker_loses_no_round_that_is_kept,
           test_rounds__next_worker_goes_on_with_what_is_kept,
           test_rounds__worker_killed_within_a_round_goes_on_inside_it,
           test_rounds__job_of_higher_priority_comes_between_two_rounds,
-          test_rounds__job_of_higher_priority_comes_between_two_tiles)
+          test_rounds__job_of_higher_priority_comes_between_two_tiles,
+          test_rounds__budget_gives_way_and_goes_on_with_the_rest)

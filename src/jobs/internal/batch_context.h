@@ -30,7 +30,8 @@ struct pen_batch_context {
     float *image;                   /* pixels of the view being rendered, by rows */
     size_t image_pixels;            /* capacity of image, in pixels */
     struct pen_png_writer *picture; /* of the view being rendered, from `image`; else NULL */
-    int64_t deadline_ns;            /* of that view's rounds, by pen_clock_ns; 0: none */
+    int64_t budget_ns;              /* for that view's rounds; 0: none */
+    int64_t begun_ns;               /* when this worker has begun with it, by pen_clock_ns */
     struct pen_adaptive *adaptive;  /* of that view, with a target error; else NULL */
     int64_t keep_ms;                /* as in pen_worker_options */
     int max_seconds;                /* the same */

@@ -11,7 +11,7 @@
 #include "jobs/jobs.h"
 #include "scene/desc.h"
 
-enum { PEN_JOB_NAME_CHARACTERS = 200, PEN_JOB_LABELS = 32, PEN_BUDGET_SECONDS_MAX = 1000000 };
+enum { PEN_JOB_NAME_CHARACTERS = 200, PEN_JOB_LABELS = 32, PEN_BUDGET_SECONDS_MAX = 86400 };
 
 struct pen_request {
     struct pen_arena *arena;      /* of desc */
