@@ -2,7 +2,8 @@
 /* The size of a batch: about one second of work. A crash loses at most one batch; a job is
  * cancelled, previewed and shared between workers in steps of one batch. Beforehand only an upper
  * bound of a job's primary and shadow rays is known, which blur multiplies, and nothing about the
- * worker's speed, so a batch is a fixed number of such rays. */
+ * worker's speed, so a batch is a fixed number of such rays. One that takes longer is divided while
+ * it is rendered (batch_render.c). */
 #include "jobs/internal/batch_layout.h"
 
 #include <math.h>

@@ -3,7 +3,12 @@
  *   - A view of one batch: the worker that renders it encodes the rows of the picture as they are
  *     finished, and commits pixels and picture in one transaction.
  *   - A view of several batches: after the last of them, an assemble batch reads the committed
- *     pixels and encodes the picture. */
+ *     pixels and encodes the picture.
+ *
+ * The size of batches (batch_layout.c) is a guess, which mirrors and glass may exceed a
+ * hundredfold. So a batch that has been rendered for some time begins no more tiles: those that are
+ * done are committed, and the others become a batch of their own. Then whoever comes next is
+ * served, and a job that takes too long is found out. */
 #include "jobs/internal/batch.h"
 
 #include <stdlib.h>
@@ -17,6 +22,9 @@
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/stats.h"
 #include "jobs/internal/view_pixels.h"
+
+/* Four times what a batch is meant to take. */
+enum { SPLIT_MS = 4000 };
 
 static double ms_since(int64_t begin_ns)
 {
@@ -117,6 +125,13 @@ static int view_of(const struct pen_batch_context *context, const struct pen_cla
     return view ? pen_scene_find_view(scene, view) : -1;
 }
 
+/* Whether the batch has taken so long that the tiles that are not begun are left. */
+static bool is_long(void *user)
+{
+    const struct pen_batch_context *context = user;
+    return pen_clock_ns() >= context->split_ns;
+}
+
 static bool run_tiles(struct pen_batch_context *context, const struct pen_claim *claim,
                       const struct pen_scene *scene, struct pen_render_stats *stats,
                       struct pen_status *st)
@@ -138,9 +153,32 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    /* After a crash, the next tells at which pixel it happens. */
                                    .pixel_by_pixel = claim->attempt > 1,
                                    .keep_tile_ms = true};
+    if (!pen_settings_adaptive(s)) {
+        const int64_t split_ms = context->batch_ms > 0 ? context->batch_ms : SPLIT_MS;
+        context->split_ns = pen_clock_ns() + split_ms * 1000000;
+        task.pause = is_long;
+        task.pause_user = context;
+    }
     if (task.view < 0)
         return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
     return run_task(context, claim, &task, stats, st);
+}
+
+/* Makes the result that of the first tiles alone, if not all were begun. Returns whether it is. */
+static bool cut_result(struct pen_batch_context *context, const struct pen_claim *claim,
+                       const struct pen_render_stats *stats, struct pen_batch_output *output)
+{
+    const int tiles = (int)stats->tile_count;
+    output->result.pixels = claim->pixels;
+    if (tiles >= claim->tile_count)
+        return false;
+    pen_png_free(context->picture);
+    context->picture = NULL;
+    pen_buf_release(&output->artefact);
+    pen_pixel_compressor_cut(context->compressor, tiles);
+    output->result.part_tiles = tiles;
+    output->result.pixels = pen_tiles_pixels(&context->request.settings, claim->first_tile, tiles);
+    return true;
 }
 
 /* Waits for the compressor and takes its result. */
@@ -214,8 +252,8 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
         !begin_picture(context, claim, output, st) || !run_tiles(context, claim, scene, &stats, st))
         return false;
     double encode_ms = 0;
+    const bool part = cut_result(context, claim, &stats, output);
     bool ok = end_picture(context, output, stats.done_ns, &encode_ms, st);
-    output->result.pixels = claim->pixels;
     warn_of_dropped(claim, &stats.rays);
     pen_store_tally_add(context->store, PEN_TALLY_RAYS,
                         stats.rays.primary + stats.rays.shadow + stats.rays.reflection +
@@ -230,7 +268,7 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     write_hex(claim->scene_sha256, sizeof claim->scene_sha256, scene_sha256);
     if (find_precision(context, claim, scene, &precision))
         in.precision = &precision;
-    if (ok && claim->view_batches <= 1)
+    if (ok && claim->view_batches <= 1 && !part)
         ok = end_view(context, claim, &audit, &audited, st);
     if (ok)
         ok = take_compressed(context, output, st);

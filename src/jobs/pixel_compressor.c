@@ -21,7 +21,8 @@ struct pen_pixel_compressor {
     struct pen_pixels *pixels; /* used by the thread while active, else by the caller */
     float *tiles;              /* of one slice; likewise */
     size_t tiles_pixels;       /* the capacity of tiles */
-    struct pen_tile_run run;   /* set while not active */
+    struct pen_tile_run run;   /* set while not active; its count, which may be cut, is guarded by
+                                * lock */
     int slice_tiles;           /* likewise */
     unsigned char *done;       /* guarded by lock; done[i]: tile run.first + i is finished */
     int done_capacity;
@@ -195,6 +196,14 @@ void pen_pixel_compressor_tile_done(void *compressor, struct pen_rect rect)
         p->ready++;
     if (p->ready >= slice_end(p))
         pthread_cond_signal(&p->more);
+    pthread_mutex_unlock(&p->lock);
+}
+
+void pen_pixel_compressor_cut(struct pen_pixel_compressor *p, int count)
+{
+    pthread_mutex_lock(&p->lock);
+    p->run.count = count;
+    pthread_cond_signal(&p->more);
     pthread_mutex_unlock(&p->lock);
 }
 

@@ -319,6 +319,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
     w->lease_ms = o->lease_ms > 0 ? o->lease_ms : LEASE_MS;
     w->context.trace = o->trace;
     w->context.keep_ms = o->keep_ms;
+    w->context.batch_ms = o->batch_ms;
     w->context.max_seconds = o->max_seconds;
     w->context.fault = o->fault;
     w->store = w->context.store = pen_store_open(o->store_url, st);

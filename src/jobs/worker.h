@@ -30,6 +30,8 @@ struct pen_worker_options {
     int64_t lease_ms;        /* 0: 15 s */
     int64_t keep_ms;         /* for tests: the shortest time between two states of a batch that are
                               * kept; 0: as the kind of batch has it, and what keeping takes */
+    int64_t batch_ms;        /* for tests: after so long a batch ends with the tiles that are begun;
+                              * 0: four seconds */
     int64_t housekeeping_ms; /* for tests: between rounds of the housekeeping; 0: a second */
     int max_seconds;         /* a job that is expected to take longer fails; 0: none does */
     struct pen_trace *trace; /* where the worker notes what it is doing; may be NULL */

@@ -97,15 +97,34 @@ static bool drop_kept(struct pen_store *store, const struct commit *commit, stru
            store->driver->ops->artefacts_drop(store->driver, &key, st);
 }
 
-static bool write_result(struct pen_store *store, const struct commit *commit,
-                         struct pen_status *st)
+/* Makes what a result of the first tiles lacks a batch of its own. */
+static bool split(struct pen_store *store, struct commit *commit, struct pen_status *st)
+{
+    const struct pen_result *result = commit->result;
+    bool changed;
+    if (result->part_tiles == 0)
+        return true;
+    if (!store->driver->ops->batch_split(store->driver, commit->claim->batch,
+                                         commit->claim->attempt, result->part_tiles, result->pixels,
+                                         &changed, st))
+        return false;
+    if (!changed)
+        return pen_fail(st, PEN_INTERNAL, "a result of %d tiles for a batch that has no more",
+                        result->part_tiles);
+    commit->batch.pixels = result->pixels;
+    store->work = true;
+    return true;
+}
+
+static bool write_result(struct pen_store *store, struct commit *commit, struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     enum pen_batch_kind kind = commit->batch.kind;
     bool done;
     store->changed = true;
     /* Progress comes first: it gives the job the revision that batch_done stores with the batch. */
-    if (!pen_charge_time(store, commit->claim, st) || !add_progress(driver, commit, st) ||
+    if (!split(store, commit, st) || !pen_charge_time(store, commit->claim, st) ||
+        !add_progress(driver, commit, st) ||
         !driver->ops->batch_done(driver, commit->claim->batch, commit->claim->attempt,
                                  commit->result->stats, commit->now_ms, &done, st))
         return false;
@@ -124,7 +143,10 @@ static bool check_result(const struct commit *commit, struct pen_status *st)
     const struct pen_result *result = commit->result;
     bool render = commit->batch.kind == PEN_BATCH_RENDER;
     bool any = commit->pixels.bytes > 0;
-    if (render ? !any || result->pixels != commit->batch.pixels : any)
+    bool part = render && result->part_tiles > 0 && !result->artefact;
+    bool fits = part ? result->pixels < commit->batch.pixels
+                     : result->part_tiles == 0 && result->pixels == commit->batch.pixels;
+    if (render ? !any || !fits : any)
         return pen_fail(st, PEN_INTERNAL, "a result of %lld pixels for a batch of %lld",
                         (long long)result->pixels, (long long)commit->batch.pixels);
     return true;

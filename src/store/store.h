@@ -328,6 +328,7 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
 struct pen_result {
     const float *rgb; /* tiles in order, each row by row; pixels * 3 values; or NULL */
     int64_t pixels;
+    int part_tiles; /* of a render batch: it has its first tiles only, so many; 0: all */
     const struct pen_pixels *encoded; /* the same, encoded; or NULL. Only render batches have one */
     const char *stats;                /* JSON, kept as long as the job */
     const char *layer, *format;       /* of the artefact; NULL: none */
@@ -336,6 +337,8 @@ struct pen_result {
 };
 
 /* Commits a batch.
+ *  - A result of the first tiles alone, which has no picture, ends the batch as if it had only
+ *    these; the others become an open batch of the same view.
  *  - The last commit of a view of several render batches adds the view's assemble batch.
  *  - The commit that ends a view (of its only batch, or of the assemble batch) must bring the
  *    view's picture, that of a study its report.

@@ -107,6 +107,82 @@ START_TEST(test_worker__several_batches_give_the_pixels_of_a_direct_render)
 }
 END_TEST
 
+/* A batch that takes longer than it should ends with the tiles that are begun; the others become
+ * batches of their own, and a view that had one batch gets an assemble batch. */
+START_TEST(test_worker__long_batches_are_divided)
+{
+    static const char *const settings[] = {
+        ", \"render\": {\"width\": 60, \"height\": 45, \"samples_per_pixel\": 400, \"tile\": 8}",
+        several_batches};
+    jobs_bed_open(&bed);
+    bed.batch_ms = 1;
+    jobs_worker_start(&bed);
+    for (int i = 0; i < 2; i++) {
+        int kinds[2];
+        struct pen_status st;
+        double share = 0;
+        int tiles = 0;
+        jobs_submit(&bed, jobs_scene(settings[i]), id);
+        ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+        count_batches(kinds);
+        ck_assert_int_gt(kinds[PEN_BATCH_RENDER], 3);
+        ck_assert_int_eq(kinds[PEN_BATCH_ASSEMBLE], 1);
+        struct pen_film *film = render_directly(jobs_scene(settings[i]));
+        compare_with_film(film);
+        pen_film_free(film);
+        json_t *job = jobs_get(&bed, id), *stats = pen_jobs_stats(bed.jobs, id, &st);
+        ck_assert_int_eq(json_unpack(job, "{s:{s:F}}", "progress", "fraction", &share), 0);
+        ck_assert_int_eq(json_unpack(stats, "{s:{s:i}}", "tiles", "count", &tiles), 0);
+        ck_assert_double_eq(share, 1);
+        ck_assert_int_eq(tiles, i == 0 ? 48 : 266);
+        json_decref(job);
+        json_decref(stats);
+    }
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+static bool is_slow(void *user, const char *job_name)
+{
+    (void)user;
+    return job_name && strcmp(job_name, "slow") == 0;
+}
+
+static bool wait_at_pixel(void *user, int x, int y)
+{
+    (void)user;
+    (void)x;
+    (void)y;
+    usleep(1000);
+    return true;
+}
+
+START_TEST(test_worker__job_of_higher_priority_comes_within_a_long_batch)
+{
+    static const struct pen_worker_fault slow = {.wanted = is_slow, .pixel = wait_at_pixel};
+    char urgent[PEN_ID_BYTES];
+    bed.fault = &slow;
+    jobs_bed_open(&bed);
+    bed.batch_ms = 1;
+    jobs_worker_start(&bed);
+    jobs_submit(&bed,
+                "{\"scene\": \"builtin:spheres\", \"name\": \"slow\","
+                " \"render\": {\"width\": 96, \"height\": 64, \"tile\": 8}}",
+                id);
+    while (store_job_state(bed.bed.store, id) == PEN_JOB_QUEUED)
+        usleep(1000);
+    jobs_submit(&bed,
+                "{\"scene\": \"builtin:spheres\", \"priority\": 5,"
+                " \"render\": {\"width\": 16, \"height\": 12}}",
+                urgent);
+    ck_assert_int_eq(jobs_wait(&bed, urgent), PEN_JOB_SUCCEEDED);
+    ck_assert_int_ne(store_job_state(bed.bed.store, id), PEN_JOB_SUCCEEDED);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    jobs_bed_close(&bed);
+    bed.fault = NULL;
+}
+END_TEST
+
 /* Pixels are compressed in slices while others are still rendered. */
 START_TEST(test_worker__large_batches_give_the_pixels_of_a_direct_render)
 {
@@ -395,6 +471,8 @@ END_TEST
 
 PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
           test_worker__several_batches_give_the_pixels_of_a_direct_render,
+          test_worker__long_batches_are_divided,
+          test_worker__job_of_higher_priority_comes_within_a_long_batch,
           test_worker__large_batches_give_the_pixels_of_a_direct_render,
           test_worker__each_view_is_rendered_from_its_camera,
           test_worker__cancel_reaches_a_running_batch, test_worker__job_that_takes_too_long_fails,

@@ -223,7 +223,7 @@ START_TEST(test_driver_leases__only_an_open_batch_is_leased)
 END_TEST
 
 /* The changes that only the holder of a batch may make. */
-enum change { CHANGE_OPEN, CHANGE_DONE, CHANGE_EXTEND, CHANGES };
+enum change { CHANGE_OPEN, CHANGE_DONE, CHANGE_EXTEND, CHANGE_SPLIT, CHANGES };
 
 static bool make_change(enum change change, int64_t batch, int64_t attempt)
 {
@@ -238,6 +238,9 @@ static bool make_change(enum change change, int64_t batch, int64_t attempt)
         break;
     case CHANGE_EXTEND:
         DRIVER_DO(bed.driver, batch_extend, batch, attempt, 5000, &changed);
+        break;
+    case CHANGE_SPLIT:
+        DRIVER_DO(bed.driver, batch_split, batch, attempt, 1, 8, &changed);
         break;
     case CHANGES:
         break;

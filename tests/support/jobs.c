@@ -36,6 +36,7 @@ static void *work(void *user)
                                          .threads = 2,
                                          .keep_ms = random_fewer(),
                                          .max_seconds = bed->max_seconds,
+                                         .batch_ms = bed->batch_ms,
                                          .fault = bed->fault};
     struct pen_status st;
     bool ok = pen_worker_run(&options, &bed->stop, &st);

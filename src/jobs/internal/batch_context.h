@@ -33,7 +33,8 @@ struct pen_batch_context {
     int64_t budget_ns;              /* for that view's rounds; 0: none */
     int64_t begun_ns;               /* when this worker has begun with it, by pen_clock_ns */
     struct pen_adaptive *adaptive;  /* of that view, with a target error; else NULL */
-    int64_t keep_ms;                /* as in pen_worker_options */
+    int64_t split_ns;               /* when its tiles end, by pen_clock_ns, if not in rounds */
+    int64_t keep_ms, batch_ms;      /* as in pen_worker_options */
     int max_seconds;                /* the same */
     double store_ms; /* time spent waiting for the store and for compression; not in the job's
                         statistics yet */

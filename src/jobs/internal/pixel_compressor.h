@@ -34,6 +34,9 @@ bool pen_pixel_compressor_begin(struct pen_pixel_compressor *compressor,
  * compressor. */
 void pen_pixel_compressor_tile_done(void *compressor, struct pen_rect rect);
 
+/* Notes that the batch ends after its first `count` tiles, which are done. */
+void pen_pixel_compressor_cut(struct pen_pixel_compressor *compressor, int count);
+
 /* Waits until the batch is compressed; all of its tiles must be done. *encoded is valid until the
  * next batch begins. Fails: PEN_NO_MEMORY. */
 bool pen_pixel_compressor_end(struct pen_pixel_compressor *compressor,

@@ -382,6 +382,11 @@ struct pen_driver_ops {
                        struct pen_status *st);
     bool (*batch_done)(struct pen_driver *driver, int64_t batch, int64_t attempt, const char *stats,
                        int64_t now_ms, bool *changed, struct pen_status *st);
+    /* Leaves a render batch that is leased under that attempt its first `tile_count` tiles, which
+     * have so many pixels. The others become an open batch of the same view, which then has one
+     * batch more. Otherwise *changed = false. */
+    bool (*batch_split)(struct pen_driver *driver, int64_t batch, int64_t attempt, int tile_count,
+                        int64_t pixels, bool *changed, struct pen_status *st);
     bool (*batch_extend)(struct pen_driver *driver, int64_t batch, int64_t attempt,
                          int64_t until_ms, bool *changed, struct pen_status *st);
     /* Raises the time spent under the attempt of a leased batch to spent_us, and adds the

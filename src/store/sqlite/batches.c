@@ -171,6 +171,24 @@ bool pen_sqlite_batch_open(struct pen_driver *driver, int64_t batch, int64_t att
     return pen_sqlite_run_changed(&query, changed, st);
 }
 
+bool pen_sqlite_batch_split(struct pen_driver *driver, int64_t batch, int64_t attempt,
+                            int tile_count, int64_t pixels, bool *changed, struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    const enum pen_sqlite_sql statements[] = {SQL_BATCH_REST, SQL_BATCH_CUT};
+    *changed = true;
+    for (int i = 0; i < 2 && *changed; i++) {
+        struct pen_sqlite_query query = pen_sqlite_query(store, statements[i]);
+        pen_sqlite_int(&query, batch);
+        pen_sqlite_int(&query, attempt);
+        pen_sqlite_int(&query, tile_count);
+        pen_sqlite_int(&query, pixels);
+        if (!pen_sqlite_run_changed(&query, changed, st))
+            return false;
+    }
+    return !*changed || pen_sqlite_run_with(store, SQL_VIEW_SPLIT, batch, st);
+}
+
 bool pen_sqlite_batch_done(struct pen_driver *driver, int64_t batch, int64_t attempt,
                            const char *stats, int64_t now_ms, bool *changed, struct pen_status *st)
 {

@@ -213,6 +213,15 @@ static const char *const sql_text[] = {
         "UPDATE batch SET state = 1, attempt = ?2, worker = ?3, lease_until_ms = ?4,"
         " spent_us = 0 WHERE id = ?1 AND state = 0",
     [SQL_BATCH_OPEN] = "UPDATE batch SET " OPEN " WHERE id = ? AND attempt = ? AND state = 1",
+    [SQL_BATCH_REST] =
+        "INSERT INTO batch (job, view, kind, first_tile, tile_count, pixels, priority, lane)"
+        " SELECT job, view, kind, first_tile + ?3, tile_count - ?3, pixels - ?4, priority, lane"
+        " FROM batch WHERE id = ?1 AND attempt = ?2 AND state = 1 AND kind = 0"
+        " AND tile_count > ?3 AND pixels > ?4",
+    [SQL_BATCH_CUT] = "UPDATE batch SET tile_count = ?3, pixels = ?4"
+                      " WHERE id = ?1 AND attempt = ?2 AND state = 1",
+    [SQL_VIEW_SPLIT] = "UPDATE view SET batches = batches + 1, open_batches = open_batches + 1"
+                       " WHERE (job, view) = (SELECT job, view FROM batch WHERE id = ?)",
     [SQL_BATCH_DONE] =
         "UPDATE batch SET state = 2, worker = NULL, lease_until_ms = NULL, stats = ?3,"
         " done_ms = ?4, quarantined = 0,"

@@ -79,6 +79,9 @@ enum pen_sqlite_sql {
     SQL_BATCH_GET,
     SQL_BATCH_LEASE,
     SQL_BATCH_OPEN,
+    SQL_BATCH_REST,
+    SQL_BATCH_CUT,
+    SQL_VIEW_SPLIT,
     SQL_BATCH_DONE,
     SQL_BATCH_EXTEND,
     SQL_LEVEL_SPEND,
@@ -410,6 +413,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(batch_get)                                                                                  \
     OP(batch_lease)                                                                                \
     OP(batch_open)                                                                                 \
+    OP(batch_split)                                                                                \
     OP(batch_done)                                                                                 \
     OP(batch_extend)                                                                               \
     OP(batch_spend)                                                                                \
