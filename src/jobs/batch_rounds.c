@@ -14,6 +14,9 @@
  * twice a second whether the store has a batch of higher priority. Only then the threads stop. To
  * stop them at regular times to look would cost more, as they have to wait for the slowest.
  *
+ * Only a time tells for sure how long the rounds take, so those that take longer than the operator
+ * allows end then.
+ *
  * With the state goes the progress of the job: the view's pixels times the share of its rays or, if
  * it has a budget and no target, of its time. */
 #include <math.h>
@@ -34,6 +37,7 @@ static const size_t keep_bytes_max = (size_t)1 << 30; /* a row of the store */
 struct rounds {
     struct pen_keeper keeper;
     json_t *host;
+    bool keeps;     /* a state fits into the store */
     bool outranked; /* the reason for which the render threads were last stopped */
 };
 
@@ -48,10 +52,21 @@ static bool can_keep(const struct pen_batch_context *context)
     return pen_adaptive_state_bytes(&context->request.settings) <= keep_bytes_max;
 }
 
+/* Whether the job has taken longer than the operator allows. A budget is bounded already. */
+static bool is_overdue(const struct rounds *r)
+{
+    const struct pen_batch_context *context = r->keeper.context;
+    const double spent_s = (double)r->keeper.claim->job_spent_us * 1e-6 +
+                           (double)(pen_clock_ns() - context->begun_ns) * 1e-9;
+    return context->max_seconds > 0 && context->budget_ns == 0 && spent_s > context->max_seconds;
+}
+
 static bool pause_round(void *user)
 {
     struct rounds *r = user;
-    return pen_keeper_is_due(&r->keeper, &r->outranked);
+    if (is_overdue(r))
+        return true;
+    return r->keeps && pen_keeper_is_due(&r->keeper, &r->outranked);
 }
 
 /* The share of the view that is done. */
@@ -70,7 +85,9 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
     struct rounds *r = user;
     struct pen_buf state = {0};
     bool outranked;
-    if (!pen_keeper_is_due(&r->keeper, &outranked) && !r->outranked)
+    if (is_overdue(r))
+        return false;
+    if (!r->keeps || (!pen_keeper_is_due(&r->keeper, &outranked) && !r->outranked))
         return true;
     const int64_t begun_ns = pen_clock_ns();
     const double share = share_of(r, stats);
@@ -109,24 +126,29 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
                       const struct pen_render_task *task, struct pen_render_stats *stats,
                       struct pen_status *st)
 {
-    struct rounds r = {.keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS)};
+    struct rounds r = {.keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS),
+                       .keeps = can_keep(context)};
     struct pen_render_stats earlier = {0};
     struct pen_render_task rounds = *task;
     context->adaptive = pen_adaptive_new(task->settings, st);
     if (!context->adaptive)
         return false;
-    if (can_keep(context)) {
-        r.host = pen_host_json();
-        if (read_kept(&r, task, context->adaptive, &earlier))
-            rounds.earlier = &earlier;
-        rounds.pause = pause_round;
-        rounds.paused = keep;
-        rounds.pause_user = &r;
-    }
+    r.host = pen_host_json();
+    if (r.keeps && read_kept(&r, task, context->adaptive, &earlier))
+        rounds.earlier = &earlier;
+    rounds.pause = pause_round;
+    rounds.paused = keep;
+    rounds.pause_user = &r;
     if (context->budget_ns > 0)
         rounds.deadline_ns =
             context->begun_ns + context->budget_ns - (int64_t)(earlier.render_ms * 1e6);
-    const bool ok = pen_render_rounds(context->pool, &rounds, context->adaptive, stats, st);
+    bool ok = pen_render_rounds(context->pool, &rounds, context->adaptive, stats, st);
+    if (!ok && st->code == PEN_UNAVAILABLE && is_overdue(&r))
+        ok = pen_fail(st, PEN_TOO_LARGE,
+                      "the job is not done after the %d s that this daemon allows: take a larger "
+                      "target_error, fewer pixels, samples or lights, or ask its operator for more "
+                      "(--max-seconds)",
+                      context->max_seconds);
     free(earlier.tile_ms);
     json_decref(r.host);
     return ok;

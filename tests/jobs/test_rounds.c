@@ -230,6 +230,26 @@ START_TEST(test_rounds__job_of_higher_priority_comes_between_two_rounds)
 }
 END_TEST
 
+START_TEST(test_rounds__that_take_longer_than_allowed_end)
+{
+    static const char endless[] =
+        "{\"scene\": \"builtin:lens\", \"views\": [\"middle\"], \"render\": {\"width\": 64,"
+        " \"height\": 48, \"tile\": 8, \"target_error\": 0.0001, \"max_samples\": 65536}}";
+    jobs_bed_open(&bed);
+    bed.max_seconds = 1;
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, endless, id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_FAILED);
+    json_t *job = jobs_get(&bed, id);
+    const char *detail =
+        json_string_value(json_object_get(json_object_get(job, "error"), "detail"));
+    ck_assert_ptr_nonnull(detail);
+    ck_assert_ptr_nonnull(strstr(detail, "not done after the 1 s that this daemon allows"));
+    json_decref(job);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 /* A job with a budget gives way as one with a target does, and has used up what it had rendered. */
 START_TEST(test_rounds__budget_gives_way_and_goes_on_with_the_rest)
 {
@@ -262,4 +282,5 @@ PEN_SUITE("rounds", test_rounds__killed_worker_loses_no_round_that_is_kept,
           test_rounds__worker_killed_within_a_round_goes_on_inside_it,
           test_rounds__job_of_higher_priority_comes_between_two_rounds,
           test_rounds__job_of_higher_priority_comes_between_two_tiles,
+          test_rounds__that_take_longer_than_allowed_end,
           test_rounds__budget_gives_way_and_goes_on_with_the_rest)

@@ -30,7 +30,8 @@ bool pen_batch_layers(struct pen_batch_context *context, const struct pen_claim 
 
 /* batch_rounds.c: renders a view with a target error, as pen_render_rounds does, and leaves its
  * state in the context; goes on from the tile that an earlier worker has kept. Fails: also
- * PEN_UNAVAILABLE, when a batch of higher priority waits. */
+ * PEN_UNAVAILABLE, when a batch of higher priority waits; PEN_TOO_LARGE, when the job takes longer
+ * than the operator allows. */
 bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
                       const struct pen_render_task *task, struct pen_render_stats *stats,
                       struct pen_status *st);
