@@ -72,21 +72,32 @@ static void name_kinds(unsigned kinds, char *out, size_t bytes)
                                      pen_job_kinds[i]);
 }
 
+/* The names of a set of kinds, with NULL at the end. */
+static void list_kinds(unsigned kinds, const char *names[PEN_KIND_COUNT + 1])
+{
+    int count = 0;
+    for (int i = 0; i < PEN_KIND_COUNT; i++)
+        if (kinds >> i & 1)
+            names[count++] = pen_job_kinds[i];
+    names[count] = NULL;
+}
+
 static void read_kind(struct pen_request *request, const json_t *value, struct pen_errors *errors)
 {
     static const char *const explained[] = {"render", "explain", NULL};
+    const char *submitted[PEN_KIND_COUNT + 1];
+    const char *word = json_string_value(value);
     char kinds[80];
     enum pen_job_kind kind;
-    if (!pen_job_kind_of_name(
-            read_word(value, "", "kind", request->explain ? explained : pen_job_kinds, errors),
-            &kind) ||
-        request->explain)
-        return;
-    request->kind = kind;
+    list_kinds(SUBMITTED, submitted);
     name_kinds(SUBMITTED, kinds, sizeof kinds);
-    if (kind == PEN_KIND_EXPLAIN)
+    if (request->explain)
+        read_word(value, "", "kind", explained, errors);
+    else if (word && strcmp(word, pen_job_kinds[PEN_KIND_EXPLAIN]) == 0)
         pen_request_fail(errors, PEN_INVALID, "", "kind",
                          "POST /v1/explain makes jobs of kind \"explain\"; here take %s", kinds);
+    else if (pen_job_kind_of_name(read_word(value, "", "kind", submitted, errors), &kind))
+        request->kind = kind;
 }
 
 static void read_analyze(struct pen_request *request, const json_t *value,

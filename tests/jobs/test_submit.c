@@ -45,7 +45,8 @@ static const struct bad bad_bodies[] = {
     {"{\"scene\": S, \"kind\": \"rendr\"}", PEN_INVALID, "/kind", "did you mean \"render\"?"},
     {"{\"scene\": S, \"budget_seconds\": 86401}", PEN_INVALID, "/budget_seconds",
      "above 0, at most 86400, found 86401"},
-    {"{\"scene\": S, \"kind\": 3}", PEN_INVALID, "/kind", "found 3"},
+    {"{\"scene\": S, \"kind\": 3}", PEN_INVALID, "/kind",
+     "must be one of render, benchmark, accuracy, effects, found 3"},
     {"{\"scene\": S, \"kind\": \"benchmark\", \"matrix\": {\"tile\": [8, 0]}}", PEN_INVALID,
      "/matrix/tile/1", "found 0"},
     {"{\"scene\": S, \"kind\": \"benchmark\", \"matrix\": {\"width\": [8, 70000]},"
