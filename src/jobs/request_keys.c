@@ -246,8 +246,8 @@ void pen_request_budget_read(struct pen_request *request, struct pen_errors *err
 static void read_priority(struct pen_request *request, const json_t *value,
                           struct pen_errors *errors)
 {
-    const bool lowered = request->priority_max < 100 && json_is_integer(value);
-    if (lowered && json_integer_value(value) > request->priority_max)
+    const bool lowered = request->priority_max < 100 && json_is_number(value);
+    if (lowered && json_number_value(value) > request->priority_max)
         pen_request_fail(errors, PEN_INVALID, "", "priority",
                          "must be an integer, at least -100, at most %d, which this daemon allows, "
                          "found %s",

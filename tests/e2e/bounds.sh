@@ -87,6 +87,10 @@ submit '{"scene": "builtin:spheres", "render": {"width": 100, "height": 100, "ta
 expect_problem too-many-samples-in-rounds 413 '*max_samples is 4096, this daemon allows at most 16*'
 submit '{"scene": "builtin:spheres", "priority": 1, "render": {"width": 100, "height": 100}}'
 expect_problem too-large-a-priority 422 '*at most 0, which this daemon allows, found 1*'
+for priority in 1.0 1e0 100.0 101; do # integers are numbers without a fraction
+    submit '{"scene": "builtin:spheres", "priority": '$priority', "render": {"width": 100, "height": 100}}'
+    expect_problem "too-large-a-priority-$priority" 422 '*at most 0, which this daemon allows, found *'
+done
 for kind in render benchmark accuracy; do
     submit '{"scene": "builtin:spheres", "kind": "'$kind'", "budget_seconds": 80000, "render": {"width": 16, "height": 12}}'
     expect_problem "too-long-a-budget-$kind" 422 '*at most 5, which this daemon allows (--max-seconds), found 80000*'
