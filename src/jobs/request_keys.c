@@ -128,9 +128,15 @@ static void read_name(struct pen_request *request, const json_t *value, struct p
     request->name = value;
 }
 
+/* A list selects a label by "key:value", so a key is not empty and has no colon. */
 static void read_label(const char *key, const json_t *label, struct pen_errors *errors)
 {
-    if (!json_is_string(label))
+    if (!key[0] || strchr(key, ':'))
+        pen_request_fail(errors, PEN_INVALID, "/labels", key,
+                         "must have a key of 1 to %d characters without a colon, which lists take "
+                         "for its end, found \"%.60s\"",
+                         (int)PEN_JOB_NAME_CHARACTERS, key);
+    else if (!json_is_string(label))
         pen_request_fail(errors, PEN_INVALID, "/labels", key, "must be a string, found %s",
                          pen_found(label).text);
     else if (characters(label) > PEN_JOB_NAME_CHARACTERS ||
