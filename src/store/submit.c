@@ -131,6 +131,15 @@ static bool add_parts(struct pen_store *store, const struct pen_job_new *job, in
     return true;
 }
 
+/* address: of the client whose jobs were counted; NULL: all were. */
+static bool too_many(int64_t jobs, const char *address, int64_t most, struct pen_status *st)
+{
+    return pen_fail(st, PEN_QUOTA, "%lld job%s%s%s %s, at most %lld %s allowed; try again later",
+                    (long long)jobs, jobs == 1 ? "" : "s", address ? " of your address " : "",
+                    address ? address : "", jobs == 1 ? "waits or runs" : "wait or run",
+                    (long long)most, most == 1 ? "is" : "are");
+}
+
 /* Fails if this job would be one too many. */
 static bool check_queue(struct pen_store *store, const struct pen_job_new *job,
                         struct pen_status *st)
@@ -142,15 +151,10 @@ static bool check_queue(struct pen_store *store, const struct pen_job_new *job,
                                            &of_address, st))
         return false;
     if (job->queue_max > 0 && all > job->queue_max)
-        return pen_fail(st, PEN_QUOTA,
-                        "%lld jobs wait or run, at most %lld are allowed; try again later",
-                        (long long)all - 1, (long long)job->queue_max);
+        return too_many(all - 1, NULL, job->queue_max, st);
     if (job->address_queue_max > 0 && of_address > job->address_queue_max)
-        return pen_fail(st, PEN_QUOTA,
-                        "%lld jobs of your address %s wait or run, at most %lld are allowed; try "
-                        "again later",
-                        (long long)of_address - 1, job->address ? job->address : "",
-                        (long long)job->address_queue_max);
+        return too_many(of_address - 1, job->address ? job->address : "", job->address_queue_max,
+                        st);
     return true;
 }
 

@@ -358,7 +358,10 @@ START_TEST(test_shares__queue_is_bounded_in_all_and_for_each_address)
 {
     struct pen_status st;
     open_bed();
-    submit_many(3, 0, "10.0.0.1", NULL);
+    submit_many(1, 0, "10.0.0.1", NULL);
+    expect_refused("10.0.0.2", 1, 0, "1 job waits or runs, at most 1 is allowed");
+    expect_refused("10.0.0.1", 0, 1, "1 job of your address 10.0.0.1 waits or runs, at most 1 is");
+    submit_many(2, 0, "10.0.0.1", NULL);
     submit_many(2, 0, "10.0.0.2", NULL);
     expect_refused("10.0.0.1", 0, 3, "3 jobs of your address 10.0.0.1 wait or run, at most 3");
     expect_refused("10.0.0.3", 5, 3, "5 jobs wait or run, at most 5");

@@ -198,9 +198,11 @@ static bool release_dead(struct pen_store *store, const struct pen_config *confi
     if (!pen_store_release_dead(store, &others, st))
         return false;
     if (opened > 0)
-        pen_log(PEN_LOG_INFO, "released %d batches of the dead worker %s", opened, dead);
+        pen_log(PEN_LOG_INFO, "released %d batch%s of the dead worker %s", opened,
+                opened == 1 ? "" : "es", dead);
     if (others > 0)
-        pen_log(PEN_LOG_INFO, "released %d batches of other dead workers", others);
+        pen_log(PEN_LOG_INFO, "released %d batch%s of other dead workers", others,
+                others == 1 ? "" : "es");
     return true;
 }
 
