@@ -497,7 +497,8 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
  * others; a live job never. The limits are stored. 0: no limit. */
 struct pen_retention {
     int64_t keep_ms;    /* since the job's end */
-    int64_t keep_bytes; /* of the store; at this length no new job is accepted */
+    int64_t keep_bytes; /* used in its file, without log and reserve; from here on no new job is
+                           accepted */
     int64_t keep_jobs;  /* ended ones */
 };
 bool pen_store_set_retention(struct pen_store *store, const struct pen_retention *retention,

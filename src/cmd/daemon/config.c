@@ -130,8 +130,11 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct pen_config, keep_bytes),
      .value = "SIZE",
      .env = "PENUMBRA_KEEP_BYTES",
-     .help = "the most that the store may hold, in bytes, or with K, M, G or T (powers of 1024): "
-             "jobs that ended first are removed first, and a submit that finds it full is refused"},
+     .help =
+         "the most that jobs and their pictures may take in the database file, in bytes, or "
+         "with K, M, G or T (powers of 1024): jobs that ended first are removed first, and a "
+         "submit that finds it full is refused. The files beside it come on top: its log, 8 MiB "
+         "and for a time more, and a reserve of at most 32 MiB"},
     {.name = "keep-jobs",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, keep_jobs),

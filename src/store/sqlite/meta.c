@@ -16,8 +16,9 @@
  *  - A store with another identity than the -wake file has, and a log with content: the log belongs
  *    to the store that was here before. SQLite would apply it to this one.
  *
- * Not noticed: a log that was emptied, which looks like one after a checkpoint; a store that was
- * replaced by an older copy of itself with its log. */
+ * Not noticed: a log that was emptied, which looks like one after a checkpoint; a log that was cut,
+ * which looks like one whose last writes a crash has undone, so that the jobs in them are lost; a
+ * store that was replaced by an older copy of itself with its log. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
