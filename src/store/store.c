@@ -28,25 +28,31 @@ static bool is_file(const char *url, struct pen_status *st)
     return url[0] != '\0' || pen_fail(st, PEN_USAGE, "the store needs the path of a file");
 }
 
-/* The path in a URL; copies the identity in it, "" if there is none. */
-static const char *read_url(const char *url, char identity[PEN_STORE_IDENTITY_BYTES])
+/* The path in a URL. *wanted: the identity in the URL, as pen_sqlite_open takes it; `identity`
+ * holds its text. */
+static const char *read_url(const char *url, char identity[PEN_STORE_IDENTITY_BYTES],
+                            const char **wanted)
 {
     static const char prefix[] = "store:";
     const size_t digits = PEN_STORE_IDENTITY_BYTES - 1;
     const char *at = url + sizeof prefix - 1;
-    identity[0] = '\0';
-    if (!has_prefix(url, prefix) || strlen(at) <= digits || at[digits] != ':')
+    *wanted = NULL;
+    if (!has_prefix(url, prefix))
         return url;
-    memcpy(identity, at, digits);
-    identity[digits] = '\0';
-    return at + digits + 1;
+    const size_t length = strcspn(at, ":");
+    if (at[length] != ':' || (length != 0 && length != digits))
+        return url;
+    memcpy(identity, at, length);
+    identity[length] = '\0';
+    *wanted = identity;
+    return at + length + 1;
 }
 
 static struct pen_driver *open_driver(struct pen_store *store, const char *url,
                                       struct pen_status *st)
 {
-    const char *path = read_url(url, store->identity);
-    return pen_sqlite_open(path, store->identity[0] ? store->identity : NULL, st);
+    const char *wanted, *path = read_url(url, store->identity, &wanted);
+    return pen_sqlite_open(path, wanted, st);
 }
 
 struct pen_store *pen_store_open(const char *url, struct pen_status *st)

@@ -76,15 +76,17 @@ static inline bool pen_job_state_ended(enum pen_job_state state)
 struct pen_store;
 
 /* Opens a store and migrates an older schema. `url` is one of
- *   PATH                 the path of its file. If there is no trace of a store, the file and its
- *                        folders are made.
- *   store:IDENTITY:PATH  the store that has this identity. No file is made, and no other store is
+ *   PATH                 the path of its file. If there is no store, and neither a log nor a -wake
+ *                        file of one, the file and its folders are made.
+ *   store::PATH          the store that is there. Nothing is made.
+ *   store:IDENTITY:PATH  the store that has this identity. Nothing is made, and no other store is
  *                        opened: a process that works for another one cannot end up elsewhere.
- * Owns: pen_store_close. Fails: PEN_STORAGE (not a Penumbra store, damaged, newer schema, gone,
- * another store, a log that is missing or another store's, no permission: the message says what to
- * do, and the file is as it was), PEN_UNSUPPORTED (a postgres:// URL, for which there is no
- * driver), PEN_USAGE (no path, or too long), PEN_STORAGE_FULL, PEN_UNAVAILABLE (also: another
- * process holds the lock for opening), PEN_NO_MEMORY. */
+ * Owns: pen_store_close. Fails: PEN_NOT_FOUND (store::PATH, and there is no store), PEN_STORAGE
+ * (not a Penumbra store, damaged, newer schema, gone, another store, a log that is missing or
+ * another store's, no permission: the message says what to do, and the file is as it was),
+ * PEN_UNSUPPORTED (a postgres:// URL, for which there is no driver), PEN_USAGE (no path, or too
+ * long), PEN_STORAGE_FULL, PEN_UNAVAILABLE (also: another process holds the lock for opening),
+ * PEN_NO_MEMORY. */
 struct pen_store *pen_store_open(const char *url, struct pen_status *st);
 void pen_store_close(struct pen_store *store);
 

@@ -4,6 +4,13 @@
 # one, and the error says what is the matter.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
+
+# One of the two processes alone makes no store
+exits "a worker alone does not start without a store" 4 "$build/penumbrad" --role worker --store new/typo.db
+prints "and says why" stderr "there is no store new/typo.db"
+exits "nor does an api alone" 4 "$build/penumbrad" --role api --listen 127.0.0.1:0 --store new/typo.db
+check "and no folder is made" test ! -e new
+
 daemon_start
 export PENUMBRA_URL="$url"
 for n in 1 2 3; do

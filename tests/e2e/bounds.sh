@@ -123,8 +123,14 @@ submit "$small"
 expect there-is-room-again "$status" 202
 daemon_stop
 
-# Behind a proxy the client is the last address that it tells. None of them can fill the queue.
+# An api alone makes no store.
 store=$work/proxied.db
+daemon_start
+daemon_stop
+cp "$store" "$work/network.db"
+cp "$store" "$work/unnamed.db"
+
+# Behind a proxy the client is the last address that it tells. None of them can fill the queue.
 daemon_start --role api --max-queue 8 --trusted-proxy 127.0.0.1
 from() { # ADDRESSES…: submits a job through the proxy, with a field for each
     fields=

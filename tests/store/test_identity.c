@@ -238,6 +238,8 @@ START_TEST(test_identity__nothing_is_made_where_the_store_is_gone)
     snprintf(url, sizeof url, "store:%s:%s/penumbra.db", pen_store_identity(bed.store),
              beside("-folder"));
     refuse(url, PEN_STORAGE, "is gone, and no new one is made");
+    snprintf(url, sizeof url, "store::%s/penumbra.db", beside("-folder"));
+    refuse(url, PEN_NOT_FOUND, "there is no store");
     ck_assert(!is_there("-folder"));
     store_bed_close(&bed);
 }

@@ -35,7 +35,8 @@ static const struct pen_option options[] = {
      .value = "FILE",
      .env = "PENUMBRA_STORE",
      .help = "the database of jobs and pictures; $XDG_STATE_HOME/penumbra/penumbra.db by default, "
-             "/var/lib/penumbra/penumbra.db under systemd. Its folder is created"},
+             "/var/lib/penumbra/penumbra.db under systemd. If there is none, it is made with its "
+             "folder, but not by --role api or worker"},
     {.name = "role",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct pen_config, role),

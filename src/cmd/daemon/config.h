@@ -56,7 +56,8 @@ extern const struct pen_command pen_command_daemon;
 int pen_config_load(struct pen_config *config, int argc, char **argv);
 void pen_config_release(struct pen_config *config);
 
-/* Makes store_url name the store by its identity, too. Fails: PEN_NO_MEMORY. */
+/* Makes store_url name the store by its identity, too, "": any that exists. Fails: PEN_NO_MEMORY.
+ */
 bool pen_config_know_store(struct pen_config *config, const char *identity, struct pen_status *st);
 
 struct pen_log_target {

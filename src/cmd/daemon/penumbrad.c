@@ -33,12 +33,14 @@ static bool take_supervision(const struct pen_config *config, struct pen_store *
                : false;
 }
 
-/* Opens and checks the store before any child does, and notes its identity: this is the only
- * opening that may make a store, and the processes that follow open no other one. So the terminal
- * shows at once that a store is damaged or cannot be opened, instead of a log in which children
- * fail again and again. */
+/* Opens and checks the store before any child does, and notes its identity: the processes that
+ * follow open no other one. Only a supervisor may make a store. So the terminal shows at once that
+ * a store is missing, damaged or cannot be opened, instead of a log in which children fail again
+ * and again. */
 static struct pen_store *open_store(struct pen_config *config, struct pen_status *st)
 {
+    if (!is_supervisor(config) && !pen_config_know_store(config, "", st))
+        return NULL;
     struct pen_store *store = pen_store_open(config->store_url, st);
     if (store && take_supervision(config, store, st) && pen_store_check_start(store, st) &&
         pen_config_know_store(config, pen_store_identity(store), st)) {

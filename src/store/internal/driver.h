@@ -501,8 +501,9 @@ struct pen_driver_ops {
                          struct pen_status *st);
 };
 
-/* Opens the SQLite driver on a file. identity: that of the store, which is then not made; NULL: any
- * store. Owns: free with its `close`. Fails: as pen_store_open. */
+/* Opens the SQLite driver on a file. identity: that of the store, "": any; nothing is made then.
+ * NULL: any store, which is made if there is none. Owns: free with its `close`. Fails: as
+ * pen_store_open. */
 struct pen_driver *pen_sqlite_open(const char *path, const char *identity, struct pen_status *st);
 
 /* As pen_store_backup. */

@@ -10,7 +10,7 @@
 
 struct pen_store {
     struct pen_driver *driver;
-    char identity[PEN_STORE_IDENTITY_BYTES]; /* from the URL; "": any */
+    char identity[PEN_STORE_IDENTITY_BYTES]; /* from the URL, for the driver; "": any */
     struct pen_compressor *compressor;
     struct pen_pixels *pixels; /* encodes results that come as floats; NULL before the first */
     struct pen_buf blob;       /* the blob last read, as stored */

@@ -77,6 +77,10 @@ static void read_facts(const struct pen_sqlite_store *store, struct facts *facts
 
 bool pen_sqlite_may_make(const struct pen_sqlite_store *store, struct pen_status *st)
 {
+    if (store->wanted && !*store->wanted)
+        return pen_fail(st, PEN_NOT_FOUND,
+                        "there is no store %s, and only a penumbrad without --role makes one",
+                        store->path);
     if (store->wanted)
         return pen_fail(st, PEN_STORAGE,
                         "the store %s is gone, and no new one is made in its place while Penumbra "
@@ -171,7 +175,7 @@ bool pen_sqlite_join_company(struct pen_sqlite_store *store, struct pen_status *
     if (!get_meta(store, "identity", store->identity, sizeof store->identity, st) ||
         !get_meta(store, "log", log, sizeof log, st))
         return false;
-    if (store->wanted && strcmp(store->wanted, store->identity) != 0)
+    if (store->wanted && *store->wanted && strcmp(store->wanted, store->identity) != 0)
         return pen_fail(st, PEN_STORAGE,
                         "another store was put in the place of %s while it was in use: put the "
                         "first one back, or stop Penumbra",

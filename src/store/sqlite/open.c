@@ -326,7 +326,7 @@ static bool open_locked(struct pen_sqlite_store *store, const char *lock_path,
 {
     if (store->wanted && access(store->path, F_OK) != 0 && errno == ENOENT)
         return pen_sqlite_may_make(store, st);
-    if (!make_folders(store->path, st))
+    if (!store->wanted && !make_folders(store->path, st))
         return false;
     int lock = open(lock_path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
     bool made = lock >= 0;

@@ -184,8 +184,9 @@ enum { PEN_SQLITE_PATH_BYTES = 4112 };
 struct pen_sqlite_store {
     struct pen_driver base;
     sqlite3 *db;
-    char *path;
-    const char *wanted; /* the identity that the store must have; NULL: any */
+    char *path;         /* without symbolic links, see pen_sqlite_resolve */
+    const char *wanted; /* the identity that the store must have, "": any, and nothing is made;
+                           NULL: any, and a missing store may be made */
     char identity[PEN_STORE_IDENTITY_BYTES];
     struct pen_wake *wake;
     int64_t patience_ms; /* how long to wait for locks of other handles */
