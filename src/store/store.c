@@ -182,6 +182,11 @@ const char *pen_store_identity(const struct pen_store *store)
     return store->driver->ops->identity(store->driver);
 }
 
+const char *pen_store_path(const struct pen_store *store)
+{
+    return store->driver->name;
+}
+
 bool pen_store_settle(struct pen_store *store, struct pen_status *st)
 {
     return enter(store, PEN_NEED_WRITE, st) &&
@@ -490,6 +495,11 @@ bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, p
 bool pen_store_worker_lock(struct pen_store *store, const char *id, struct pen_status *st)
 {
     return store->driver->ops->worker_lock(store->driver, id, st);
+}
+
+bool pen_store_supervise(struct pen_store *store, struct pen_status *st)
+{
+    return store->driver->ops->supervise(store->driver, st);
 }
 
 bool pen_store_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,

@@ -94,6 +94,10 @@ void pen_store_close(struct pen_store *store);
  * backup has one of its own. */
 const char *pen_store_identity(const struct pen_store *store);
 
+/* The path of the store's file without symbolic links. Another process that opens this path, and
+ * not the one that was given, cannot be led elsewhere by a link that changes. Owns: the store. */
+const char *pen_store_path(const struct pen_store *store);
+
 /* Brings everything into the store's own file, so that it is complete without the files beside it.
  * To be called before the last handle is closed; nothing is done while there are others. */
 bool pen_store_settle(struct pen_store *store, struct pen_status *st);
@@ -601,6 +605,12 @@ bool pen_worker_id_make(char id[PEN_WORKER_ID_BYTES], struct pen_status *st);
 /* Takes a lock that marks the worker as living, for as long as this handle is open; the end of the
  * process ends it too. Fails: PEN_CONFLICT (another handle has it), PEN_STORAGE. */
 bool pen_store_worker_lock(struct pen_store *store, const char *id, struct pen_status *st);
+
+/* Takes the lock that only one handle of a store may have, that of its supervisor, until the handle
+ * is closed or the process ends. It is in the store itself, so no file that may be removed has it.
+ * No other handle of the process may be open when this one is closed: it could lose SQLite's locks.
+ * Fails: PEN_CONFLICT (another handle has it), PEN_STORAGE. */
+bool pen_store_supervise(struct pen_store *store, struct pen_status *st);
 
 /* Stores or renews a worker's row in the list of workers. To be called before the first claim and
  * repeated from time to time. */

@@ -22,6 +22,10 @@ exits "the jobs succeed" 0 "$penumbra" wait $("$penumbra" list --json | jq -r '.
 # A second daemon
 exits "a second daemon on the same store does not start" 5 "$build/penumbrad" --listen 127.0.0.1:0 --store "$store"
 prints "and says why" stderr "another penumbrad uses this store"
+ln -s "$store" link.db
+exits "nor one by a link to it" 5 "$build/penumbrad" --listen 127.0.0.1:0 --store link.db
+rm "$store-wake"
+exits "nor one after the file ending in -wake was removed" 5 "$build/penumbrad" --listen 127.0.0.1:0 --store "$store"
 call /readyz
 expect "the first one is not disturbed" "$status" 200
 
@@ -57,6 +61,22 @@ expect "jobs are accepted again" "$status" 202
 exits "the jobs succeed" 0 "$penumbra" wait $("$penumbra" list --json | jq -r '.jobs[].id')
 expect "no job was lost" "$("$penumbra" list --json | jq '.jobs | length')" 4
 
+# A daemon by a link uses the files beside the store, and a link that changes leads nobody elsewhere
+daemon_stop
+cp "$store" other.db
+first=$store store=link.db
+daemon_start
+check "nothing is made beside the link" test ! -e link.db-wal -a ! -e link.db-wake
+ln -sf other.db link.db
+kill -KILL "$(child api)"
+check "a new api process opens the same store" within 60 is_ready
+export PENUMBRA_URL="$url"
+exits "a job is rendered after that" 0 "$penumbra" submit builtin:spheres --set width=20 --set height=20 --wait -q
+daemon_stop
+store=$first
+daemon_start
+expect "and is in the store" "$(PENUMBRA_URL=$url "$penumbra" list --json | jq '.jobs | length')" 5
+
 # A daemon that was stopped leaves a store that needs no other file
 daemon_stop
 mv "$store" "$store.away"
@@ -67,7 +87,7 @@ mv "$store.away" "$store"
 first=$store store=$work/copy.db
 daemon_start
 PENUMBRA_URL=$url "$penumbra" list --json >list.json
-expect "a copy of the stopped store's file alone is complete" "$(jq '.jobs | length' list.json)" 4
+expect "a copy of the stopped store's file alone is complete" "$(jq '.jobs | length' list.json)" 5
 
 # The log of a killed daemon is removed
 children="$(child api) $(child work)"

@@ -245,6 +245,111 @@ START_TEST(test_identity__nothing_is_made_where_the_store_is_gone)
 }
 END_TEST
 
+/* Opens the store by another URL, and checks that it is the bed's. */
+static void open_again(const char *url)
+{
+    struct pen_status st;
+    struct pen_store *other = pen_store_open(url, &st);
+    store_must(other != NULL, &st, "open");
+    ck_assert_str_eq(pen_store_identity(other), pen_store_identity(bed.store));
+    ck_assert_str_eq(pen_store_path(other), bed.url);
+    pen_store_close(other);
+}
+
+START_TEST(test_identity__a_link_leads_to_the_store_with_its_files)
+{
+    char url[200];
+    struct pen_backup backup = {0};
+    struct pen_status st;
+    store_bed_open(&bed);
+    snprintf(url, sizeof url, "store::%s", bed.url);
+    open_again(url);
+    ck_assert_int_eq(symlink("penumbra.db", beside(".link")), 0);
+    ck_assert_int_eq(symlink(".", beside(".folder")), 0);
+    open_again(beside(".link"));
+    snprintf(url, sizeof url, "%s/penumbra.db.link", beside(".folder"));
+    open_again(url);
+    ck_assert(!is_there(".link-wake") && !is_there(".link-wal"));
+    snprintf(url, sizeof url, "%s/penumbra.db-new", beside(".folder"));
+    ck_assert(!pen_store_backup(beside(".link"), url, true, &backup, &st));
+    ck_assert_msg(st.code == PEN_USAGE, "%s", st.msg);
+    store_must(pen_store_backup(beside(".link"), beside(".backup"), false, &backup, &st), &st,
+               "backup");
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* Supervises the store in a process of its own, until this byte is read. */
+static pid_t start_supervisor(int until)
+{
+    int up[2];
+    char byte = 0;
+    ck_assert_int_eq(pipe(up), 0);
+    const pid_t pid = fork();
+    if (pid == 0) {
+        struct pen_status st;
+        struct pen_store *store = store_bed_handle(&bed);
+        store_must(pen_store_supervise(store, &st), &st, "supervise");
+        if (write(up[1], &byte, 1) != 1 || read(until, &byte, 1) != 1)
+            _exit(1);
+        pen_store_close(store);
+        _exit(0);
+    }
+    ck_assert_int_eq(read(up[0], &byte, 1), 1);
+    close(up[0]);
+    close(up[1]);
+    return pid;
+}
+
+/* Whether this process could supervise the store now. */
+static bool may_supervise(void)
+{
+    struct pen_status st;
+    struct pen_store *store = store_bed_handle(&bed);
+    const bool may = pen_store_supervise(store, &st);
+    ck_assert_msg(may || st.code == PEN_CONFLICT, "%s", st.msg);
+    pen_store_close(store);
+    return may;
+}
+
+START_TEST(test_identity__a_supervisor_is_found_without_the_files_beside_the_store)
+{
+    int until[2], status;
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_make(&bed);
+    ck_assert(may_supervise() && pipe(until) == 0);
+    const pid_t pid = start_supervisor(until[0]);
+    ck_assert(!may_supervise());
+    unlink(beside("-wake"));
+    ck_assert(!may_supervise());
+    ck_assert_int_eq(write(until[1], "", 1), 1);
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    ck_assert_int_eq(status, 0);
+    ck_assert(may_supervise());
+    close(until[0]);
+    close(until[1]);
+    remove_bed();
+}
+END_TEST
+
+/* Its lock in the old file does not tell who uses the new one. */
+START_TEST(test_identity__a_store_whose_wake_file_was_replaced_is_not_settled)
+{
+    struct pen_status st;
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_open(&bed);
+    unlink(beside("-wake"));
+    struct pen_store *other = store_bed_handle(&bed);
+    store_must(pen_store_settle(bed.store, &st), &st, "settle");
+    pen_store_close(bed.store);
+    submit(other, 1);
+    pen_store_close(other);
+    ck_assert_int_eq(rename(beside("-wal"), beside(".wal")), 0);
+    refuse(bed.url, PEN_STORAGE, "-wal, the log of the store's last changes, is missing");
+    remove_bed();
+}
+END_TEST
+
 /* SQLite would take the log for this store's own. */
 START_TEST(test_identity__the_log_of_another_store_is_not_applied)
 {
@@ -359,6 +464,9 @@ PEN_SUITE("identity of a store", test_identity__is_made_once_and_a_backup_has_an
           test_identity__a_settled_store_needs_no_other_file,
           test_identity__a_store_that_others_use_is_not_settled,
           test_identity__nothing_is_made_where_the_store_is_gone,
+          test_identity__a_link_leads_to_the_store_with_its_files,
+          test_identity__a_supervisor_is_found_without_the_files_beside_the_store,
+          test_identity__a_store_whose_wake_file_was_replaced_is_not_settled,
           test_identity__the_log_of_another_store_is_not_applied,
           test_identity__a_log_that_is_removed_in_use_takes_no_jobs,
           test_identity__what_a_removed_log_had_is_saved,

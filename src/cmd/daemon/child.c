@@ -113,7 +113,7 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     snprintf(arguments->control, sizeof arguments->control, "%d", control_fd);
     snprintf(arguments->listen, sizeof arguments->listen, "%d", listen_fd);
     add(arguments, "--role", child->role);
-    add(arguments, "--store", config->store);
+    add(arguments, "--store", config->store_path);
     add(arguments, "--internal-store-identity", config->store_identity);
     add(arguments, "--threads", arguments->threads);
     add(arguments, "--log-level", config->log_level);

@@ -408,7 +408,8 @@ static bool check(struct pen_config *config, struct pen_status *st)
 bool pen_config_know_store(struct pen_config *config, const char *identity, struct pen_status *st)
 {
     char *url;
-    if (asprintf(&url, "store:%s:%s", identity, config->store) < 0)
+    const char *path = config->store_path ? config->store_path : config->store;
+    if (asprintf(&url, "store:%s:%s", identity, path) < 0)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory");
     free(config->known_store);
     config->store_url = config->known_store = url;

@@ -40,6 +40,7 @@ struct pen_config {
     /* Of its predecessor: the id, the end as text, and "crashed" or "died". NULL: none. */
     const char *dead_worker, *dead_how, *dead_end;
 
+    const char *store_path; /* of the store that was opened, for children: pen_store_path */
     const char *store_url;  /* for pen_store_open: `store`, with the identity once it is known */
     int64_t keep_bytes_max; /* keep_bytes as a number; 0: without limit */
     struct pen_address address; /* of `listen` */

@@ -24,7 +24,7 @@ static bool is_supervisor(const struct pen_config *config)
 static bool take_supervision(const struct pen_config *config, struct pen_store *store,
                              struct pen_status *st)
 {
-    if (!is_supervisor(config) || pen_store_worker_lock(store, "supervisor", st))
+    if (!is_supervisor(config) || pen_store_supervise(store, st))
         return true;
     return st->code == PEN_CONFLICT
                ? pen_fail(st, PEN_UNAVAILABLE,
@@ -42,11 +42,14 @@ static struct pen_store *open_store(struct pen_config *config, struct pen_status
     if (!is_supervisor(config) && !pen_config_know_store(config, "", st))
         return NULL;
     struct pen_store *store = pen_store_open(config->store_url, st);
-    if (store && take_supervision(config, store, st) && pen_store_check_start(store, st) &&
-        pen_config_know_store(config, pen_store_identity(store), st)) {
-        config->store_identity = pen_store_identity(store);
+    if (!store)
+        return NULL;
+    config->store_identity = pen_store_identity(store);
+    config->store_path = pen_store_path(store);
+    if (take_supervision(config, store, st) && pen_store_check_start(store, st) &&
+        pen_config_know_store(config, config->store_identity, st))
         return store;
-    }
+    config->store_identity = config->store_path = NULL;
     pen_store_close(store);
     return NULL;
 }

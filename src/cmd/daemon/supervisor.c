@@ -182,6 +182,7 @@ static void reload(struct supervisor *s)
     s->reloaded = s->now = fresh;
     s->now.store = s->first->store;
     s->now.store_identity = s->first->store_identity;
+    s->now.store_path = s->first->store_path;
     s->now.max = s->first->max;
     s->now.trusted_proxy = s->first->trusted_proxy;
     struct pen_log_target target = {

@@ -57,7 +57,7 @@ enum { PEN_HEALTH_WORDS = 16, PEN_TALLY_WORDS = 64 };
 /* The head of every driver's handle. */
 struct pen_driver {
     const struct pen_driver_ops *ops;
-    const char *name;           /* of the store, for messages; owned by the driver */
+    const char *name; /* of the store; SQLite: its path without symbolic links. Owns: the driver */
     bool delegates_checkpoints; /* in: commits of this handle leave checkpoints to another handle */
     bool checkpoint_due;        /* out: a checkpoint is due */
     bool closed;                /* out: the handle is unusable until it is reopened */
@@ -499,6 +499,8 @@ struct pen_driver_ops {
     /* Tells whether a handle has that lock; true also if that cannot be told. */
     bool (*worker_lives)(struct pen_driver *driver, const char *id, bool *lives,
                          struct pen_status *st);
+    /* As pen_store_supervise. PostgreSQL: pg_try_advisory_lock of the session. */
+    bool (*supervise)(struct pen_driver *driver, struct pen_status *st);
 };
 
 /* Opens the SQLite driver on a file. identity: that of the store, "": any; nothing is made then.
@@ -506,8 +508,9 @@ struct pen_driver_ops {
  * pen_store_open. */
 struct pen_driver *pen_sqlite_open(const char *path, const char *identity, struct pen_status *st);
 
-/* As pen_store_backup. */
+/* As pen_store_backup and pen_store_backup_remove_left. */
 bool pen_sqlite_backup(const char *path, const char *file, bool replace, struct pen_backup *out,
                        struct pen_status *st);
+void pen_sqlite_backup_remove_left(const char *file);
 
 #endif

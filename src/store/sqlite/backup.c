@@ -47,19 +47,27 @@ static bool is_same_file(const char *a, const char *b)
            first.st_ino == second.st_ino;
 }
 
-static bool check_name(const char *url, const char *name, bool replace, struct pen_status *st)
+/* Tells whether the name is that of the store or of a file beside it, which may not exist. */
+static bool is_of_store(const char *store, const char *name)
 {
-    static const char *const ends[] = {"", "-wal", "-shm", "-wake"};
-    char path[PATH_BYTES + 8];
-    struct stat info;
-    if (strlen(name) >= PATH_BYTES || strlen(url) >= PATH_BYTES)
-        return pen_fail(st, PEN_USAGE, "the path of the backup is too long");
-    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
-        snprintf(path, sizeof path, "%s%s", url, ends[i]);
-        if (is_same_file(path, name) || strcmp(path, name) == 0)
-            return pen_fail(st, PEN_USAGE, "%s is the store itself; a backup needs another name",
-                            name);
+    static const char *const ends[] = {"", "-wal", "-shm", "-wake", "-reserve", "-new"};
+    char path[PATH_BYTES + 16], *resolved = pen_sqlite_resolve(name);
+    bool found = false;
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0] && !found; i++) {
+        snprintf(path, sizeof path, "%s%s", store, ends[i]);
+        found = is_same_file(path, name) || strcmp(path, resolved ? resolved : name) == 0;
     }
+    free(resolved);
+    return found;
+}
+
+static bool check_name(const char *store, const char *name, bool replace, struct pen_status *st)
+{
+    struct stat info;
+    if (strlen(name) >= PATH_BYTES || strlen(store) >= PATH_BYTES)
+        return pen_fail(st, PEN_USAGE, "the path of the backup is too long");
+    if (is_of_store(store, name))
+        return pen_fail(st, PEN_USAGE, "%s is the store itself; a backup needs another name", name);
     if (lstat(name, &info) != 0)
         return errno == ENOENT || cannot_write(name, errno, st);
     if (S_ISDIR(info.st_mode))
@@ -104,8 +112,7 @@ static void remove_if_left(const char *part)
     close(fd);
 }
 
-/* Removes the copies that killed processes have left beside the name. */
-static void remove_left(const char *name)
+void pen_sqlite_backup_remove_left(const char *name)
 {
     char part[PATH_BYTES + 280];
     const char *slash = strrchr(name, '/'), *last = slash ? slash + 1 : name;
@@ -279,26 +286,34 @@ static void remove_part(struct copy *copy)
         close(copy->lock_fd);
 }
 
+static bool back_up(struct copy *copy, struct pen_backup *out, struct pen_status *st)
+{
+    if (!check_name(copy->from.path, copy->name, copy->replace, st))
+        return false;
+    pen_sqlite_backup_remove_left(copy->name);
+    bool ok = make_backup(copy, out, st);
+    sqlite3_close(copy->to.db);
+    pen_sqlite_close_unwritten(&copy->from);
+    remove_part(copy);
+    return ok;
+}
+
 bool pen_sqlite_backup(const char *url, const char *name, bool replace, struct pen_backup *out,
                        struct pen_status *st)
 {
-    if (!check_name(url, name, replace, st))
-        return false;
     struct copy *copy = calloc(1, sizeof *copy);
-    char *path = strdup(url);
-    bool ok = copy && path;
-    if (ok) {
+    char *path = pen_sqlite_resolve(url);
+    if (!path) /* opening it tells why */
+        path = strdup(url);
+    bool ok = false;
+    if (copy && path) {
         copy->from.path = path;
         copy->from.patience_ms = 5000;
         copy->name = name;
         copy->lock_fd = -1;
         copy->stop = out->stop;
-        remove_left(name);
         copy->replace = replace;
-        ok = make_backup(copy, out, st);
-        sqlite3_close(copy->to.db);
-        pen_sqlite_close_unwritten(&copy->from);
-        remove_part(copy);
+        ok = back_up(copy, out, st);
     } else {
         pen_fail(st, PEN_NO_MEMORY, "no memory for the backup");
     }

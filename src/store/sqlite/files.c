@@ -1,13 +1,29 @@
 /* SPDX-License-Identifier: MIT */
-/* The paths of a store's files, renaming a complete file to its final name, syncing the folder to
- * make the name durable, and who holds the lock of a file. */
+/* The paths of a store's files, symbolic links in them, renaming a complete file to its final name,
+ * syncing the folder to make the name durable, and who holds the lock of a file. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "store/sqlite/sqlite.h"
+
+char *pen_sqlite_resolve(const char *path)
+{
+    char *resolved = realpath(path, NULL);
+    if (resolved || errno != ENOENT)
+        return resolved;
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    char *above = slash ? strndup(path, (size_t)(name - path)) : strdup(".");
+    char *folder = above ? realpath(above, NULL) : NULL;
+    if (folder && asprintf(&resolved, "%s/%s", strcmp(folder, "/") == 0 ? "" : folder, name) < 0)
+        resolved = NULL;
+    free(folder);
+    free(above);
+    return resolved;
+}
 
 void pen_sqlite_path(const struct pen_sqlite_store *store, const char *ending,
                      char path[PEN_SQLITE_PATH_BYTES])

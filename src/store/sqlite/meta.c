@@ -201,7 +201,7 @@ bool pen_sqlite_settle(struct pen_driver *driver, struct pen_status *st)
         pen_wake_end_alone(store->wake);
     } else
         pen_log(PEN_LOG_INFO,
-                "another program uses the store %s, which needs its log, %s-wal, therefore",
+                "another program may use the store %s, which therefore needs its log, %s-wal",
                 store->path, store->path);
     if (locked)
         pen_wake_unlock(lock);

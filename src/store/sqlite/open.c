@@ -7,7 +7,8 @@
  *    done under a lock (flock) on the file ending in -wake.
  *  - The database file is read through SQLite's own descriptor. Closing another descriptor of it
  *    would drop the POSIX locks of all handles of this process
- *    (https://www.sqlite.org/howtocorrupt.html, 2.2). */
+ *    (https://www.sqlite.org/howtocorrupt.html, 2.2). The only other one is that of supervisor.c.
+ */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -53,6 +54,8 @@ void pen_sqlite_close(struct pen_driver *driver)
     pen_wake_close(store->wake);
     if (store->lock_fd >= 0)
         close(store->lock_fd);
+    if (store->supervisor_fd >= 0) /* after SQLite's, see supervisor.c */
+        close(store->supervisor_fd);
     free(store->path);
     free(store);
 }
@@ -320,14 +323,26 @@ static bool open_in_company(struct pen_sqlite_store *store, const char *lock_pat
     return true;
 }
 
-/* The steps of opening that only one process may do at a time. */
-static bool open_locked(struct pen_sqlite_store *store, const char *lock_path,
-                        struct pen_status *st)
+/* Finds where the store is, or where it is to be made, and makes its folders. */
+static bool find_place(struct pen_sqlite_store *store, struct pen_status *st)
 {
     if (store->wanted && access(store->path, F_OK) != 0 && errno == ENOENT)
         return pen_sqlite_may_make(store, st);
     if (!store->wanted && !make_folders(store->path, st))
         return false;
+    char *resolved = pen_sqlite_resolve(store->path);
+    if (!resolved)
+        return cannot_open(store->path, errno, st);
+    free(store->path);
+    store->base.name = store->path = resolved;
+    return true;
+}
+
+/* The steps of opening that only one process may do at a time. */
+static bool open_locked(struct pen_sqlite_store *store, struct pen_status *st)
+{
+    char lock_path[PEN_SQLITE_PATH_BYTES];
+    pen_sqlite_path(store, "-wake", lock_path);
     int lock = open(lock_path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
     bool made = lock >= 0;
     if (!made)
@@ -343,8 +358,8 @@ static bool open_locked(struct pen_sqlite_store *store, const char *lock_path,
 
 struct pen_driver *pen_sqlite_open(const char *path, const char *identity, struct pen_status *st)
 {
-    char lock_path[4096];
-    if ((size_t)snprintf(lock_path, sizeof lock_path, "%s-wake", path) >= sizeof lock_path) {
+    enum { LONGEST_BYTES = 4090 }; /* with an ending PATH_MAX */
+    if (strlen(path) > LONGEST_BYTES) {
         pen_fail(st, PEN_USAGE, "the path of the store is too long");
         return NULL;
     }
@@ -355,12 +370,12 @@ struct pen_driver *pen_sqlite_open(const char *path, const char *identity, struc
     }
     store->base.ops = pen_sqlite_ops();
     store->patience_ms = PATIENCE_MS;
-    store->lock_fd = -1;
+    store->lock_fd = store->supervisor_fd = -1;
     store->wanted = identity;
     store->base.name = store->path = strdup(path);
     if (!store->path)
         pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
-    else if (open_locked(store, lock_path, st))
+    else if (find_place(store, st) && open_locked(store, st))
         return &store->base;
     pen_sqlite_close(&store->base);
     return NULL;

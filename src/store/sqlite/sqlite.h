@@ -199,9 +199,10 @@ struct pen_sqlite_store {
     bool says_log;       /* the file itself says that it needs its log, as last looked at */
     bool has_log;        /* `log` is that of the log when this connection was opened */
     struct stat log;
-    bool sound;      /* opened without a fault, and none met since: closing may write */
-    int lock_fd;     /* holds the lock of a worker; -1: none */
-    ino_t lock_file; /* the inode of lock_fd */
+    bool sound;        /* opened without a fault, and none met since: closing may write */
+    int lock_fd;       /* holds the lock of a worker; -1: none */
+    ino_t lock_file;   /* the inode of lock_fd */
+    int supervisor_fd; /* of the file itself, for the supervisor's lock; -1: none */
     sqlite3_stmt *stmt[SQL_COUNT];
 };
 
@@ -304,6 +305,12 @@ bool pen_sqlite_guard_states(struct pen_sqlite_store *store, struct pen_status *
  * pen_sqlite_close_unwritten. Fails: as pen_store_open, and PEN_NOT_FOUND. */
 bool pen_sqlite_open_to_read(struct pen_sqlite_store *store, struct pen_status *st);
 void pen_sqlite_close_unwritten(struct pen_sqlite_store *store);
+
+/* files.c: the path without symbolic links; of a file that does not exist, that of its folder and
+ * its name. The names of the files beside the store are made from it, as SQLite makes them, so that
+ * all programs mean the same files, by whatever links they know the store. Owns: free() it. Fails:
+ * NULL with errno. */
+char *pen_sqlite_resolve(const char *path);
 
 /* files.c: the path of the store's file with this ending, such as "-wal"; tells whether there is
  * such a file, and its length, 0 if there is none. */
@@ -451,7 +458,8 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(worker_list)                                                                                \
     OP(worker_id_page)                                                                             \
     OP(worker_lock)                                                                                \
-    OP(worker_lives)
+    OP(worker_lives)                                                                               \
+    OP(supervise)
 #define PEN_SQLITE_DECLARE(name) __typeof__(*((struct pen_driver_ops *)0)->name) pen_sqlite_##name;
 PEN_SQLITE_OPS(PEN_SQLITE_DECLARE)
 #undef PEN_SQLITE_DECLARE

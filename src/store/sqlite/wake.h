@@ -41,7 +41,8 @@ void pen_wake_unlock(int lock);
 
 /* Whether no other handle, of any process, has the file open. The caller has the lock of
  * pen_wake_try_lock, which is also held while a handle is opened, and calls pen_wake_end_alone
- * before it gives that back. Returns true if that cannot be known. */
+ * before it gives that back. Returns true where there is no such file, and false if it was removed
+ * or replaced while it was in use. */
 bool pen_wake_be_alone(struct pen_wake *wake);
 void pen_wake_end_alone(struct pen_wake *wake);
 
