@@ -80,6 +80,11 @@ bool pen_store_backup(const char *url, const char *file, bool replace, struct pe
     return is_file(url, st) && pen_sqlite_backup(url, file, replace, out, st);
 }
 
+void pen_store_backup_remove_left(const char *file)
+{
+    pen_sqlite_backup_remove_left(file);
+}
+
 void pen_store_close(struct pen_store *store)
 {
     if (!store)

@@ -163,14 +163,17 @@ struct pen_backup {
 
 /* Copies a store, which may be in use, to a file. The copy is the store as of one moment, with
  * everything that was acknowledged before the call. It is made under another name,
- * FILE.part-XXXXXX, checked, synced and then renamed. Copies under such names that a killed process
- * has left are removed. Fails: PEN_TIMEOUT (stopped), PEN_CONFLICT (the file exists, and `replace`
- * is false), PEN_USAGE (the name is a folder, the store itself, or too long), PEN_IO,
- * PEN_STORAGE_FULL (the copy cannot be written), PEN_STORAGE (the store is damaged or cannot be
- * read), PEN_NOT_FOUND (there is no store), PEN_UNAVAILABLE, PEN_NO_MEMORY. A failed call leaves no
- * file. Cost: reads every page, and the copy twice. */
+ * FILE.part-XXXXXX, checked, synced and then renamed (a symbolic link FILE is replaced itself).
+ * Copies under such names that a killed process has left are removed. Fails: PEN_TIMEOUT (stopped),
+ * PEN_CONFLICT (the file exists, and `replace` is false), PEN_USAGE (the name is a folder, the
+ * store itself, or too long), PEN_IO, PEN_STORAGE_FULL (the copy cannot be written), PEN_STORAGE
+ * (the store is damaged or cannot be read), PEN_NOT_FOUND (there is no store), PEN_UNAVAILABLE,
+ * PEN_NO_MEMORY. A failed call leaves no file. Cost: reads every page, and the copy twice. */
 bool pen_store_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
                       struct pen_status *st);
+
+/* Removes the unfinished copies that killed processes have left of this backup. */
+void pen_store_backup_remove_left(const char *file);
 
 struct pen_view_new {
     const char *name;

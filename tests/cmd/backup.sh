@@ -47,18 +47,33 @@ for i in 1 2 3 4 5; do
     "$penumbra" submit big.json >>log
 done
 is_copying() { [ "$(find . -name 'd.db.part-*' -size +1000k | wc -l)" -gt 0 ]; }
-for signal in TERM=143 INT=130 KILL=137; do
-    code=${signal#*=} signal=${signal%=*}
+no_copy() { [ -z "$(find . -name 'd.db*')" ]; }
+begin_backup() {
     env --default-signal=INT "$build/penumbrad" backup d.db --store "$store" >stdout 2>stderr &
     backup=$!
     within 20 is_copying || not_ok "the backup begins" "$(ls -l)"
+}
+for signal in TERM=143 INT=130 KILL=137; do
+    code=${signal#*=} signal=${signal%=*}
+    begin_backup
     kill "-$signal" $backup
     wait $backup 2>>log
     expect "a backup dies of SIG$signal" "$?" "$code"
-    [ "$signal" = KILL ] || expect "and leaves nothing" "$(find . -name 'd.db*' | wc -l | tr -d ' ')" 0
+    check "and leaves nothing" within 20 no_copy
 done
+begin_backup
+kill -KILL "$(pgrep -P $backup)"
+wait $backup 2>>log
+expect "a backup dies with the process that makes it" "$?" 137
+check "and leaves nothing" no_copy
+check "and says so" grep -q 'was ended by a signal' stderr
+begin_backup
+maker=$(pgrep -P $backup)
+kill -KILL $backup "$maker"
+wait $backup 2>>log
+within 20 gone "$maker"
 exits "the next backup" 0 "$build/penumbrad" backup d.db --store "$store"
-expect "removes what SIGKILL has left" "$(find . -name 'd.db*')" ./d.db
+expect "removes what two processes that were killed at once have left" "$(find . -name 'd.db*')" ./d.db
 expect "no temporary file of a backup remains" "$(find . -name '*.part-*' | wc -l | tr -d ' ')" 0
 
 # Restores the copy over the store of a killed daemon. Its children end by themselves, and until then they

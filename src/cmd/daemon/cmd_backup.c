@@ -1,12 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /* `penumbrad backup FILE`: copies the store, even while a daemon uses it. The daemon's own
- * configuration names the store. */
+ * configuration names the store.
+ *
+ * A process that is killed cannot remove its unfinished copy. So a child makes the copy. If the
+ * child is killed, its parent removes the copy; if the parent is killed, the kernel sends the child
+ * SIGTERM, and it removes the copy itself. Where both are killed at once, the next backup to that
+ * name removes it. */
 #include "cmd/daemon/cmd_backup.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "cmd/daemon/config.h"
 #include "cmd/report.h"
@@ -69,6 +79,9 @@ static int find_store(const struct settings *settings, struct pen_config *config
     return pen_config_load(config, argc, argv);
 }
 
+static const int stopping[] = {SIGTERM, SIGINT, SIGHUP};
+enum { STOPPING = sizeof stopping / sizeof stopping[0] };
+
 static atomic_bool stop;       /* set by a signal handler, which it is lock-free for */
 static atomic_int stop_signal; /* the signal */
 
@@ -78,39 +91,108 @@ static void note_signal(int signal)
     atomic_store(&stop, true);
 }
 
+static bool is_ignored(int signal)
+{
+    struct sigaction action;
+    return sigaction(signal, NULL, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 /* Lets the signals that end a program stop the backup, which then removes its unfinished file. */
 static void catch_signals(void)
 {
-    static const int signals[] = {SIGTERM, SIGINT, SIGHUP};
-    struct sigaction action = {.sa_handler = note_signal, .sa_flags = SA_RESTART}, before;
-    for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++) {
-        if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-            sigaction(signals[i], &action, NULL);
+    const struct sigaction action = {.sa_handler = note_signal, .sa_flags = SA_RESTART};
+    for (int i = 0; i < STOPPING; i++) {
+        if (!is_ignored(stopping[i]))
+            sigaction(stopping[i], &action, NULL);
     }
 }
 
 /* Ends the process as the signal would have. */
-static void end_by_signal(void)
+static void end_by(int number)
 {
-    if (!atomic_load(&stop))
-        return;
-    signal(atomic_load(&stop_signal), SIG_DFL);
-    raise(atomic_load(&stop_signal));
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, number);
+    signal(number, SIG_DFL);
+    sigprocmask(SIG_UNBLOCK, &set, NULL);
+    raise(number);
 }
 
 static int back_up(const char *store, const char *file, bool replace)
 {
     struct pen_backup backup = {.stop = &stop};
     struct pen_status st;
-    catch_signals();
     if (!pen_store_backup(store, file, replace, &backup, &st)) {
         int code = pen_report(command.program, NULL, &st);
-        end_by_signal();
+        if (atomic_load(&stop))
+            end_by(atomic_load(&stop_signal));
         return code;
     }
     pen_report_say(stdout, "%s: %" PRId64 " jobs, %" PRId64 " bytes, from %s", file, backup.jobs,
                    backup.bytes, store);
     return 0;
+}
+
+/* Blocks the signals that end a program, unless they are ignored, and SIGCHLD. */
+static void hold_signals(sigset_t *held, sigset_t *before)
+{
+    sigemptyset(held);
+    sigaddset(held, SIGCHLD);
+    signal(SIGCHLD, SIG_DFL);
+    for (int i = 0; i < STOPPING; i++) {
+        if (!is_ignored(stopping[i]))
+            sigaddset(held, stopping[i]);
+    }
+    sigprocmask(SIG_BLOCK, held, before);
+}
+
+/* In the child. */
+static int back_up_for(pid_t parent, const sigset_t *mask, const char *store, const char *file,
+                       bool replace)
+{
+    catch_signals();
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) /* it was killed before that */
+        note_signal(SIGTERM);
+    sigprocmask(SIG_SETMASK, mask, NULL);
+    return back_up(store, file, replace);
+}
+
+/* Passes signals on to the child until it has ended, and ends as it did. */
+static int attend(pid_t child, const sigset_t *held, const char *file)
+{
+    int status = 0, number;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+        number = sigwaitinfo(held, NULL);
+        if (number > 0 && number != SIGCHLD)
+            kill(child, number);
+    }
+    if (WIFEXITED(status))
+        return WEXITSTATUS(status);
+    pen_store_backup_remove_left(file);
+    number = WTERMSIG(status);
+    if (!sigismember(held, number))
+        pen_report_say(stderr, "%s: the process that made the backup was ended by a signal (%s)",
+                       command.program, strsignal(number));
+    end_by(number);
+    return 128 + number;
+}
+
+/* The child leaves by the same way as the caller, so that its output is flushed. */
+static int back_up_attended(const char *store, const char *file, bool replace)
+{
+    sigset_t held, before;
+    const pid_t parent = getpid();
+    hold_signals(&held, &before);
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0)
+        return back_up_for(parent, &before, store, file, replace);
+    if (child > 0)
+        return attend(child, &held, file);
+    struct pen_status st;
+    pen_fail(&st, PEN_UNAVAILABLE, "cannot start a process: %s", strerror(errno));
+    return pen_report(command.program, NULL, &st);
 }
 
 int pen_backup_command(int argc, char **argv)
@@ -123,7 +205,7 @@ int pen_backup_command(int argc, char **argv)
         return code;
     code = find_store(&settings, &config);
     if (code < 0)
-        code = back_up(config.store, parsed.args[0], settings.replace);
+        code = back_up_attended(config.store, parsed.args[0], settings.replace);
     pen_config_release(&config);
     return code;
 }
