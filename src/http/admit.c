@@ -14,12 +14,9 @@
 #include <strings.h>
 
 #include "http/internal/http.h"
+#include "http/internal/intake.h"
 #include "http/internal/request.h"
 #include "http/internal/routes.h"
-
-/* The limit of all bodies in memory together. Beyond it uploads are read, discarded and answered
- * 503. */
-enum { INTAKE_BYTES = 256 << 20 };
 
 /* Reads a length, or UINT64_MAX if it is larger than that. */
 static bool read_length(const char *text, uint64_t *length)
@@ -226,12 +223,8 @@ bool pen_http_request_receive(struct request *request, const char *data, size_t 
     }
     if (request->phase != PHASE_BODY || !request->route->takes_body)
         return true;
-    atomic_size_t *intake = &request->http->intake_bytes;
-    size_t before = atomic_fetch_add_explicit(intake, bytes, memory_order_relaxed);
-    bool fits = before + bytes <= INTAKE_BYTES && pen_buf_add(&request->body, data, bytes);
-    if (fits)
+    if (pen_http_intake_keep(request, data, bytes))
         return true;
-    atomic_fetch_sub_explicit(intake, bytes, memory_order_relaxed);
     pen_fail(&st, PEN_UNAVAILABLE, "there is no memory for this body now; try again later");
     refuse_body(request, &st);
     return true;

@@ -10,6 +10,7 @@
 #include "http/internal/admit.h"
 #include "http/internal/exchange.h"
 #include "http/internal/http.h"
+#include "http/internal/intake.h"
 #include "http/internal/loop.h"
 #include "http/internal/request.h"
 
@@ -135,10 +136,32 @@ static enum conn_step refuse(struct conn *conn, int http_status, const char *why
     return STEP_ON;
 }
 
+/* Answers in the middle of a body with an error, and closes. */
+static void refuse_rest(struct conn *conn, int http_status, const struct pen_status *st)
+{
+    pen_http_request_drop_body(conn->request);
+    pen_http_request_refuse(conn->request, http_status, st);
+    pen_http_conn_answer(conn);
+}
+
+/* The memory of this body was promised to another (intake.h). */
+static void give_way(struct conn *conn)
+{
+    struct pen_status st;
+    pen_fail(&st, PEN_UNAVAILABLE,
+             "there is no memory for a body that comes so slowly now; try again later");
+    conn->request->route = NULL; /* a refusal: the client has provoked it, see log_access */
+    refuse_rest(conn, 503, &st);
+}
+
 /* The whole body was read, or is not wanted. */
 static void end_body(struct conn *conn)
 {
     struct request *request = conn->request;
+    if (!pen_http_intake_leave(request)) {
+        give_way(conn);
+        return;
+    }
     if (request->phase == PHASE_BODY) {
         conn->state = CONN_WORK;
         pen_http_exchange_dispatch(request);
@@ -177,7 +200,7 @@ static enum conn_step begin_request(struct conn *conn, size_t head_bytes)
     } else {
         conn->state = CONN_BODY;
         conn->chunks = (struct pen_chunks){0};
-        conn->begun_ns = conn->loop->now_ns;
+        conn->window_bytes = 0;
         pen_http_loop_wait(conn, WAIT_BODY);
         ask_for_body(conn);
     }
@@ -250,6 +273,19 @@ static bool read_plain(struct conn *conn, bool *complete)
     return goes_on;
 }
 
+/* Begins a new window of the body if the bytes of this one have come. */
+static void count_window(struct conn *conn)
+{
+    const struct loop *loop = conn->loop;
+    const uint64_t received = conn->request->received_bytes;
+    if (received - conn->window_bytes <
+        (uint64_t)BODY_RATE * (uint64_t)loop->times.body_ns / 1000000000)
+        return;
+    conn->window_bytes = received;
+    pen_http_loop_wait(conn, WAIT_BODY);
+    pen_http_intake_begin_window(conn->request);
+}
+
 static enum conn_step read_body(struct conn *conn)
 {
     struct request *request = conn->request;
@@ -262,6 +298,8 @@ static enum conn_step read_body(struct conn *conn)
         pen_http_conn_answer(conn);
     } else if (complete) {
         end_body(conn);
+    } else {
+        count_window(conn);
     }
     return STEP_ON;
 }
@@ -346,30 +384,20 @@ void pen_http_conn_resume(struct conn *conn)
         conn->state = CONN_HEAD;
         pen_http_conn_close(conn);
         return;
+    } else if (conn->state == CONN_BODY && conn->request->phase == PHASE_BODY) {
+        give_way(conn);
     }
     pen_http_conn_run(conn);
 }
 
-/* Whether a body comes too slowly. */
-static bool body_is_slow(const struct conn *conn)
-{
-    int64_t ns = conn->loop->now_ns - conn->begun_ns;
-    return ns >= conn->loop->times.body_ns &&
-           (double)conn->request->received_bytes < (double)BODY_RATE * (double)ns * 1e-9;
-}
-
 void pen_http_conn_expire(struct conn *conn)
 {
-    if (conn->wait == WAIT_BODY && !body_is_slow(conn)) {
-        pen_http_loop_wait(conn, WAIT_BODY);
-        return;
-    }
     if (conn->wait == WAIT_BODY) {
         struct pen_status st;
         pen_fail(&st, PEN_UNAVAILABLE,
-                 "the body comes too slowly: %d bytes per second are the least", BODY_RATE);
-        pen_http_request_refuse(conn->request, 408, &st);
-        pen_http_conn_answer(conn);
+                 "the body comes too slowly: %d bytes per second are the least, in any %d s",
+                 BODY_RATE, (int)(conn->loop->times.body_ns / 1000000000));
+        refuse_rest(conn, 408, &st);
         pen_http_conn_run(conn);
     } else if (conn->wait == WAIT_HEAD && conn->bytes > 0) {
         if (refuse(conn, 408, "the head of the request comes too slowly") == STEP_ON)

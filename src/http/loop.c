@@ -209,7 +209,7 @@ static int64_t time_of(const struct loop *loop, enum conn_wait wait)
     case WAIT_HEAD:
         return loop->times.head_ns;
     case WAIT_BODY:
-        return second_ns; /* then its rate is looked at again */
+        return loop->times.body_ns;
     case WAIT_LINGER:
         return LINGER_S * second_ns;
     case WAIT_WORK:

@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "http/internal/http.h"
+#include "http/internal/intake.h"
 #include "http/wire.h"
 #include "jobs/jobs.h"
 
@@ -137,6 +138,7 @@ void pen_http_request_drop_body(struct request *request)
     atomic_fetch_sub_explicit(&request->http->intake_bytes, request->body.bytes,
                               memory_order_relaxed);
     pen_buf_release(&request->body);
+    pen_http_intake_leave(request);
 }
 
 void pen_http_request_refuse(struct request *request, int http_status, const struct pen_status *st)

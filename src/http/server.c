@@ -42,6 +42,7 @@ static void release(struct pen_http *http)
     pen_http_pictures_free(http->pictures);
     pen_http_static_files_free(http->static_files);
     pthread_mutex_destroy(&http->ready_lock);
+    pthread_mutex_destroy(&http->intake_lock);
     free(http);
 }
 
@@ -96,6 +97,7 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
     http->limits = options->limits;
     http->id_prefix = randombytes_random();
     pthread_mutex_init(&http->ready_lock, NULL);
+    pthread_mutex_init(&http->intake_lock, NULL);
     bool ok = prepare(http, options->heartbeat_ms, st) && start_threads(http, options, st) &&
               (http->listener = pen_http_listener_start(http, options, st)) &&
               pen_http_listener_accept(http->listener, st);

@@ -3,6 +3,7 @@
  * to be gone, and others are answered meanwhile. */
 #include <poll.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -34,6 +35,43 @@ START_TEST(test_connections__slow_requests_are_ended)
         close(fd);
     }
     server_expect_alive(&server);
+    server_stop(&server);
+}
+END_TEST
+
+/* What a body has brought early does not let it be slow later. */
+START_TEST(test_connections__early_bytes_buy_no_time)
+{
+    enum { EARLY = 1000000, PARTS = 16, PART = 16384 }; /* at this rate a part comes every 4 s */
+    struct server server;
+    struct answer answer;
+    char head[120], *early = malloc(EARLY + 1);
+    server_start(&server, &(struct server_options){.idle_seconds = 3});
+    memset(early, ' ', EARLY);
+    early[EARLY] = '\0';
+    int fd = server_connect(&server);
+    snprintf(head, sizeof head,
+             "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n", EARLY + 1);
+    ck_assert(client_send(fd, head) && client_send(fd, early));
+    client_read(fd, false, &answer);
+    ck_assert_int_eq(answer.status, 408);
+    answer_release(&answer);
+    close(fd);
+    early[PART] = '\0';
+    fd = server_connect(&server);
+    snprintf(head, sizeof head,
+             "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n",
+             PARTS * PART);
+    client_send(fd, head);
+    for (int i = 0; i < PARTS; i++) { /* longer than the time, and faster than the rate */
+        client_pause(300);
+        ck_assert(client_send(fd, early));
+    }
+    client_read(fd, false, &answer);
+    ck_assert_int_eq(answer.status, 400); /* spaces are no JSON */
+    answer_release(&answer);
+    close(fd);
+    free(early);
     server_stop(&server);
 }
 END_TEST
@@ -212,7 +250,7 @@ START_TEST(test_connections__one_address_cannot_take_all_places)
 END_TEST
 
 PEN_SUITE("connections", test_connections__slow_requests_are_ended,
-          test_connections__idle_connections_give_way,
+          test_connections__early_bytes_buy_no_time, test_connections__idle_connections_give_way,
           test_connections__short_requests_have_slots_of_their_own,
           test_connections__abandoned_polls_are_forgotten,
           test_connections__abandoned_explanations_leave_no_job,

@@ -65,7 +65,8 @@ struct conn {
     enum conn_wait wait;
     struct conn *previous, *next; /* in the list of `wait` */
     int64_t since_ns;             /* when it came to the end of that list */
-    int64_t begun_ns;             /* when the head, body or answer began */
+    int64_t begun_ns;             /* when it began to linger */
+    uint64_t window_bytes;        /* of the body, received when its window began */
 
     bool readable, writable; /* as far as the kernel has told */
     bool half_closed;        /* the client sends nothing more */

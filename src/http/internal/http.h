@@ -13,6 +13,8 @@
 
 #include "http/server.h"
 
+struct request;
+
 enum { RESERVED_SLOTS = 64 }; /* kept for health and short reads when all connections are at work */
 
 /* The pauses of a rush (listener.c): of the acceptor, which gathers connections, and of a loop,
@@ -44,6 +46,11 @@ struct pen_http {
     atomic_size_t intake_bytes;     /* bodies in memory. atomic: relaxed, a sum */
     atomic_uint request_count;      /* atomic: relaxed, values only have to differ */
     uint32_t id_prefix;             /* distinguishes this process's request ids from others' */
+
+    pthread_mutex_t intake_lock;                /* see intake.h */
+    struct request *intake_first, *intake_last; /* guarded by intake_lock: bodies that are being
+                                                 * received, the slowest first */
+    size_t intake_leaving_bytes; /* guarded by intake_lock: of bodies that were told to give way */
 
     pthread_mutex_t ready_lock;
     int64_t ready_ns;        /* guarded by ready_lock: when the store was last probed; 0: never */

@@ -6,7 +6,7 @@
  *   waits for                time
  *   a first or next request  idle_ns
  *   the rest of a head       head_ns from its first byte, or from accepting
- *   the rest of a body       body_ns, then as long as it comes at BODY_RATE on average
+ *   the rest of a body       body_ns for each window: as much as comes in body_ns at BODY_RATE
  *   a client that reads      idle_ns without any progress
  *   the end of a client      2 s, or 10 s while it still sends
  *

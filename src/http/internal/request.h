@@ -2,7 +2,7 @@
 /* One request, from its head to the end of its answer.
  *
  *   HEAD ──admit──► BODY ───────────────────────► dispatch ──► ANSWERED ──► (sent, freed)
- *     │               │ over the intake budget       │            ▲
+ *     │               │ no memory (intake.h)         │            ▲
  *     │               ▼                              ▼            │ resume
  *     └─refused──► DISCARD (read, not kept) ──►    WORK ──────────┘
  *
@@ -65,6 +65,13 @@ struct request {
     uint64_t declared_bytes; /* Content-Length */
     uint64_t received_bytes; /* of the body, kept or not */
     struct pen_buf body;
+    struct intake_place {
+        bool entered;                    /* intake.h counts it; the thread's that has the request */
+        bool listed, gives_way;          /* guarded by pen_http.intake_lock, as what follows */
+        struct request *slower, *faster; /* in the list */
+        int64_t since_ns;                /* when its window began */
+        size_t bytes;                    /* kept */
+    } intake;
     struct reply reply;
     struct stream *stream; /* of an event stream; NULL: none */
 
