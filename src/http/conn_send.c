@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Sending answers and event streams. */
 #include <errno.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
@@ -13,8 +15,9 @@
 #include "http/internal/watch.h"
 
 enum {
-    BODY_BYTES = 128 << 10, /* of a body, sent at once */
-    STREAM_BYTES = 16 << 10 /* of a stream, sent at once */
+    BODY_BYTES = 128 << 10,  /* of a body, sent at once */
+    STREAM_BYTES = 16 << 10, /* of a stream, sent at once */
+    UNANSWERED_MS = 15000    /* after which the client of a stream has vanished */
 };
 
 /* The reason phrases of the statuses that the server sends. */
@@ -94,6 +97,15 @@ static void write_head(struct conn *conn)
     pen_buf_puts(out, "\r\n");
 }
 
+/* Lets the kernel find out that the client of a stream has vanished: the next event, or a
+ * heartbeat, is not acknowledged. Other answers go without: the kernel would also end a connection
+ * whose client reads slowly, and so closes its window again and again. */
+static void watch_acknowledgements(const struct conn *conn)
+{
+    const int ms = UNANSWERED_MS;
+    setsockopt(conn->fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &ms, sizeof ms);
+}
+
 void pen_http_conn_answer(struct conn *conn)
 {
     struct request *request = conn->request;
@@ -112,7 +124,8 @@ void pen_http_conn_answer(struct conn *conn)
     conn->out_sent = conn->body_sent = 0;
     conn->stream_over = false;
     conn->state = streams ? CONN_STREAM : CONN_SEND;
-    conn->begun_ns = conn->loop->now_ns;
+    if (streams)
+        watch_acknowledgements(conn);
     pen_http_loop_wait(conn, WAIT_READER);
     conn->reset = conn->reset || conn->out.failed;
 }

@@ -38,10 +38,15 @@ enum {
     RUSH_AGAIN_NS = 1000000000
 };
 
-/* A host that has vanished closes nothing. Probes find that out on a silent connection, a missing
- * acknowledgement on one that is sent to; the latter begins with the heartbeat of a stream, 10 s
- * after the last text at most. */
-enum { PROBE_AFTER_S = 10, PROBE_EVERY_S = 5, UNANSWERED_MS = 15000 };
+/* A host that has vanished closes nothing. Probes find that out on a silent connection, within 20
+ * s. The kernel sends none while it has something to send: then the times of the loop end the wait,
+ * or, of a stream, which may wait for long, TCP_USER_TIMEOUT (conn_send.c). */
+enum { PROBE_AFTER_S = 10, PROBE_EVERY_S = 5, PROBES = 2 };
+
+/* What the kernel takes of an answer beyond what it has sent. With the megabytes that it would take
+ * otherwise, a slow client would have to take a third of them until more can be sent, and the loop
+ * could not tell it from one that takes nothing. */
+enum { UNSENT_BYTES = 64 << 10 };
 
 struct listener {
     struct pen_http *http;
@@ -64,7 +69,8 @@ static void set_options(int fd)
                    {SOL_SOCKET, SO_KEEPALIVE, 1},
                    {IPPROTO_TCP, TCP_KEEPIDLE, PROBE_AFTER_S},
                    {IPPROTO_TCP, TCP_KEEPINTVL, PROBE_EVERY_S},
-                   {IPPROTO_TCP, TCP_USER_TIMEOUT, UNANSWERED_MS}};
+                   {IPPROTO_TCP, TCP_KEEPCNT, PROBES},
+                   {IPPROTO_TCP, TCP_NOTSENT_LOWAT, UNSENT_BYTES}};
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
         setsockopt(fd, options[i].level, options[i].name, &options[i].value, sizeof(int));
 }

@@ -2,6 +2,7 @@
 /* Clients that hold connections without using them: they are sent away, or give way, or are found
  * to be gone, and others are answered meanwhile. */
 #include <poll.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -122,6 +123,56 @@ START_TEST(test_connections__short_requests_have_slots_of_their_own)
     ck_assert_int_eq(server_status(&server, "GET /openapi.yaml HTTP/1.1", NULL), 503);
     for (int i = 0; i < OPEN; i++)
         close(fds[i]);
+    server_stop(&server);
+}
+END_TEST
+
+/* Reads up to `bytes` bytes. Returns how many came before the end. */
+static size_t read_bytes(int fd, size_t bytes)
+{
+    static char part[1 << 16];
+    size_t got = 0;
+    for (ssize_t now = 1; got < bytes && now > 0; got += now > 0 ? (size_t)now : 0)
+        now = recv(fd, part, bytes - got < sizeof part ? bytes - got : sizeof part, 0);
+    return got;
+}
+
+/* A reader that takes 256 KiB in a second keeps its answer, although the kernel could take
+ * megabytes of it, and would not ask for more until a third of them was read. One that takes
+ * nothing loses it. */
+START_TEST(test_connections__slow_readers_keep_their_answer)
+{
+    enum { PART = 1 << 16, PARTS = 24, LEAST = 8000000 }; /* the kernel keeps less than that */
+    struct server server;
+    struct answer answer;
+    char path[80], text[200];
+    server_start(&server, &(struct server_options){.worker = true, .idle_seconds = 3});
+    server_ask(&server, "POST /v1/jobs HTTP/1.1",
+               "{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 1000, \"height\": 800}}",
+               &answer);
+    answer_field(&answer, "Location", path, sizeof path);
+    answer_release(&answer);
+    snprintf(text, sizeof text, "GET %s/image?format=pfm HTTP/1.1", path);
+    int status = 409;
+    for (int i = 0; i < 600 && status == 409; i++) {
+        client_pause(100);
+        status = server_status(&server, text, NULL);
+    }
+    ck_assert_int_eq(status, 200);
+    snprintf(text, sizeof text,
+             "GET %s/image?format=pfm HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n",
+             path);
+    int slow = server_connect(&server), silent = server_connect(&server);
+    client_send(slow, text);
+    client_send(silent, text);
+    for (int i = 0; i < PARTS; i++) {
+        client_pause(250);
+        ck_assert_uint_eq(read_bytes(slow, PART), PART);
+    }
+    ck_assert_uint_gt(read_bytes(slow, SIZE_MAX), LEAST);
+    ck_assert_uint_lt(read_bytes(silent, SIZE_MAX), LEAST);
+    close(slow);
+    close(silent);
     server_stop(&server);
 }
 END_TEST
@@ -252,6 +303,7 @@ END_TEST
 PEN_SUITE("connections", test_connections__slow_requests_are_ended,
           test_connections__early_bytes_buy_no_time, test_connections__idle_connections_give_way,
           test_connections__short_requests_have_slots_of_their_own,
+          test_connections__slow_readers_keep_their_answer,
           test_connections__abandoned_polls_are_forgotten,
           test_connections__abandoned_explanations_leave_no_job,
           test_connections__one_address_cannot_take_all_places)

@@ -7,11 +7,15 @@
  *   a first or next request  idle_ns
  *   the rest of a head       head_ns from its first byte, or from accepting
  *   the rest of a body       body_ns for each window: as much as comes in body_ns at BODY_RATE
- *   a client that reads      idle_ns without any progress
+ *   a client that reads      idle_ns until the kernel takes more of the answer
  *   the end of a client      2 s, or 10 s while it still sends
  *
- * A client that vanishes without a word is found by the kernel (listener.c sets keep-alive probes
- * and TCP_USER_TIMEOUT), a client that closes its connection by epoll at once.
+ * A client that vanishes without a word is found by the kernel (listener.c sets keep-alive probes,
+ * conn_send.c TCP_USER_TIMEOUT for streams), a client that closes its connection by epoll at once.
+ *
+ * A window of a body ends early when its bytes have come, and the next one begins: bytes that come
+ * soon buy no time for those that follow. The kernel takes more of an answer when the client has
+ * taken some 64 KiB of what it holds, 128 KiB at most (UNSENT_BYTES in listener.c).
  *
  * When there are as many connections as allowed, one more takes the place of the one that has been
  * idle longest: one that is being closed, waits for a request, or has not sent its head; else of a
