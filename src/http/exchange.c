@@ -81,13 +81,13 @@ bool pen_http_exchange_abandon(struct request *request)
     return pen_http_watch_abandon(request->http->watch, request);
 }
 
-/* Logs a request. Requests that only read, or are refused, are logged at debug level, because they
- * could fill a disk. */
+/* Logs a request. Requests that only read, are refused, or end without an answer are logged at
+ * debug level, because they could fill a disk. */
 static void log_access(const struct request *request, uint64_t streamed, bool complete)
 {
     const struct reply *reply = &request->reply;
     bool reads = request->head || strcmp(request->method, "GET") == 0;
-    bool refused = reply->status >= 400;
+    bool refused = reply->status == 0 || reply->status >= 400;
     bool failed = reply->status >= 500 && request->route; /* others any client can provoke */
     enum pen_log_level level = failed             ? PEN_LOG_WARN
                                : reads || refused ? PEN_LOG_DEBUG

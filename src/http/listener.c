@@ -186,6 +186,8 @@ static bool start_loops(struct listener *listener, int idle_seconds, struct pen_
             return false;
         listener->loop[listener->loop_count++] = loop;
     }
+    for (int i = 0; i < count; i++)
+        listener->loop[i]->next = listener->loop[(i + 1) % count];
     return true;
 }
 

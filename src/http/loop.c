@@ -89,6 +89,23 @@ void pen_http_resume(struct request *request)
         wake(loop);
 }
 
+/* Gives a new connection to a loop. Returns false if the loop is being stopped. */
+static bool give(struct loop *loop, struct conn *conn)
+{
+    pthread_mutex_lock(&loop->lock);
+    const bool taken = !loop->stop, first = taken && !loop->accepted;
+    if (taken) {
+        atomic_fetch_add_explicit(&loop->http->arriving, 1, memory_order_relaxed);
+        conn->loop = loop;
+        conn->next = loop->accepted;
+        loop->accepted = conn;
+    }
+    pthread_mutex_unlock(&loop->lock);
+    if (first)
+        wake(loop);
+    return taken;
+}
+
 void pen_http_loop_add(struct loop *loop, int fd, const struct pen_address_key *address)
 {
     struct conn *conn = calloc(1, sizeof *conn);
@@ -96,15 +113,11 @@ void pen_http_loop_add(struct loop *loop, int fd, const struct pen_address_key *
         close(fd);
         return;
     }
-    *conn = (struct conn){.loop = loop, .fd = fd, .address = *address};
-    atomic_fetch_add_explicit(&loop->http->arriving, 1, memory_order_relaxed);
-    pthread_mutex_lock(&loop->lock);
-    bool first = !loop->accepted;
-    conn->next = loop->accepted;
-    loop->accepted = conn;
-    pthread_mutex_unlock(&loop->lock);
-    if (first)
-        wake(loop);
+    *conn = (struct conn){.loop = loop, .dealt_to = loop, .fd = fd, .address = *address};
+    if (give(loop, conn))
+        return;
+    close(fd);
+    free(conn);
 }
 
 const char *pen_http_loop_date(struct loop *loop)
@@ -123,29 +136,48 @@ const char *pen_http_loop_date(struct loop *loop)
 /* Closes the connection that can best be spared. Returns false if all are at work. */
 static bool close_idlest(struct loop *loop)
 {
-    static const enum conn_wait order[] = {WAIT_LINGER, WAIT_IDLE, WAIT_HEAD};
-    for (size_t i = 0; i < sizeof order / sizeof order[0]; i++) {
-        struct conn *conn = loop->list[order[i]].first;
-        if (!conn)
-            continue;
-        pen_http_conn_close(conn);
-        return true;
-    }
+    struct conn *head = loop->list[WAIT_HEAD].first, *body = loop->list[WAIT_BODY].first;
     struct conn *reader = loop->list[WAIT_READER].first;
-    if (!reader || loop->now_ns - reader->since_ns < stalled_ns)
-        return false;
-    pen_http_conn_close(reader);
-    return true;
+    struct conn *idlest = loop->list[WAIT_LINGER].first;
+    if (!idlest)
+        idlest = loop->list[WAIT_IDLE].first;
+    if (!idlest)
+        idlest = !head || (body && body->since_ns < head->since_ns) ? body : head;
+    if (!idlest && reader && loop->now_ns - reader->since_ns >= stalled_ns)
+        idlest = reader;
+    if (idlest)
+        pen_http_conn_close(idlest);
+    return idlest != NULL;
 }
 
-/* Makes place for a new connection. Returns false if there is none even among the reserved. */
+/* Makes place for a new connection. Returns false if no other of this loop can be spared. */
 static bool make_place(struct conn *conn)
 {
     struct pen_http *http = conn->loop->http;
     int others = atomic_fetch_add_explicit(&http->connections, 1, memory_order_relaxed);
     atomic_fetch_sub_explicit(&http->arriving, 1, memory_order_relaxed);
-    if (others < http->connection_max || close_idlest(conn->loop))
+    return others < http->connection_max || close_idlest(conn->loop);
+}
+
+/* Passes a new connection on to the next loop, which may have one to spare. Returns false if all
+ * were asked, or it is being stopped. */
+static bool pass_on(struct conn *conn)
+{
+    struct pen_http *http = conn->loop->http;
+    struct loop *next = conn->loop->next; /* afterwards the connection is that one's */
+    if (next == conn->dealt_to)
+        return false;
+    atomic_fetch_sub_explicit(&http->connections, 1, memory_order_relaxed);
+    if (give(next, conn))
         return true;
+    atomic_fetch_add_explicit(&http->connections, 1, memory_order_relaxed);
+    return false;
+}
+
+/* Gives a new connection one of the reserved slots. Returns false if they are taken, too. */
+static bool reserve(struct conn *conn)
+{
+    struct pen_http *http = conn->loop->http;
     conn->reserved = true;
     return atomic_fetch_add_explicit(&http->reserved, 1, memory_order_relaxed) < RESERVED_SLOTS;
 }
@@ -155,6 +187,9 @@ static void begin(struct conn *conn)
     struct epoll_event event = {.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
                                 .data.ptr = conn};
     bool placed = make_place(conn);
+    if (!placed && pass_on(conn))
+        return;
+    placed = placed || reserve(conn);
     append(conn, WAIT_HEAD);
     if (!placed || epoll_ctl(conn->loop->epoll_fd, EPOLL_CTL_ADD, conn->fd, &event) != 0)
         pen_http_conn_close(conn);

@@ -59,6 +59,7 @@ static const struct route table[] = {
      .path = "/v1/jobs/{id}",
      .handle = pen_http_handle_delete,
      .queue = QUEUE_STORE,
+     .is_short = true,
      .params = delete_params},
     {.method = "GET",
      .path = "/v1/jobs/{id}/events",

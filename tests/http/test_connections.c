@@ -99,6 +99,34 @@ START_TEST(test_connections__idle_connections_give_way)
 }
 END_TEST
 
+/* A body of which no more comes is as idle as a head, also for new connections that come to other
+ * threads: connections are dealt out to two to four of these in turn. */
+START_TEST(test_connections__half_bodies_give_way)
+{
+    enum { OPEN = 20, HALVES = 24, THREADS = 4 };
+    struct server server;
+    char path[80];
+    int fds[HALVES];
+    server_start(&server, &(struct server_options){.connections = OPEN});
+    for (int i = 0; i < THREADS * HALVES; i++) {
+        int fd = server_connect(&server);
+        if (i % THREADS) {
+            close(fd);
+            continue;
+        }
+        client_send(fd, "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
+                        "Content-Length: 1000\r\n\r\n{");
+        fds[i / THREADS] = fd;
+    }
+    client_pause(200);
+    for (int i = 0; i < OPEN; i++)
+        server_submit(&server, path);
+    for (int i = 0; i < HALVES; i++)
+        close(fds[i]);
+    server_stop(&server);
+}
+END_TEST
+
 /* When all connections are at work, some are kept for requests that are answered soon. */
 START_TEST(test_connections__short_requests_have_slots_of_their_own)
 {
@@ -302,6 +330,7 @@ END_TEST
 
 PEN_SUITE("connections", test_connections__slow_requests_are_ended,
           test_connections__early_bytes_buy_no_time, test_connections__idle_connections_give_way,
+          test_connections__half_bodies_give_way,
           test_connections__short_requests_have_slots_of_their_own,
           test_connections__slow_readers_keep_their_answer,
           test_connections__abandoned_polls_are_forgotten,

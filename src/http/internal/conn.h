@@ -57,8 +57,8 @@ enum conn_wait {
 };
 
 struct conn {
-    struct loop *loop;
-    int fd; /* -1: closed */
+    struct loop *loop, *dealt_to; /* dealt_to: the first loop that it was given to */
+    int fd;                       /* -1: closed */
     enum conn_state state;
     struct pen_address_key address; /* of the client */
 

@@ -18,8 +18,9 @@
  * taken some 64 KiB of what it holds, 128 KiB at most (UNSENT_BYTES in listener.c).
  *
  * When there are as many connections as allowed, one more takes the place of the one that has been
- * idle longest: one that is being closed, waits for a request, or has not sent its head; else of a
- * reader that has taken nothing for 2 s. */
+ * idle longest: one that is being closed, or waits for a request; else the one whose head, or
+ * window of a body, began first; else a reader that has taken nothing for 2 s. If a loop has none
+ * of these, it passes the new one on to the next loop. */
 #ifndef PEN_HTTP_INTERNAL_LOOP_H
 #define PEN_HTTP_INTERNAL_LOOP_H
 
@@ -45,6 +46,7 @@ struct loop_times {
 
 struct loop {
     struct pen_http *http;
+    struct loop *next; /* the loops are in a ring */
     struct loop_times times;
     int epoll_fd, wake_fd; /* wake_fd: an eventfd, readable when there is something under `lock` */
     pthread_t thread;
