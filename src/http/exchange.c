@@ -17,11 +17,12 @@
 #include "http/internal/streams.h"
 #include "http/internal/watch.h"
 
-/* Of the slots that are kept when all others are taken. */
+/* A slot that is kept when all others are taken is for a request that is answered at once. */
 static void check_slot(struct request *request)
 {
     struct pen_status st;
-    if (request->phase != PHASE_BODY || !request->conn->reserved || request->route->is_short)
+    request->at_once = request->conn->reserved;
+    if (request->phase != PHASE_BODY || !request->at_once || request->route->is_short)
         return;
     pen_fail(&st, PEN_UNAVAILABLE, "there are too many connections; try again later");
     pen_http_request_fail(request, &st);

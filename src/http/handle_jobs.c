@@ -78,6 +78,12 @@ enum outcome pen_http_handle_validate(struct request *request, struct pen_jobs *
     return OUTCOME_ANSWERED;
 }
 
+/* The seconds for which a GET of a job may wait. */
+static long wait_of(const struct request *request)
+{
+    return request->at_once ? 0 : pen_http_request_number(request, "wait", 0);
+}
+
 bool pen_http_quick_job(struct request *request)
 {
     struct snapshot snapshot;
@@ -85,8 +91,7 @@ bool pen_http_quick_job(struct request *request)
     if (!pen_http_snapshot_cache_peek(http->snapshot_cache, pen_http_watch_changes(http->watch),
                                       request->job_id, &snapshot))
         return false;
-    bool due = pen_http_request_number(request, "wait", 0) == 0 ||
-               pen_http_snapshot_is_due(&snapshot, request);
+    bool due = wait_of(request) == 0 || pen_http_snapshot_is_due(&snapshot, request);
     if (due)
         pen_http_snapshot_reply(&snapshot, request);
     pen_http_snapshot_release(&snapshot);
@@ -137,7 +142,7 @@ static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs,
 
 enum outcome pen_http_handle_job(struct request *request, struct pen_jobs *jobs)
 {
-    long wait = pen_http_request_number(request, "wait", 0);
+    long wait = wait_of(request);
     request->deadline_ns = request->begun_ns + wait * INT64_C(1000000000);
     bool again;
     enum outcome outcome;

@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "http/internal/http.h"
 #include "support/server.h"
 #include "support/suite.h"
 
@@ -135,13 +136,21 @@ START_TEST(test_connections__short_requests_have_slots_of_their_own)
     server_start(&server, &(struct server_options){.connections = OPEN});
     char path[80], head[160];
     server_submit(&server, path);
+    for (int i = 0; i < 400 && atomic_load(&server.http->connections) > 0; i++)
+        client_pause(50);
     int fds[OPEN];
     snprintf(head, sizeof head, "GET %s?wait=50 HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
     for (int i = 0; i < OPEN; i++) {
         fds[i] = server_connect(&server);
         client_send(fds[i], head);
     }
-    client_pause(500);
+    for (int i = 0; i < 400 && atomic_load(&server.http->active) < OPEN; i++)
+        client_pause(50);
+    snprintf(head, sizeof head, "GET %s?wait=50 HTTP/1.1", path);
+    for (int i = 0; i <= RESERVED_SLOTS; i++) /* they do not wait */
+        ck_assert_int_eq(server_status(&server, head, NULL), 200);
+    snprintf(head, sizeof head, "DELETE %s HTTP/1.1", path);
+    ck_assert_int_eq(server_status(&server, head, NULL), 409);
     snprintf(head, sizeof head, "GET %s HTTP/1.1", path);
     for (int i = 0; i < OPEN; i++) {
         server_expect_alive(&server);

@@ -54,6 +54,7 @@ struct request {
     int minor;                       /* the version is HTTP/1.minor */
     bool head;                       /* the method is HEAD */
     bool close;                      /* nothing may follow it on its connection */
+    bool at_once;                    /* it may not wait for a job to change */
     char peer[PEER_BYTES];           /* the client's address as text; "": not known */
     bool peer_is_shared;             /* many clients can be behind it */
     struct fields fields;

@@ -46,7 +46,7 @@ struct route {
     route_handler *handle;
     route_quick *quick; /* tried before queueing; NULL: none */
     enum queue_id queue;
-    bool is_short;     /* answered even when all connections are at work */
+    bool is_short;     /* answered even when all connections are at work, then without waiting */
     bool takes_body;   /* a scene or a job; otherwise a body is discarded */
     bool submits;      /* refused while draining */
     bool handle_again; /* a request that has waited in the watcher goes to the handler again,
