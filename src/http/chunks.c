@@ -2,7 +2,7 @@
 /* Reading a body in chunks. The lines between chunks are read byte by byte. */
 #include "http/wire.h"
 
-enum { LINE_BYTES = 256, TRAILER_BYTES = 8 << 10 };
+enum { LINE_BYTES = 256 };
 
 static int hex_digit(char c)
 {
@@ -51,19 +51,13 @@ static bool read_line_byte(struct pen_chunks *chunks, char c)
         return true;
     }
     if (c != '\n') {
-        chunks->trailer += chunks->state == PEN_CHUNKS_TRAILER;
-        return chunks->state != PEN_CHUNKS_END && ++chunks->line <= LINE_BYTES &&
-               chunks->trailer <= TRAILER_BYTES &&
-               (chunks->state == PEN_CHUNKS_TRAILER || read_size_byte(chunks, c));
+        return chunks->state == PEN_CHUNKS_SIZE && ++chunks->line <= LINE_BYTES &&
+               read_size_byte(chunks, c);
     }
     chunks->cr = false;
     if (chunks->state == PEN_CHUNKS_SIZE)
         return end_size_line(chunks);
-    if (chunks->state == PEN_CHUNKS_END)
-        chunks->state = PEN_CHUNKS_SIZE;
-    else if (chunks->line == 0)
-        chunks->state = PEN_CHUNKS_DONE;
-    chunks->line = 0;
+    chunks->state = PEN_CHUNKS_SIZE;
     return true;
 }
 
@@ -72,7 +66,7 @@ ptrdiff_t pen_chunks_read(struct pen_chunks *chunks, const char *text, size_t by
 {
     size_t at = 0;
     *data_bytes = 0;
-    while (at < bytes && chunks->state != PEN_CHUNKS_DONE) {
+    while (at < bytes && chunks->state != PEN_CHUNKS_TRAILER) {
         if (chunks->state != PEN_CHUNKS_DATA) {
             if (!read_line_byte(chunks, text[at++]))
                 return -1;

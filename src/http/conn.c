@@ -200,6 +200,7 @@ static enum conn_step begin_request(struct conn *conn, size_t head_bytes)
     } else {
         conn->state = CONN_BODY;
         conn->chunks = (struct pen_chunks){0};
+        conn->scan = (struct pen_head_scan){.begun = true};
         conn->window_bytes = 0;
         pen_http_loop_wait(conn, WAIT_BODY);
         ask_for_body(conn);
@@ -207,15 +208,22 @@ static enum conn_step begin_request(struct conn *conn, size_t head_bytes)
     return STEP_ON;
 }
 
+/* Receives a head or trailer of at most `max` bytes, as far as it has come. */
+static enum pen_head_found receive_fields(struct conn *conn, size_t max, size_t *bytes)
+{
+    enum pen_head_found found = PEN_HEAD_PART;
+    do {
+        if (conn->bytes > 0)
+            found = pen_head_find(conn->data, conn->bytes, &conn->scan, bytes);
+    } while (found == PEN_HEAD_PART && conn->bytes <= max && receive(conn));
+    return found;
+}
+
 static enum conn_step read_head(struct conn *conn)
 {
     size_t head_bytes;
-    enum pen_head_found found = PEN_HEAD_PART;
     bool was_empty = conn->bytes == 0;
-    do {
-        if (conn->bytes > 0)
-            found = pen_head_find(conn->data, conn->bytes, &conn->scan, &head_bytes);
-    } while (found == PEN_HEAD_PART && conn->bytes <= PEN_HEAD_BYTES && receive(conn));
+    enum pen_head_found found = receive_fields(conn, PEN_HEAD_BYTES, &head_bytes);
     if (conn->reset || (found == PEN_HEAD_PART && conn->half_closed))
         return STEP_END;
     if (found == PEN_HEAD_BAD)
@@ -237,11 +245,11 @@ static bool give(struct conn *conn, const char *data, size_t bytes)
     return bytes == 0 || pen_http_request_receive(conn->request, data, bytes);
 }
 
-/* Reads what has arrived of a body in chunks. Returns false if the request is over. */
-static bool read_chunks(struct conn *conn, bool *complete)
+/* Reads what has arrived of the chunks of a body. Returns false if the request is over. */
+static bool read_chunks(struct conn *conn)
 {
     struct request *request = conn->request;
-    while (conn->bytes > 0 && conn->chunks.state != PEN_CHUNKS_DONE) {
+    while (conn->bytes > 0 && conn->chunks.state != PEN_CHUNKS_TRAILER) {
         const char *data;
         size_t bytes;
         ptrdiff_t used = pen_chunks_read(&conn->chunks, conn->data, conn->bytes, &data, &bytes);
@@ -258,8 +266,47 @@ static bool read_chunks(struct conn *conn, bool *complete)
         if (!goes_on)
             return false;
     }
-    *complete = conn->chunks.state == PEN_CHUNKS_DONE;
     return true;
+}
+
+/* Checks what was found of a trailer. Returns 0, or the status to answer with. */
+static int check_trailer(const struct conn *conn, enum pen_head_found found, size_t bytes,
+                         struct pen_status *st)
+{
+    if (found == PEN_HEAD_BAD) {
+        pen_fail(st, PEN_SYNTAX, "malformed HTTP: a line of the trailer does not end in CR and LF");
+        return 400;
+    }
+    if ((found == PEN_HEAD_WHOLE ? bytes : conn->bytes) > PEN_TRAILER_BYTES) {
+        pen_fail(st, PEN_SYNTAX, "the trailer is longer than %d bytes", PEN_TRAILER_BYTES);
+        return 431;
+    }
+    if (found == PEN_HEAD_WHOLE)
+        return pen_trailer_check(conn->data, bytes, st);
+    if (!pen_http_conn_holds_much(conn))
+        return 0;
+    pen_fail(st, PEN_UNAVAILABLE, "there is no memory for this trailer now; try again later");
+    return 503;
+}
+
+/* Reads what follows the chunks of a body. */
+static enum conn_step read_trailer(struct conn *conn)
+{
+    struct pen_status st;
+    size_t bytes = 0;
+    enum pen_head_found found = receive_fields(conn, PEN_TRAILER_BYTES, &bytes);
+    if (conn->reset || (found == PEN_HEAD_PART && conn->half_closed))
+        return STEP_END;
+    int refused = check_trailer(conn, found, bytes, &st);
+    if (refused) {
+        refuse_rest(conn, refused, &st);
+    } else if (found == PEN_HEAD_PART) {
+        return STEP_WAIT;
+    } else {
+        consume(conn, bytes);
+        end_body(conn);
+    }
+    return STEP_ON;
 }
 
 static bool read_plain(struct conn *conn, bool *complete)
@@ -290,10 +337,12 @@ static enum conn_step read_body(struct conn *conn)
 {
     struct request *request = conn->request;
     bool complete = false;
+    bool chunked = request->fields.transfer_encoding != NULL;
+    if (chunked && conn->chunks.state == PEN_CHUNKS_TRAILER)
+        return read_trailer(conn);
     if (conn->bytes == 0 && !receive(conn))
         return conn->reset || conn->half_closed ? STEP_END : STEP_WAIT;
-    bool chunked = request->fields.transfer_encoding != NULL;
-    if (!(chunked ? read_chunks(conn, &complete) : read_plain(conn, &complete))) {
+    if (!(chunked ? read_chunks(conn) : read_plain(conn, &complete))) {
         request->close = true;
         pen_http_conn_answer(conn);
     } else if (complete) {

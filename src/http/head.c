@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading the head of a request. */
+/* Reading the head of a request, and the trailer of a body in chunks. */
 #include <string.h>
 #include <strings.h>
 
@@ -122,6 +122,22 @@ static int parse_field(char *line, size_t bytes, struct pen_head *head, struct p
     return 0;
 }
 
+/* Reads the fields of a head or trailer, up to the empty line at its end. */
+static int parse_fields(char *text, const char *end, struct pen_head *head, struct pen_status *st)
+{
+    size_t length;
+    int status = 0;
+    while (status == 0) {
+        char *line = next_line(&text, end, &length);
+        if (length == 0)
+            break;
+        if (has_control(line, length))
+            return refuse(st, "a header field has a control character");
+        status = parse_field(line, length, head, st);
+    }
+    return status;
+}
+
 int pen_head_parse(char *text, size_t bytes, struct pen_head *head, struct pen_status *st)
 {
     const char *end = text + bytes;
@@ -134,13 +150,19 @@ int pen_head_parse(char *text, size_t bytes, struct pen_head *head, struct pen_s
     if (has_control(line, length))
         return refuse(st, "the request line has a control character");
     int status = parse_request_line(line, head, st);
-    while (status == 0) {
-        line = next_line(&text, end, &length);
-        if (length == 0)
-            break;
-        if (has_control(line, length))
-            return refuse(st, "a header field has a control character");
-        status = parse_field(line, length, head, st);
+    return status ? status : parse_fields(text, end, head, st);
+}
+
+int pen_trailer_check(const char *text, size_t bytes, struct pen_status *st)
+{
+    static const char *const framing[] = {"Content-Length", "Transfer-Encoding"};
+    char copy[PEN_TRAILER_BYTES];
+    struct pen_head head = {.field_count = 0};
+    memcpy(copy, text, bytes);
+    int status = parse_fields(copy, copy + bytes, &head, st);
+    for (int i = 0; status == 0 && i < 2 * head.field_count; i++) {
+        if (strcasecmp(head.field[i / 2].name, framing[i % 2]) == 0)
+            status = refuse(st, "a field after the body says how long the body is");
     }
     return status;
 }

@@ -15,9 +15,10 @@
 
 #include "base/status.h"
 
-enum { PEN_HEAD_BYTES = 32 << 10, PEN_HEAD_FIELDS = 100 };
+enum { PEN_HEAD_BYTES = 32 << 10, PEN_HEAD_FIELDS = 100, PEN_TRAILER_BYTES = 8 << 10 };
 
-/* How far a text has been searched for the end of a head; {0} is its beginning. */
+/* How far a text has been searched for the end of a head; {0} is its beginning, {.begun = true}
+ * that of a trailer, which has no request line and may be an empty line alone. */
 struct pen_head_scan {
     size_t line, at; /* where the current line begins; the first byte that was not looked at */
     bool begun;      /* a line that is not empty was seen */
@@ -50,6 +51,11 @@ struct pen_head {
  * why. */
 int pen_head_parse(char *text, size_t bytes, struct pen_head *head, struct pen_status *st);
 
+/* Checks a trailer that pen_head_find has found: its fields are read as strictly as those of a
+ * head, and none may say how long the body is. They are not kept. `bytes` is PEN_TRAILER_BYTES at
+ * most. Returns 0, or the status to answer with, as pen_head_parse. */
+int pen_trailer_check(const char *text, size_t bytes, struct pen_status *st);
+
 /* Whether a list of tokens, separated by commas, has this one; upper and lower case are the same.
  */
 bool pen_list_has_token(const char *list, const char *token);
@@ -57,21 +63,19 @@ bool pen_list_has_token(const char *list, const char *token);
 /* The decoder of a body in chunks; {0} is its beginning. */
 struct pen_chunks {
     enum {
-        PEN_CHUNKS_SIZE,    /* in the line with a chunk's size */
-        PEN_CHUNKS_DATA,    /* in a chunk */
-        PEN_CHUNKS_END,     /* in the line end after a chunk */
-        PEN_CHUNKS_TRAILER, /* in the fields after the last chunk, which are skipped */
-        PEN_CHUNKS_DONE
+        PEN_CHUNKS_SIZE,   /* in the line with a chunk's size */
+        PEN_CHUNKS_DATA,   /* in a chunk */
+        PEN_CHUNKS_END,    /* in the line end after a chunk */
+        PEN_CHUNKS_TRAILER /* after the line of the last chunk: the trailer follows */
     } state;
     uint64_t left;                     /* bytes of the chunk that have not been read */
     unsigned line;                     /* bytes of the current line */
-    unsigned trailer;                  /* bytes of all lines of the trailer */
     bool digits, space, extension, cr; /* what the line with the size has had */
 };
 
 /* Reads the next bytes of a body: at most one piece of a chunk, which *data and *data_bytes become
  * (0 bytes: only framing was read). Returns the number of bytes read, which is 0 once the state is
- * PEN_CHUNKS_DONE; -1 if the framing is wrong. */
+ * PEN_CHUNKS_TRAILER; -1 if the framing is wrong. */
 ptrdiff_t pen_chunks_read(struct pen_chunks *chunks, const char *text, size_t bytes,
                           const char **data, size_t *data_bytes);
 

@@ -333,6 +333,69 @@ START_TEST(test_server__ambiguous_heads_are_refused)
 }
 END_TEST
 
+/* Sends a request in chunks with a trailer. Returns the status, and whether the connection stays
+ * open. */
+static int status_of_trailer(const struct server *server, const char *trailer, size_t bytes,
+                             bool *kept)
+{
+    struct answer answer;
+    int fd = server_connect(server);
+    client_send(fd, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n"
+                    "Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n");
+    ck_assert_int_eq(send(fd, trailer, bytes, MSG_NOSIGNAL), (ssize_t)bytes);
+    client_read(fd, false, &answer);
+    const int status = answer.status;
+    answer_release(&answer);
+    *kept = status == 200;
+    if (*kept) {
+        client_send(fd, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+        client_read(fd, false, &answer);
+        *kept = answer.status == 200;
+        answer_release(&answer);
+    } else {
+        ck_assert(client_sees_end(fd, 5));
+    }
+    close(fd);
+    return status;
+}
+
+START_TEST(test_server__trailers_are_read_as_strictly_as_heads)
+{
+#define ROW(text, status)                                                                          \
+    {                                                                                              \
+        text "\r\n\r\n", sizeof text "\r\n\r\n" - 1, status                                        \
+    }
+    static const struct {
+        const char *text;
+        size_t bytes;
+        int status;
+    } rows[] = {{"\r\n", 2, 200},
+                ROW("X-T: a\r\nExpires: never", 200),
+                ROW("X-T: a\0b", 400),
+                ROW("X-T : a", 400),
+                ROW("X-T: a\r\n b", 400),
+                ROW("garbage", 400),
+                ROW("X-T: a\nX-U: b", 400),
+                ROW("Content-Length: 5", 400),
+                ROW("Transfer-Encoding: chunked", 400)};
+#undef ROW
+    struct server server;
+    bool kept;
+    server_start(&server, &(struct server_options){0});
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const int status = status_of_trailer(&server, rows[i].text, rows[i].bytes, &kept);
+        ck_assert_msg(status == rows[i].status, "%s: %d", rows[i].text, status);
+        ck_assert(kept == (status == 200));
+    }
+    char large[10000];
+    memset(large, 'x', sizeof large);
+    memcpy(large, "X: ", 3);
+    ck_assert_int_eq(status_of_trailer(&server, large, sizeof large, &kept), 431);
+    server_expect_alive(&server);
+    server_stop(&server);
+}
+END_TEST
+
 /* Sends a head and a body of bytes. */
 static void ask_bytes(const struct server *server, const char *head, const struct pen_buf *body,
                       struct answer *answer)
@@ -870,21 +933,20 @@ START_TEST(test_server__unusable_store_is_an_error)
 }
 END_TEST
 
-PEN_SUITE("server", test_server__partial_requests_are_ended,
-          test_server__aborted_uploads_leave_nothing, test_server__bodies_in_memory_are_bounded,
-          test_server__unread_heads_in_memory_are_bounded,
-          test_server__pipelined_requests_are_answered_in_order,
-          test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
-          test_server__compressed_bodies_are_decoded_under_the_limit,
-          test_server__answers_are_compressed_on_demand, test_server__ambiguous_lengths_are_refused,
-          test_server__ambiguous_heads_are_refused, test_server__body_is_requested_only_if_accepted,
-          test_server__endless_chunks_are_dropped, test_server__body_limit_is_exact,
-          test_server__old_clients_are_served, test_server__long_polls_end_with_the_job,
-          test_server__long_poll_ends_with_its_time, test_server__long_poll_of_a_deleted_job,
-          test_server__waiting_requests_are_bounded, test_server__disconnected_waiters_do_no_harm,
-          test_server__stop_answers_waiting_requests, test_server__drain_refuses_new_jobs_only,
-          test_server__store_that_takes_no_writes_is_reported,
-          test_server__damage_that_was_found_is_reported,
-          test_server__concurrent_submits_are_all_kept,
-          test_server__concurrent_submits_with_one_key_are_one_job, test_server__jobs_are_rendered,
-          test_server__listening_socket_stays_the_callers, test_server__unusable_store_is_an_error)
+PEN_SUITE(
+    "server", test_server__partial_requests_are_ended, test_server__aborted_uploads_leave_nothing,
+    test_server__bodies_in_memory_are_bounded, test_server__unread_heads_in_memory_are_bounded,
+    test_server__pipelined_requests_are_answered_in_order,
+    test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
+    test_server__compressed_bodies_are_decoded_under_the_limit,
+    test_server__answers_are_compressed_on_demand, test_server__ambiguous_lengths_are_refused,
+    test_server__ambiguous_heads_are_refused, test_server__trailers_are_read_as_strictly_as_heads,
+    test_server__body_is_requested_only_if_accepted, test_server__endless_chunks_are_dropped,
+    test_server__body_limit_is_exact, test_server__old_clients_are_served,
+    test_server__long_polls_end_with_the_job, test_server__long_poll_ends_with_its_time,
+    test_server__long_poll_of_a_deleted_job, test_server__waiting_requests_are_bounded,
+    test_server__disconnected_waiters_do_no_harm, test_server__stop_answers_waiting_requests,
+    test_server__drain_refuses_new_jobs_only, test_server__store_that_takes_no_writes_is_reported,
+    test_server__damage_that_was_found_is_reported, test_server__concurrent_submits_are_all_kept,
+    test_server__concurrent_submits_with_one_key_are_one_job, test_server__jobs_are_rendered,
+    test_server__listening_socket_stays_the_callers, test_server__unusable_store_is_an_error)
