@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Any bytes as what a connection receives. The first byte says how the rest is cut into pieces, as
  * the network may cut it anywhere, and the second what it is: the head of a request, a body in
- * chunks, or a compressed body. */
+ * chunks, the trailer of one, or a compressed body. */
 #include "base/buf.h"
 #include "fuzz/fuzz.h"
 #include "http/internal/encoding.h"
 #include "http/wire.h"
 
-enum { HEAD, CHUNKS, GZIP, SUBJECTS };
+enum { HEAD, CHUNKS, GZIP, TRAILER, SUBJECTS };
 
 /* The length of the next piece: from 1 to 256 bytes, or all that is left. */
 static size_t piece(unsigned *cut, size_t left)
@@ -17,11 +17,11 @@ static size_t piece(unsigned *cut, size_t left)
     return bytes < left ? bytes : left;
 }
 
-/* A head that comes in pieces is found where one is found that comes at once. */
-static void check_head(const uint8_t *data, size_t size, unsigned cut)
+/* Finds the end of a head or trailer, which is where it is if all comes at once. Returns its
+ * length, 0 if there is none. */
+static size_t find(const char *text, size_t size, int trailer, unsigned cut)
 {
-    char *text = fuzz_text(data, size);
-    struct pen_head_scan whole = {0}, parts = {0};
+    struct pen_head_scan whole = {.begun = trailer}, parts = whole;
     size_t bytes = 0, bytes_of_parts = 0;
     const enum pen_head_found found = pen_head_find(text, size, &whole, &bytes);
     enum pen_head_found then = PEN_HEAD_PART;
@@ -30,22 +30,41 @@ static void check_head(const uint8_t *data, size_t size, unsigned cut)
         then = pen_head_find(text, at, &parts, &bytes_of_parts);
     }
     must(found == then);
-    if (found == PEN_HEAD_WHOLE) {
-        struct pen_head head;
-        struct pen_status st = {0};
-        must(bytes == bytes_of_parts && bytes <= size);
-        const int status = pen_head_parse(text, bytes, &head, &st);
-        if (status == 0) {
-            must(head.method[0] && head.target[0] && (head.minor == 0 || head.minor == 1));
-            must(head.field_count >= 0 && head.field_count <= PEN_HEAD_FIELDS);
-            for (int i = 0; i < head.field_count; i++) {
-                must(head.field[i].name[0] && !strpbrk(head.field[i].name, " \t:\r\n"));
-                must(!strpbrk(head.field[i].value, "\r\n"));
-                pen_list_has_token(head.field[i].value, "close");
-            }
-        } else {
-            must((status == 400 || status == 431 || status == 505) && st.msg[0]);
+    must(found != PEN_HEAD_WHOLE || (bytes > 0 && bytes == bytes_of_parts && bytes <= size));
+    return found == PEN_HEAD_WHOLE ? bytes : 0;
+}
+
+static void check_head(const uint8_t *data, size_t size, unsigned cut)
+{
+    char *text = fuzz_text(data, size);
+    const size_t bytes = find(text, size, 0, cut);
+    struct pen_head head;
+    struct pen_status st = {0};
+    const int status = bytes ? pen_head_parse(text, bytes, &head, &st) : 400;
+    must(status == 0 || status == 400 || status == 431 || status == 505);
+    must(status == 0 || bytes == 0 || st.msg[0]);
+    if (status == 0) {
+        must(head.method[0] && head.target[0] && (head.minor == 0 || head.minor == 1));
+        must(head.field_count >= 0 && head.field_count <= PEN_HEAD_FIELDS);
+        for (int i = 0; i < head.field_count; i++) {
+            must(head.field[i].name[0] && !strpbrk(head.field[i].name, " \t:\r\n"));
+            must(!strpbrk(head.field[i].value, "\r\n"));
+            pen_list_has_token(head.field[i].value, "close");
         }
+    }
+    free(text);
+}
+
+/* A trailer is checked as it is, and stays so. */
+static void check_trailer(const uint8_t *data, size_t size, unsigned cut)
+{
+    char *text = fuzz_text(data, size);
+    const size_t bytes = find(text, size, 1, cut);
+    struct pen_status st = {0};
+    if (bytes > 0 && bytes <= PEN_TRAILER_BYTES) {
+        const int status = pen_trailer_check(text, bytes, &st);
+        must(status == 0 || ((status == 400 || status == 431) && st.msg[0]));
+        must(memcmp(text, data, size) == 0);
     }
     free(text);
 }
@@ -56,7 +75,7 @@ static int decode(const char *text, size_t size, int at_once, unsigned cut, stru
 {
     struct pen_chunks chunks = {0};
     size_t at = 0, end = 0;
-    while (at < size && chunks.state != PEN_CHUNKS_DONE) {
+    while (at < size && chunks.state != PEN_CHUNKS_TRAILER) {
         const char *part;
         size_t bytes;
         if (at == end)
@@ -65,7 +84,7 @@ static int decode(const char *text, size_t size, int at_once, unsigned cut, stru
         if (got < 0)
             return 0;
         must((size_t)got <= end - at && bytes <= (size_t)got);
-        must(got > 0 || chunks.state == PEN_CHUNKS_DONE);
+        must(got > 0 || chunks.state == PEN_CHUNKS_TRAILER);
         if (bytes > 0)
             must(part >= text + at && part + bytes <= text + at + got);
         pen_buf_add(out, part, bytes);
@@ -123,6 +142,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         break;
     case GZIP:
         check_gzip(data + 2, size - 2);
+        break;
+    case TRAILER:
+        check_trailer(data + 2, size - 2, cut);
         break;
     }
     return 0;
