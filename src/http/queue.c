@@ -89,15 +89,16 @@ static void read_again(struct queue *queue, struct pen_jobs *jobs)
     queue->reading = false;
 }
 
-/* The jobs before a place, and the one there, take a worker's time each. The last one takes that
- * long, however many workers there are. */
+/* The jobs before a place, and the one there, take a worker's time each, once the batches in hand
+ * are done. The last one takes that long, however many workers there are. */
 static double eta_seconds(const struct pen_queue *queue, int64_t place)
 {
-    if (queue->workers == 0)
+    if (queue->workers == 0 || queue->job_us == 0)
         return 0;
     const double jobs = (double)place + (double)queue->running / 2;
     const double turns = jobs / (double)queue->workers;
-    return (turns < 1 ? 1 : turns) * (double)queue->job_us * 1e-6;
+    const double hand_us = (double)queue->hand_us / (double)queue->workers;
+    return ((turns < 1 ? 1 : turns) * (double)queue->job_us + hand_us) * 1e-6;
 }
 
 struct queue_place pen_http_queue_place(struct queue *queue, struct pen_jobs *jobs, const char *id)

@@ -253,7 +253,9 @@ bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_recor
 struct pen_queue {
     struct pen_buf ids; /* of the queued jobs, PEN_ID_BYTES each, in the order in which they begin,
                          * as far as the shares of now tell (README.md, "Shares") */
-    int64_t running;    /* jobs that have begun */
+    int64_t running;    /* jobs that have begun, but for those of hand_us */
+    int64_t hand_us;    /* what the batches in hand still take, as far as it is known, each at most
+                         * a minute: by then its turn is over */
     int64_t workers;    /* that are there now */
     int64_t job_us;     /* how long workers took for a job: the mean of the last 50 jobs that took
                          * any time and have ended. 0: there were none */

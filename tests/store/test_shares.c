@@ -423,6 +423,40 @@ START_TEST(test_shares__the_queue_is_in_the_order_in_which_jobs_begin)
 }
 END_TEST
 
+static void expect_in_hand(int64_t running, int64_t hand_us)
+{
+    struct pen_queue queue;
+    struct pen_status st;
+    store_must(pen_store_queue(bed.store, &queue, &st), &st, "queue");
+    pen_buf_release(&queue.ids);
+    ck_assert_int_eq(queue.running, running);
+    ck_assert_int_eq(queue.hand_us, hand_us);
+}
+
+/* What is left of the batch in hand is known by its job's estimate or rate. */
+START_TEST(test_shares__the_queue_tells_what_is_left_of_the_batches_in_hand)
+{
+    struct pen_status st;
+    open_bed();
+    submit_many(1, 0, "10.0.0.1", NULL);
+    store_worker_seen(bed.store, "w");
+    struct pen_claim claim = store_claim(bed.store, "w");
+    expect_in_hand(1, 0);
+    store_must(pen_store_estimate(bed.store, &claim, 9000, &st), &st, "estimate");
+    expect_in_hand(0, 9 * SECOND_US);
+    store_run_sql(&bed, "UPDATE job SET spent_us = 4000000", NULL, 0);
+    expect_in_hand(0, 5 * SECOND_US);
+    store_run_sql(&bed, "UPDATE job SET estimate_ms = 80000000", NULL, 0);
+    expect_in_hand(0, 60 * SECOND_US);
+    store_run_sql(&bed, "UPDATE job SET estimate_ms = 0, done_pixels = total_pixels / 4", NULL, 0);
+    expect_in_hand(0, 12 * SECOND_US);
+    store_run_sql(&bed, "UPDATE job SET done_pixels = 0, spent_us = 0", NULL, 0);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    expect_in_hand(0, 0);
+    store_bed_close(&bed);
+}
+END_TEST
+
 static void expect_facts(int64_t running, int64_t workers, int64_t job_us)
 {
     struct pen_queue queue;
@@ -464,7 +498,8 @@ START_TEST(test_shares__the_queue_tells_what_the_last_50_jobs_took_and_the_worke
 }
 END_TEST
 
-PEN_SUITE("shares", test_shares__the_queue_tells_what_the_last_50_jobs_took_and_the_workers_of_now,
+PEN_SUITE("shares", test_shares__the_queue_tells_what_is_left_of_the_batches_in_hand,
+          test_shares__the_queue_tells_what_the_last_50_jobs_took_and_the_workers_of_now,
           test_shares__the_queue_is_in_the_order_in_which_jobs_begin,
           test_shares__addresses_get_the_same_time_whatever_they_queue,
           test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_not_told_yet,

@@ -20,7 +20,8 @@ void pen_http_queue_free(struct queue *queue); /* NULL is allowed */
 struct queue_place {
     int64_t number;     /* 1 for the job that begins next; 0: not known */
     double eta_seconds; /* until it ends, if it and those before it take as long as the last ones
-                         * that have ended, and those that run are half done. 0: not known */
+                         * that have ended, after what is left of those that run: as far as it is
+                         * known, else half. 0: not known */
 };
 
 /* The place of a job when the queue was read last. It is not known if the job was not in the queue

@@ -78,6 +78,7 @@ static bool read_facts(struct pen_driver *driver, struct pen_queue *queue, struc
     queue->running = pen_sqlite_column_int(&query, 0);
     queue->workers = pen_sqlite_column_int(&query, 1);
     queue->job_us = pen_sqlite_column_int(&query, 2);
+    queue->hand_us = pen_sqlite_column_int(&query, 3);
     pen_sqlite_end(&query);
     return true;
 }

@@ -290,13 +290,24 @@ static const char *const sql_text[] = {
         " ORDER BY o.turn, l.served_us, l.id) AS turn FROM of_lane o JOIN lane l ON l.id = o.lane)"
         " SELECT o.id FROM of_peer o JOIN peer p ON p.id = o.peer"
         " ORDER BY p.priority DESC, o.turn, p.served_us, p.id",
+    /* The batches in hand: what is left of each, by its share of what is left of its job, which its
+     * estimate or else its rate tells; but no more than a turn (claims.c). */
     [SQL_QUEUE_FACTS] =
-        "SELECT (SELECT count(*) FROM job WHERE state = 1),"
+        "WITH hand AS MATERIALIZED (SELECT job, min(60000000, left_us,"
+        " CAST(1.0 * left_us * pixels / max(1, rest) AS INTEGER)) AS us FROM"
+        " (SELECT b.job, b.pixels, j.total_pixels - j.done_pixels AS rest,"
+        " CASE WHEN j.estimate_ms > 0 THEN max(0, j.estimate_ms * 1000 - j.spent_us)"
+        " WHEN j.done_pixels > 0 THEN CAST(1.0 * j.spent_us * (j.total_pixels - j.done_pixels)"
+        " / j.done_pixels AS INTEGER) END AS left_us FROM batch b JOIN job j ON j.number = b.job"
+        " WHERE b.state = 1 AND b.kind <> 1))"
+        "SELECT (SELECT count(*) FROM job WHERE state = 1)"
+        " - (SELECT count(DISTINCT job) FROM hand WHERE us IS NOT NULL),"
         " (SELECT count(*) FROM worker w WHERE w.seen_ms + w.lease_ms > ?1 OR EXISTS (SELECT 1"
         " FROM batch b WHERE b.state = 1 AND b.worker = w.id AND b.lease_until_ms > ?1)),"
         " (SELECT CAST(coalesce(avg(spent_us), 0) AS INTEGER) FROM (SELECT spent_us FROM job"
         " WHERE finished_ms > 0 AND removed_ms = 0 AND spent_us > 0"
-        " ORDER BY finished_ms DESC LIMIT 50))",
+        " ORDER BY finished_ms DESC LIMIT 50)),"
+        " (SELECT coalesce(sum(us), 0) FROM hand)",
     [SQL_NEXT_SCENE] = "SELECT s.id, length(s.document), 0, NULL, (SELECT min(j.id) FROM job j"
                        " WHERE j.scene = s.id AND j.removed_ms = 0), ''"
                        " FROM scene s WHERE s.id > ? ORDER BY s.id LIMIT 1",
