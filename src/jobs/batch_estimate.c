@@ -85,6 +85,8 @@ bool pen_batch_expected(struct pen_batch_context *context, const struct pen_clai
     struct pen_job_record job;
     struct pen_status ignored;
     if (context->max_seconds == 0 || claim->kind != PEN_BATCH_RENDER || spent_s < TELLING_S ||
+        !pen_batch_context_load(context, claim, &ignored) ||
+        pen_stored_request_budget(&context->request) > 0 || /* which is bounded itself */
         !pen_store_job(context->store, claim->job_id, &job, &ignored))
         return true;
     const double share = (double)job.done_pixels / (double)job.total_pixels;

@@ -277,10 +277,28 @@ START_TEST(test_rounds__budget_gives_way_and_goes_on_with_the_rest)
 }
 END_TEST
 
+/* What it has spent on giving way may come above what is allowed. */
+START_TEST(test_rounds__budget_that_is_allowed_is_not_expected_to_take_too_long)
+{
+    jobs_bed_open(&bed);
+    jobs_submit(&bed,
+                "{\"scene\": \"builtin:spheres\", \"budget_seconds\": 0.5,"
+                " \"render\": {\"width\": 16, \"height\": 12}}",
+                id);
+    store_run_sql(&bed.bed, "UPDATE job SET spent_us = 20000000, done_pixels = total_pixels / 2",
+                  NULL, 0);
+    bed.max_seconds = 12;
+    jobs_worker_start(&bed);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 PEN_SUITE("rounds", test_rounds__killed_worker_loses_no_round_that_is_kept,
           test_rounds__next_worker_goes_on_with_what_is_kept,
           test_rounds__worker_killed_within_a_round_goes_on_inside_it,
           test_rounds__job_of_higher_priority_comes_between_two_rounds,
           test_rounds__job_of_higher_priority_comes_between_two_tiles,
           test_rounds__that_take_longer_than_allowed_end,
+          test_rounds__budget_that_is_allowed_is_not_expected_to_take_too_long,
           test_rounds__budget_gives_way_and_goes_on_with_the_rest)
