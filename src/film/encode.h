@@ -74,4 +74,12 @@ bool pen_png_write(const struct pen_film *film, const struct pen_png_options *op
  * pen_png_write. */
 bool pen_pfm_write(const struct pen_film *film, struct pen_buf *out, struct pen_status *st);
 
+/* The same file in the memory of the film, for large pictures: pen_pfm_begin fills `out`, which is
+ * empty, and makes `film` one whose pixels, not set yet, are in it; the caller sets all of them,
+ * and pen_pfm_end makes them the file's. Owns: the caller releases out, which has the film's
+ * pixels. Fails: as pen_film_new; pen_pfm_end: PEN_NO_MEMORY (one row). */
+bool pen_pfm_begin(int width, int height, struct pen_buf *out, struct pen_film *film,
+                   struct pen_status *st);
+bool pen_pfm_end(struct pen_film *film, struct pen_buf *out, struct pen_status *st);
+
 #endif

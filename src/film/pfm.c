@@ -3,6 +3,7 @@
  * order (negative: little-endian), then rows of binary32 triples from the bottom up. "Pf" is grey.
  */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,6 +34,62 @@ bool pen_pfm_write(const struct pen_film *film, struct pen_buf *out, struct pen_
         }
     }
     return !out->failed || pen_fail(st, PEN_NO_MEMORY, "no memory to write PFM");
+}
+
+/* Where the pixels are while they are set: behind the longest head, aligned. */
+enum { PIXELS_AT = 64 };
+
+bool pen_pfm_begin(int width, int height, struct pen_buf *out, struct pen_film *film,
+                   struct pen_status *st)
+{
+    if (width < 1 || height < 1)
+        return pen_fail(st, PEN_INVALID, "an image of %d x %d pixels has none", width, height);
+    if ((int64_t)width * height > PEN_FILM_PIXELS_MAX)
+        return pen_fail(st, PEN_TOO_LARGE, "%d x %d are more than %d pixels", width, height,
+                        PEN_FILM_PIXELS_MAX);
+    const size_t bytes = (size_t)width * (size_t)height * 3 * sizeof(float);
+    unsigned char *data = malloc(PIXELS_AT + bytes + 1);
+    if (!data)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for %d x %d pixels", width, height);
+    *out = (struct pen_buf){
+        .data = data, .bytes = PIXELS_AT + bytes, .capacity = PIXELS_AT + bytes + 1};
+    *film = (struct pen_film){
+        .width = width, .height = height, .rgb = (float *)(void *)(data + PIXELS_AT)};
+    return true;
+}
+
+/* Makes a row of the film one of the file, in place. */
+static void make_little_endian(float *row, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const float value = row[i];
+        put_little_endian((unsigned char *)&row[i], value);
+    }
+}
+
+bool pen_pfm_end(struct pen_film *film, struct pen_buf *out, struct pen_status *st)
+{
+    const size_t count = (size_t)film->width * 3, height = (size_t)film->height;
+    const size_t bytes = count * height * sizeof(float);
+    float *spare = malloc(count * sizeof *spare);
+    if (!spare)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory to write PFM");
+    for (size_t y = 0; y < height; y++)
+        make_little_endian(film->rgb + y * count, count);
+    for (size_t y = 0; y < height / 2; y++) {
+        float *upper = film->rgb + y * count, *lower = film->rgb + (height - 1 - y) * count;
+        memcpy(spare, upper, count * sizeof *spare);
+        memcpy(upper, lower, count * sizeof *spare);
+        memcpy(lower, spare, count * sizeof *spare);
+    }
+    free(spare);
+    const int head =
+        snprintf((char *)out->data, PIXELS_AT, "PF\n%d %d\n-1.0\n", film->width, film->height);
+    memmove(out->data + head, out->data + PIXELS_AT, bytes);
+    out->bytes = (size_t)head + bytes;
+    out->data[out->bytes] = '\0';
+    film->rgb = NULL;
+    return true;
 }
 
 /* What remains of a file being read. */
@@ -83,26 +140,17 @@ static float get_float(const unsigned char *from, bool little)
     return value;
 }
 
-/* Fills the samples from the file's rows, which run from the bottom up; `channels` 1 is grey.
- * Returns false if a value is not finite. */
-static bool fill(struct pen_picture *picture, const unsigned char *data, size_t channels,
-                 double scale)
-{
-    float *out = picture->owned;
-    size_t width = (size_t)picture->width, height = (size_t)picture->height;
-    for (size_t y = 0; y < height; y++) {
-        const unsigned char *row = data + (height - 1 - y) * width * channels * 4;
-        for (size_t i = 0; i < width * 3; i++) {
-            const unsigned char *from = row + 4 * (channels == 3 ? i : i / 3);
-            *out = (float)((double)get_float(from, scale < 0) * fabs(scale));
-            if (!isfinite(*out++))
-                return false;
-        }
-    }
-    return true;
-}
+/* A PFM file whose head was read. */
+struct pfm {
+    int64_t width, height;
+    size_t channels; /* 1: grey */
+    double scale;
+    const unsigned char *rows; /* from the bottom up */
+};
 
-struct pen_picture *pen_pfm_read(const unsigned char *bytes, size_t count, struct pen_status *st)
+/* Reads the head, and checks that as many pixels follow as it says. */
+static bool read_head(const unsigned char *bytes, size_t count, struct pfm *pfm,
+                      struct pen_status *st)
 {
     struct input in = {.at = bytes, .left = count};
     char magic[3];
@@ -110,22 +158,59 @@ struct pen_picture *pen_pfm_read(const unsigned char *bytes, size_t count, struc
     if (!next_word(&in, magic, sizeof magic) || !next_number(&in, &width) ||
         !next_number(&in, &height) || !next_number(&in, &scale) || scale == 0 ||
         !(width >= 1 && width <= INT32_MAX && width == floor(width)) ||
-        !(height >= 1 && height <= INT32_MAX && height == floor(height))) {
-        pen_fail(st, PEN_SYNTAX, "cannot read PFM: its head is not PF, width, height and scale");
-        return NULL;
-    }
+        !(height >= 1 && height <= INT32_MAX && height == floor(height)))
+        return pen_fail(st, PEN_SYNTAX,
+                        "cannot read PFM: its head is not PF, width, height and scale");
     size_t channels = magic[1] == 'F' ? 3 : 1;
     uint64_t pixels = (uint64_t)width * (uint64_t)height;
-    if (pixels <= PEN_FILM_PIXELS_MAX && in.left != pixels * channels * 4) {
-        pen_fail(st, PEN_SYNTAX, "cannot read PFM: %zu bytes of pixels where %llu belong", in.left,
-                 (unsigned long long)(pixels * channels * 4));
-        return NULL;
+    if (pixels <= PEN_FILM_PIXELS_MAX && in.left != pixels * channels * 4)
+        return pen_fail(st, PEN_SYNTAX, "cannot read PFM: %zu bytes of pixels where %llu belong",
+                        in.left, (unsigned long long)(pixels * channels * 4));
+    *pfm = (struct pfm){.width = (int64_t)width,
+                        .height = (int64_t)height,
+                        .channels = channels,
+                        .scale = scale,
+                        .rows = in.at};
+    return true;
+}
+
+/* Fills `out` from the file's rows. */
+static bool fill(const struct pfm *pfm, float *out, struct pen_status *st)
+{
+    const size_t width = (size_t)pfm->width, height = (size_t)pfm->height;
+    for (size_t y = 0; y < height; y++) {
+        const unsigned char *row = pfm->rows + (height - 1 - y) * width * pfm->channels * 4;
+        for (size_t i = 0; i < width * 3; i++) {
+            const unsigned char *from = row + 4 * (pfm->channels == 3 ? i : i / 3);
+            *out = (float)((double)get_float(from, pfm->scale < 0) * fabs(pfm->scale));
+            if (!isfinite(*out++))
+                return pen_fail(st, PEN_SYNTAX, "cannot read PFM: a value is not finite");
+        }
     }
-    struct pen_picture *picture =
-        pen_picture_new((int64_t)width, (int64_t)height, PICTURE_FLOAT, st);
-    if (!picture || fill(picture, in.at, channels, scale))
+    return true;
+}
+
+struct pen_picture *pen_pfm_read(const unsigned char *bytes, size_t count, struct pen_status *st)
+{
+    struct pfm pfm;
+    if (!read_head(bytes, count, &pfm, st))
+        return NULL;
+    struct pen_picture *picture = pen_picture_new(pfm.width, pfm.height, PICTURE_FLOAT, st);
+    if (!picture || fill(&pfm, picture->owned, st))
         return picture;
     pen_picture_free(picture);
-    pen_fail(st, PEN_SYNTAX, "cannot read PFM: a value is not finite");
     return NULL;
+}
+
+bool pen_pfm_load(const void *data, size_t bytes, struct pen_film *film, struct pen_status *st)
+{
+    struct pfm pfm;
+    if (bytes < 2 || memcmp(data, "PF", 2) != 0)
+        return pen_fail(st, PEN_SYNTAX, "cannot read PFM: it does not begin with PF");
+    if (!read_head(data, bytes, &pfm, st))
+        return false;
+    if (pfm.width != film->width || pfm.height != film->height)
+        return pen_fail(st, PEN_SYNTAX, "the PFM has %lld x %lld pixels where %d x %d belong",
+                        (long long)pfm.width, (long long)pfm.height, film->width, film->height);
+    return fill(&pfm, film->rgb, st);
 }

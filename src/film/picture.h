@@ -16,6 +16,10 @@ struct pen_picture;
  * (damaged), PEN_TOO_LARGE (more than PEN_FILM_PIXELS_MAX), PEN_NO_MEMORY. */
 struct pen_picture *pen_picture_read(const void *bytes, size_t count, struct pen_status *st);
 
+/* Fills a film from a PFM file that has its size. Fails: PEN_SYNTAX (damaged, or another size); the
+ * film then holds a part of it. */
+bool pen_pfm_load(const void *data, size_t bytes, struct pen_film *film, struct pen_status *st);
+
 /* A film as a picture; it borrows the film's pixels. Fails: PEN_NO_MEMORY. */
 struct pen_picture *pen_picture_of_film(const struct pen_film *film, struct pen_status *st);
 

@@ -214,11 +214,25 @@ static bool read_artefact(struct pen_store *store, void *arg, struct pen_status 
     return pen_blob_load(store, PEN_BLOB_ARTEFACT, artefact->row.number, artefact->row.bytes, st);
 }
 
+/* Gives the blob that was loaded to `out`. An empty `out` gets the buffer itself: an artefact may
+ * be large, and a handle that kept it would keep its memory for ever. */
+static bool give_blob(struct pen_buf *blob, struct pen_buf *out, struct pen_status *st)
+{
+    const bool ok =
+        out->data ? pen_buf_add(out, blob->data, blob->bytes) : pen_buf_add(blob, "", 0);
+    if (!ok)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
+    if (!out->data) {
+        *out = *blob;
+        pen_buf_init(blob);
+    }
+    return true;
+}
+
 bool pen_policy_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                          const char *format, struct pen_buf *out, struct pen_status *st)
 {
     struct artefact artefact = {.id = id, .view = view, .layer = layer, .format = format};
-    const struct pen_buf *blob = &store->blob;
     if (!pen_store_read(store, read_artefact, &artefact, st))
         return false;
     if (!pen_blob_is_intact(store, artefact.row.has_checksum, artefact.row.checksum)) {
@@ -228,8 +242,8 @@ bool pen_policy_artefact(struct pen_store *store, const char *id, int view, cons
         pen_log(PEN_LOG_ERROR, "%s", st->msg);
         return false;
     }
-    if (!pen_buf_add(out, blob->data, blob->bytes))
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
+    if (!give_blob(&store->blob, out, st))
+        return false;
     pen_note_use(store, &artefact.row);
     return true;
 }

@@ -73,13 +73,13 @@ static bool reserve_blob(struct pen_store *store, size_t bytes, struct pen_statu
     struct pen_buf *blob = &store->blob;
     blob->failed = false;
     blob->bytes = 0;
-    if (bytes <= blob->capacity)
+    if (bytes < blob->capacity)
         return true;
     pen_buf_release(blob);
-    unsigned char *data = malloc(bytes);
+    unsigned char *data = malloc(bytes + 1); /* a buffer has a zero byte behind its contents */
     if (!data)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for %zu stored bytes", bytes);
-    *blob = (struct pen_buf){.data = data, .capacity = bytes};
+    *blob = (struct pen_buf){.data = data, .capacity = bytes + 1};
     return true;
 }
 

@@ -163,6 +163,36 @@ START_TEST(test_files__pfm_keeps_every_bit)
 }
 END_TEST
 
+/* Made in the memory of the film, it has the same bytes; and it fills a film of its size only. */
+START_TEST(test_files__pfm_is_made_in_place)
+{
+    struct pen_film film = make_film(), made, read = {.width = W, .height = H};
+    struct pen_buf out = {0}, in_place = {0};
+    struct pen_status st;
+    float values[COUNT];
+    ck_assert(pen_pfm_write(&film, &out, &st));
+    ck_assert(pen_pfm_begin(W, H, &in_place, &made, &st));
+    memcpy(made.rgb, film.rgb, sizeof values);
+    ck_assert(pen_pfm_end(&made, &in_place, &st));
+    ck_assert_uint_eq(in_place.bytes, out.bytes);
+    ck_assert_mem_eq(in_place.data, out.data, out.bytes + 1);
+    read.rgb = values;
+    ck_assert(pen_pfm_load(out.data, out.bytes, &read, &st));
+    ck_assert_mem_eq(values, film.rgb, sizeof values);
+    ck_assert(!pen_pfm_load(out.data, out.bytes - 1, &read, &st));
+    ck_assert_int_eq(st.code, PEN_SYNTAX);
+    read.width = H;
+    read.height = W;
+    ck_assert(!pen_pfm_load(out.data, out.bytes, &read, &st));
+    ck_assert_int_eq(st.code, PEN_SYNTAX);
+    ck_assert(!pen_pfm_load("QF", 2, &read, &st));
+    pen_buf_release(&in_place);
+    ck_assert(!pen_pfm_begin(0, 1, &in_place, &made, &st) && st.code == PEN_INVALID);
+    ck_assert(!pen_pfm_begin(1 << 20, 65, &in_place, &made, &st) && st.code == PEN_TOO_LARGE);
+    pen_buf_release(&out);
+}
+END_TEST
+
 START_TEST(test_files__pfm_of_other_programs_is_read)
 {
     const struct {
@@ -477,8 +507,8 @@ END_TEST
 
 PEN_SUITE("files", test_files__png_holds_the_codes_of_the_formula,
           test_files__png_states_its_transfer, test_files__pixels_not_rendered_yet_are_transparent,
-          test_files__pfm_keeps_every_bit, test_files__pfm_of_other_programs_is_read,
-          test_files__damaged_pfm_is_refused, test_files__every_kind_of_png_is_read,
-          test_files__every_truncated_png_is_refused,
+          test_files__pfm_keeps_every_bit, test_files__pfm_is_made_in_place,
+          test_files__pfm_of_other_programs_is_read, test_files__damaged_pfm_is_refused,
+          test_files__every_kind_of_png_is_read, test_files__every_truncated_png_is_refused,
           test_files__damaged_files_end_in_an_error_or_a_picture, test_files__png_size_is_bounded,
           test_files__every_failed_allocation_is_an_error)
