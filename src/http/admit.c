@@ -143,12 +143,16 @@ static bool check_media(const struct request *request, struct pen_status *st)
                     request->fields.content_type);
 }
 
-static bool check_encoding(const struct request *request, struct pen_status *st)
+/* "identity" says that the body is as it is, as no field does. */
+static bool check_encoding(struct request *request, struct pen_status *st)
 {
     const char *encoding = request->fields.content_encoding;
+    if (encoding && strcasecmp(encoding, "identity") == 0)
+        encoding = request->fields.content_encoding = NULL;
     return !encoding || !request->route->takes_body || strcasecmp(encoding, "gzip") == 0 ||
            pen_fail(st, PEN_MEDIA_TYPE,
-                    "the Content-Encoding \"%.40s\" is not accepted; \"gzip\" is", encoding);
+                    "the Content-Encoding \"%.40s\" is not accepted; \"gzip\" and \"identity\" are",
+                    encoding);
 }
 
 static bool check_drain(const struct request *request, struct pen_status *st)

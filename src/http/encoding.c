@@ -111,7 +111,8 @@ static bool is_text(const char *type)
     static const char *const types[] = {"application/json", "application/problem+json",
                                         "application/xml",  "application/yaml",
                                         "image/svg+xml",    "text/csv",
-                                        "text/html",        "text/markdown"};
+                                        "text/html",        "text/markdown",
+                                        "text/plain"};
     size_t length = strcspn(type, ";");
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
         if (strlen(types[i]) == length && strncmp(types[i], type, length) == 0)
