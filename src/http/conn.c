@@ -174,13 +174,18 @@ static void end_body(struct conn *conn)
         pen_http_loop_wait(conn, WAIT_WORK);
 }
 
+static void go_on(struct conn *conn)
+{
+    static const char text[] = "HTTP/1.1 100 Continue\r\n\r\n";
+    if (send(conn->fd, text, sizeof text - 1, MSG_NOSIGNAL) != (ssize_t)sizeof text - 1)
+        conn->reset = true;
+}
+
 /* Asks a client that waits for it to send the body. */
 static void ask_for_body(struct conn *conn)
 {
-    static const char go_on[] = "HTTP/1.1 100 Continue\r\n\r\n";
-    if (conn->bytes == 0 && pen_http_request_waits(conn->request) &&
-        send(conn->fd, go_on, sizeof go_on - 1, MSG_NOSIGNAL) != (ssize_t)sizeof go_on - 1)
-        conn->reset = true;
+    if (conn->bytes == 0 && pen_http_request_waits(conn->request))
+        go_on(conn);
 }
 
 /* A head has arrived. */
@@ -384,8 +389,13 @@ static enum conn_step watch_client(struct conn *conn)
 {
     if (conn->reset)
         return STEP_END;
-    if (!conn->half_closed || !pen_http_exchange_abandon(conn->request))
+    if (!conn->half_closed)
         return STEP_WAIT;
+    if (!pen_http_exchange_abandon(conn->request)) {
+        if (pen_http_exchange_probes(conn->request))
+            go_on(conn);
+        return STEP_WAIT;
+    }
     conn->state = CONN_HEAD; /* the request is the loop's again */
     return STEP_END;
 }

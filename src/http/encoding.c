@@ -78,6 +78,19 @@ bool pen_http_gzip(const void *data, size_t bytes, struct pen_buf *out)
     return ok;
 }
 
+size_t pen_http_request_work(const struct request *request)
+{
+    const struct pen_buf *body = &request->body;
+    const size_t limit = request->http->limits.body_bytes;
+    size_t decoded = 0;
+    if (!request->fields.content_encoding || body->bytes < 4)
+        return body->bytes;
+    for (int i = 0; i < 4; i++)
+        decoded |= (size_t)body->data[body->bytes - 4 + (size_t)i] << 8 * i;
+    decoded = decoded < limit ? decoded : limit;
+    return decoded > body->bytes ? decoded : body->bytes;
+}
+
 bool pen_http_request_decode(struct request *request)
 {
     struct pen_http *http = request->http;
@@ -93,10 +106,11 @@ bool pen_http_request_decode(struct request *request)
     pen_http_request_drop_body(request);
     atomic_fetch_add_explicit(&http->intake_bytes, plain.bytes, memory_order_relaxed);
     request->body = plain;
+    request->fields.content_encoding = NULL;
     return true;
 }
 
-static struct reply_field *find_field(struct reply *reply, const char *name)
+static const struct reply_field *find_field(const struct reply *reply, const char *name)
 {
     for (int i = 0; i < reply->field_count; i++) {
         if (strcmp(reply->field[i].name, name) == 0)
@@ -124,7 +138,7 @@ static bool is_text(const char *type)
 /* A strong tag names the bytes that are sent, so the compressed ones have a tag of their own. */
 static void change_tag(struct reply *reply)
 {
-    struct reply_field *tag = find_field(reply, "ETag");
+    struct reply_field *tag = (struct reply_field *)find_field(reply, "ETag");
     size_t length = tag ? strlen(tag->value) : 0;
     char *text = NULL;
     if (length < 2)
@@ -137,16 +151,35 @@ static void change_tag(struct reply *reply)
     tag->value = text;
 }
 
+/* Whether the answer may be compressed, if the client accepts that and the length is worth it. */
+static bool is_compressible(const struct reply *reply)
+{
+    const struct reply_field *type = find_field(reply, "Content-Type");
+    return !reply->failed && reply->body && type && is_text(type->value) && reply->status != 206 &&
+           !find_field(reply, "Content-Encoding");
+}
+
+static bool wants_gzip(const struct request *request)
+{
+    const struct reply *reply = &request->reply;
+    return is_compressible(reply) && reply->bytes >= SMALL_BYTES && reply->bytes <= LARGE_BYTES &&
+           pen_encoding_is_gzip(request->fields.accept_encoding);
+}
+
+size_t pen_http_request_encodes(const struct request *request)
+{
+    return wants_gzip(request) && !pen_http_blob_has_gzip(request->reply.body)
+               ? request->reply.bytes
+               : 0;
+}
+
 void pen_http_request_encode(struct request *request)
 {
     struct reply *reply = &request->reply;
-    const struct reply_field *type = find_field(reply, "Content-Type");
-    if (reply->failed || !reply->body || !type || !is_text(type->value) || reply->status == 206)
-        return;
-    if (!find_field(reply, "Vary"))
+    const bool wanted = wants_gzip(request);
+    if (is_compressible(reply) && !find_field(reply, "Vary"))
         pen_http_reply_field(reply, "Vary", "Accept-Encoding");
-    if (reply->bytes < SMALL_BYTES || reply->bytes > LARGE_BYTES ||
-        !pen_encoding_is_gzip(request->fields.accept_encoding))
+    if (!wanted)
         return;
     struct blob *gzip = pen_http_blob_gzip(reply->body);
     if (!gzip)

@@ -64,12 +64,15 @@ void pen_http_exchange_dispatch(struct request *request)
     bool answered = route->quick && route->quick(request);
     if (!answered && id == QUEUE_NONE)
         answered = route->handle(request, NULL) == OUTCOME_ANSWERED;
-    if (answered) {
+    const enum queue_id encodes =
+        answered ? pen_http_executor_encodes(request, QUEUE_NONE) : QUEUE_NONE;
+    if (answered && encodes == QUEUE_NONE) {
         pen_http_request_encode(request);
         return;
     }
     request->phase = PHASE_WORK;
-    if (pen_http_executor_submit(request->http->executor, id, request))
+    request->is_handled = answered;
+    if (pen_http_executor_submit(request->http->executor, answered ? encodes : id, request))
         return;
     struct pen_status st;
     pen_fail(&st, PEN_UNAVAILABLE, "the daemon is stopping");
@@ -82,6 +85,15 @@ bool pen_http_exchange_abandon(struct request *request)
     return pen_http_watch_abandon(request->http->watch, request);
 }
 
+bool pen_http_exchange_probes(struct request *request)
+{
+    const struct route *route = request->route;
+    const bool takes_long = route->queue == QUEUE_COMPUTE || route->only_answers;
+    const bool probes = takes_long && request->minor > 0 && !request->is_probed;
+    request->is_probed = request->is_probed || probes;
+    return probes;
+}
+
 /* Logs a request. Requests that only read, are refused, or end without an answer are logged at
  * debug level, because they could fill a disk. */
 static void log_access(const struct request *request, uint64_t streamed, bool complete)
@@ -89,7 +101,9 @@ static void log_access(const struct request *request, uint64_t streamed, bool co
     const struct reply *reply = &request->reply;
     bool reads = request->head || strcmp(request->method, "GET") == 0;
     bool refused = reply->status == 0 || reply->status >= 400;
-    bool failed = reply->status >= 500 && request->route; /* others any client can provoke */
+    /* Others any client can provoke. */
+    bool failed = reply->status >= 500 && request->route &&
+                  !atomic_load_explicit(&request->unwanted, memory_order_relaxed);
     enum pen_log_level level = failed             ? PEN_LOG_WARN
                                : reads || refused ? PEN_LOG_DEBUG
                                                   : PEN_LOG_INFO;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The queues and one lock, which is held for a few instructions at a time. */
+/* The queues and one lock, which is held for a few instructions at a time; longer only where it
+ * looks for the smallest of the requests with large bodies. */
 #include "http/internal/executor.h"
 
 #include <malloc.h>
@@ -7,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "http/internal/encoding.h"
 #include "http/internal/http.h"
 #include "http/internal/loop.h"
@@ -14,18 +16,27 @@
 #include "jobs/jobs.h"
 
 enum {
-    QUEUES = QUEUE_INTAKE + 1, /* that of QUEUE_NONE stays empty */
+    QUEUES = QUEUE_LARGE + 1, /* that of QUEUE_NONE stays empty */
     THREADS_MAX = 64,
-    LARGE_BYTES = 256 << 10, /* from here on a body counts as large, see trim_memory */
-    LARGE_ANSWER = 64 << 10, /* from here on an answer counts for ANSWER_BYTES */
-    ANSWER_BYTES = 96 << 20  /* the most of such answers in memory, but pictures */
+    LARGE_BYTES = 256 << 10,      /* from here on a body counts as large, see trim_memory */
+    LARGE_ANSWER = 64 << 10,      /* from here on an answer counts for ANSWER_BYTES */
+    ANSWER_BYTES = 96 << 20,      /* the most of such answers in memory, but pictures */
+    ENCODED_ANYWHERE = 64 << 10,  /* answers up to here are compressed where they are made */
+    ENCODED_BY_COMPUTE = 4 << 20, /* and these by a compute thread; it takes up to 0.1 s */
+    GROWN_BYTES = 64 << 20,       /* bodies in memory, up to which decoded ones may wait again */
+    SMALLEST_SHARE = 3 /* times as long as on the oldest, intake works on the smallest first */
 };
-_Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_COMPUTE == 2 && QUEUE_INTAKE == 3,
+_Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_COMPUTE == 2 && QUEUE_INTAKE == 3 &&
+                   QUEUE_LARGE == 4,
                "queues are indexed by enum queue_id");
 
 struct queue {
     struct request *head, **tail; /* guarded by lock */
     pthread_cond_t filled;
+    /* guarded by lock; of QUEUE_INTAKE: time spent on requests chosen as the smallest and as the
+     * oldest since the queue was empty */
+    int64_t smallest_ns, oldest_ns;
+    bool was_oldest; /* guarded by lock: the last one was chosen as the oldest */
 };
 
 struct thread {
@@ -59,37 +70,62 @@ static bool trim_memory(struct executor *executor, enum queue_id id)
     return true;
 }
 
+/* The place of the next request in a queue that is not empty: of large bodies the smallest, and for
+ * a quarter of the time, but never twice in turn, the oldest. So a small one does not wait for many
+ * large ones, and a large one is not overtaken for ever. Of the others, the oldest. */
+static struct request **choose(struct queue *queue, enum queue_id id, bool *smallest)
+{
+    struct request **chosen = &queue->head;
+    *smallest = id == QUEUE_INTAKE &&
+                (queue->was_oldest || queue->smallest_ns <= SMALLEST_SHARE * queue->oldest_ns);
+    queue->was_oldest = !*smallest;
+    if (!*smallest)
+        return chosen;
+    for (struct request **link = chosen; *link; link = &(*link)->next) {
+        if ((*link)->work_bytes < (*chosen)->work_bytes)
+            chosen = link;
+    }
+    return chosen;
+}
+
 /* Waits for the next request of a queue. Returns NULL once the executor is closed and the queue
  * empty. */
-static struct request *next_request(struct executor *executor, enum queue_id id)
+static struct request *next_request(struct executor *executor, enum queue_id id, bool *smallest)
 {
     struct queue *queue = &executor->queue[id];
+    struct request *request = NULL;
     pthread_mutex_lock(&executor->lock);
     while (!queue->head && !executor->closed) {
+        queue->smallest_ns = queue->oldest_ns = 0;
         if (!trim_memory(executor, id))
             pthread_cond_wait(&queue->filled, &executor->lock);
     }
-    struct request *request = queue->head;
-    if (request) {
-        queue->head = request->next;
-        if (!queue->head)
-            queue->tail = &queue->head;
+    if (queue->head) {
+        struct request **link = choose(queue, id, smallest);
+        request = *link;
+        *link = request->next;
+        if (!request->next)
+            queue->tail = link;
     }
     pthread_mutex_unlock(&executor->lock);
     return request;
 }
 
-static void finish_request(struct executor *executor, bool large)
+static void finish_request(struct executor *executor, enum queue_id id, bool smallest, int64_t ns,
+                           bool large)
 {
+    struct queue *queue = &executor->queue[id];
     pthread_mutex_lock(&executor->lock);
     executor->trim = executor->trim || large;
+    *(smallest ? &queue->smallest_ns : &queue->oldest_ns) += ns;
     pthread_mutex_unlock(&executor->lock);
 }
 
 /* Whether nobody waits for the answer, and nothing else comes of the request. */
 static bool is_unwanted(const struct request *request)
 {
-    return (request->head || strcmp(request->method, "GET") == 0) &&
+    const bool reads = request->head || strcmp(request->method, "GET") == 0;
+    return (reads || (request->route->only_answers && !request->job_id[0])) &&
            atomic_load_explicit(&request->unwanted, memory_order_relaxed);
 }
 
@@ -109,38 +145,104 @@ static void count_answer(struct request *request)
     pen_http_request_fail(request, &st);
 }
 
-/* Decodes the body, and runs the handler. */
-static enum outcome handle(struct request *request, struct pen_jobs *jobs)
+static void answer_unavailable(struct request *request, const char *why)
 {
-    enum outcome outcome = OUTCOME_ANSWERED;
     struct pen_status st;
+    pen_fail(&st, PEN_UNAVAILABLE, "%s", why);
+    pen_http_request_fail(request, &st);
+}
+
+/* Whether a body has turned out to be larger than was known: it had several members. Then it has
+ * another place in the queue, unless such bodies take too much memory. */
+static bool has_grown(struct request *request)
+{
+    const size_t known = request->work_bytes;
+    request->work_bytes = request->body.bytes;
+    return request->body.bytes > known &&
+           atomic_load_explicit(&request->http->intake_bytes, memory_order_relaxed) < GROWN_BYTES;
+}
+
+/* Decodes the body, and runs the handler. Returns the queue to which the request goes on, or
+ * QUEUE_NONE if this thread is done with it; *outcome is then set. */
+static enum queue_id handle(struct request *request, struct thread *thread, enum outcome *outcome)
+{
+    *outcome = OUTCOME_ANSWERED;
+    if (request->is_handled)
+        return QUEUE_NONE;
+    if (thread->id == QUEUE_LARGE &&
+        atomic_load_explicit(&request->http->stopping, memory_order_relaxed)) {
+        answer_unavailable(request, "the daemon is stopping");
+        return QUEUE_NONE;
+    }
     if (is_unwanted(request)) {
-        pen_fail(&st, PEN_UNAVAILABLE, "the client has gone");
-        pen_http_request_fail(request, &st);
-        return outcome;
+        answer_unavailable(request, "the client has gone");
+        return QUEUE_NONE;
     }
-    if (pen_http_request_decode(request))
-        outcome = request->route->handle(request, jobs);
-    if (outcome == OUTCOME_ANSWERED) {
-        pen_http_request_encode(request);
+    if (pen_http_request_decode(request)) {
+        if (thread->id == QUEUE_INTAKE && has_grown(request))
+            return QUEUE_INTAKE;
+        *outcome = request->route->handle(request, thread->jobs);
+    }
+    if (*outcome == OUTCOME_LARGE) {
+        request->is_large = true;
+        return QUEUE_LARGE;
+    }
+    if (*outcome == OUTCOME_ANSWERED) {
         count_answer(request);
+        pen_http_request_drop_body(request);
+        request->is_handled = true;
+        return pen_http_executor_encodes(request, thread->id);
     }
-    return outcome;
+    return QUEUE_NONE;
+}
+
+/* Gives a request on to another queue. Returns false once the executor is closed. */
+static bool pass_on(struct request *request, struct executor *executor, enum queue_id to)
+{
+    const bool handled = request->is_handled;
+    if (pen_http_executor_submit(executor, to, request))
+        return true;
+    if (!handled)
+        answer_unavailable(request, "the daemon is stopping");
+    return false;
+}
+
+static void run(struct request *request, struct thread *thread)
+{
+    enum outcome outcome;
+    const enum queue_id to = handle(request, thread, &outcome);
+    if (to != QUEUE_NONE && pass_on(request, thread->executor, to))
+        return;
+    if (outcome == OUTCOME_WATCHED)
+        return;
+    if (to == QUEUE_NONE && !atomic_load_explicit(&request->unwanted, memory_order_relaxed))
+        pen_http_request_encode(request);
+    pen_http_request_drop_body(request);
+    pen_http_resume(request);
 }
 
 static void *work(void *arg)
 {
     struct thread *thread = arg;
     struct request *request;
-    while ((request = next_request(thread->executor, thread->id)) != NULL) {
-        bool large = request->body.bytes >= LARGE_BYTES;
-        if (handle(request, thread->jobs) == OUTCOME_ANSWERED) {
-            pen_http_request_drop_body(request);
-            pen_http_resume(request);
-        }
-        finish_request(thread->executor, large);
+    bool smallest = false;
+    while ((request = next_request(thread->executor, thread->id, &smallest)) != NULL) {
+        const bool large = request->work_bytes >= LARGE_BYTES;
+        const int64_t begun_ns = pen_clock_ns();
+        run(request, thread);
+        finish_request(thread->executor, thread->id, smallest, pen_clock_ns() - begun_ns, large);
     }
     return NULL;
+}
+
+enum queue_id pen_http_executor_encodes(const struct request *request, enum queue_id here)
+{
+    const size_t bytes = pen_http_request_encodes(request);
+    if (bytes <= ENCODED_ANYWHERE || here == QUEUE_LARGE)
+        return QUEUE_NONE;
+    if (bytes > ENCODED_BY_COMPUTE)
+        return QUEUE_LARGE;
+    return here == QUEUE_COMPUTE ? QUEUE_NONE : QUEUE_COMPUTE;
 }
 
 static bool add_thread(struct executor *executor, enum queue_id id,
@@ -164,8 +266,11 @@ struct executor *pen_http_executor_start(const struct executor_options *options,
 {
     const int count[QUEUES] = {[QUEUE_STORE] = options->store_threads,
                                [QUEUE_COMPUTE] = options->compute_threads,
-                               [QUEUE_INTAKE] = options->intake_threads};
-    int threads = count[QUEUE_STORE] + count[QUEUE_COMPUTE] + count[QUEUE_INTAKE];
+                               [QUEUE_INTAKE] = options->intake_threads,
+                               [QUEUE_LARGE] = 1};
+    int threads = 0;
+    for (int id = 0; id < QUEUES; id++)
+        threads += count[id];
     struct executor *executor = threads <= THREADS_MAX ? calloc(1, sizeof *executor) : NULL;
     if (!executor) {
         pen_fail(st, PEN_NO_MEMORY, "no memory for %d request threads", threads);
@@ -216,6 +321,8 @@ bool pen_http_executor_submit(struct executor *executor, enum queue_id id, struc
 {
     struct queue *queue = &executor->queue[id];
     request->next = NULL;
+    if (id == QUEUE_INTAKE && request->work_bytes == 0)
+        request->work_bytes = pen_http_request_work(request);
     pthread_mutex_lock(&executor->lock);
     bool open = !executor->closed;
     if (open) {

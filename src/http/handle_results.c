@@ -10,6 +10,11 @@
 #include "http/internal/watch.h"
 #include "io/document.h"
 
+enum {
+    LARGE_WORK = 32 << 20, /* bytes of memory; making the picture takes half a second and more */
+    LARGE_WAIT_MS = 2000   /* for memory, which readers of another large picture have */
+};
+
 static const char forever[] = "private, max-age=86400, immutable";
 
 /* Answers with a problem. Adds Retry-After if the job has not ended, because its result may still
@@ -48,7 +53,7 @@ static void answer_hashed(struct request *request, struct blob *blob, const char
 {
     char etag[ETAG_BYTES] = "";
     if (blob)
-        pen_http_blob_etag(blob, etag);
+        pen_http_etag(&blob->content, etag);
     const struct content content = {
         .blob = blob, .type = type, .etag = etag, .cache_control = forever};
     pen_http_request_content(request, &content);
@@ -62,63 +67,109 @@ static struct picture_key key_of(const struct request *request)
                                 .format = pen_http_request_param(request, "format")};
 }
 
-bool pen_http_quick_image(struct request *request)
+/* Looks for an answer in memory without a read of the store. */
+static bool find_quickly(const struct request *request, const struct picture_key *key,
+                         struct picture *out)
 {
     struct pen_http *http = request->http;
-    const struct picture_key key = key_of(request);
     struct snapshot snapshot;
-    struct picture picture;
     if (!pen_http_snapshot_cache_peek(http->snapshot_cache, pen_http_watch_changes(http->watch),
                                       request->job_id, &snapshot))
         return false;
     pen_http_snapshot_release(&snapshot); /* the job is there */
-    if (!pen_http_pictures_find(http->pictures, &key, &picture))
+    return pen_http_pictures_find(http->pictures, key, out);
+}
+
+bool pen_http_quick_image(struct request *request)
+{
+    const struct picture_key key = key_of(request);
+    struct picture picture;
+    if (!find_quickly(request, &key, &picture))
         return false;
     answer_picture(request, &picture, true);
     return true;
 }
 
-/* Gets the picture from memory if the job is there, or else from the store. */
-static bool get_picture(struct request *request, struct pen_jobs *jobs, struct picture *picture,
-                        struct pen_status *st)
+/* Looks for an answer in memory, if the job is there. Where the store says that it is not, or does
+ * not answer, the caller's own read says so too. */
+static bool find_kept(const struct request *request, struct pen_jobs *jobs,
+                      const struct picture_key *key, struct picture *out)
 {
     struct pen_http *http = request->http;
-    const struct picture_key key = key_of(request);
-    const struct pen_image_query query = {
-        .view = key.view, .layer = key.layer, .format = key.format};
-    struct pen_image image = {0};
     struct snapshot snapshot;
-    if (pen_http_snapshot_cache_read(http->snapshot_cache, pen_http_watch_changes(http->watch),
-                                     jobs, request->job_id, &snapshot, st)) {
-        pen_http_snapshot_release(&snapshot);
-        if (pen_http_pictures_find(http->pictures, &key, picture))
-            return true;
-    }
-    return pen_jobs_image(jobs, request->job_id, &query, &image, st) &&
-           pen_http_pictures_take(http->pictures, &key, &image, picture, st);
+    struct pen_status ignored;
+    if (!pen_http_snapshot_cache_read(http->snapshot_cache, pen_http_watch_changes(http->watch),
+                                      jobs, request->job_id, &snapshot, &ignored))
+        return false;
+    pen_http_snapshot_release(&snapshot);
+    return pen_http_pictures_find(http->pictures, key, out);
+}
+
+/* A picture that is being made. */
+struct making {
+    struct request *request;
+    struct picture_room room;
+    bool is_large; /* it is left to the thread for large work */
+};
+
+/* Large work goes to its thread before memory is set aside for it. */
+static bool reserve(void *user, size_t bytes, struct pen_status *st)
+{
+    struct making *making = user;
+    making->is_large = bytes > LARGE_WORK && !making->request->is_large;
+    if (making->is_large)
+        return pen_fail(st, PEN_UNAVAILABLE, "the picture is large");
+    return pen_http_pictures_reserve(making->request->http->pictures, bytes,
+                                     making->request->is_large ? LARGE_WAIT_MS : 0, &making->room,
+                                     st);
+}
+
+static enum outcome answer_made(struct making *making, struct pen_jobs *jobs, bool made,
+                                struct pen_image *image, const struct picture_key *key,
+                                struct pen_status *st)
+{
+    struct request *request = making->request;
+    struct pictures *pictures = request->http->pictures;
+    struct picture picture;
+    if (making->is_large)
+        return OUTCOME_LARGE;
+    if (!made)
+        pen_http_pictures_give_up(pictures, &making->room);
+    if (!made || !pen_http_pictures_take(pictures, key, image, &making->room, &picture, st))
+        return answer_status(request, jobs, st);
+    answer_picture(request, &picture, key != NULL);
+    return OUTCOME_ANSWERED;
 }
 
 enum outcome pen_http_handle_image(struct request *request, struct pen_jobs *jobs)
 {
+    const struct picture_key key = key_of(request);
+    struct making making = {.request = request};
+    const struct pen_image_query query = {.view = key.view,
+                                          .layer = key.layer,
+                                          .format = key.format,
+                                          .reserve = reserve,
+                                          .user = &making};
+    struct pen_image image = {0};
     struct picture picture;
     struct pen_status st;
-    if (!get_picture(request, jobs, &picture, &st))
-        return answer_status(request, jobs, &st);
-    answer_picture(request, &picture, true);
-    return OUTCOME_ANSWERED;
+    if (find_kept(request, jobs, &key, &picture)) {
+        answer_picture(request, &picture, true);
+        return OUTCOME_ANSWERED;
+    }
+    const bool made = pen_jobs_image(jobs, request->job_id, &query, &image, &st);
+    return answer_made(&making, jobs, made, &image, &key, &st);
 }
 
 enum outcome pen_http_handle_preview(struct request *request, struct pen_jobs *jobs)
 {
+    struct making making = {.request = request};
+    const struct pen_image_query query = {
+        .view = pen_http_request_param(request, "view"), .reserve = reserve, .user = &making};
     struct pen_image image = {0};
-    struct picture picture;
     struct pen_status st;
-    if (!pen_jobs_preview(jobs, request->job_id, pen_http_request_param(request, "view"), &image,
-                          &st) ||
-        !pen_http_pictures_take(request->http->pictures, NULL, &image, &picture, &st))
-        return answer_status(request, jobs, &st);
-    answer_picture(request, &picture, false);
-    return OUTCOME_ANSWERED;
+    const bool made = pen_jobs_preview(jobs, request->job_id, &query, &image, &st);
+    return answer_made(&making, jobs, made, &image, NULL, &st);
 }
 
 enum outcome pen_http_handle_stats(struct request *request, struct pen_jobs *jobs)
@@ -132,15 +183,55 @@ enum outcome pen_http_handle_stats(struct request *request, struct pen_jobs *job
     return OUTCOME_ANSWERED;
 }
 
+/* A large scene is kept as pictures are: it never changes. Small ones are not, since they would
+ * take the places of pictures in the list. */
+enum { KEPT_SCENE = 64 << 10 };
+
+static struct picture_key scene_key(const struct request *request)
+{
+    return (struct picture_key){.job = request->job_id, .layer = "scene", .format = "scene"};
+}
+
+static void answer_scene(struct request *request, const struct picture *scene)
+{
+    const struct content content = {
+        .blob = scene->blob, .type = scene->type, .etag = scene->etag, .cache_control = forever};
+    pen_http_request_content(request, &content);
+}
+
+bool pen_http_quick_scene(struct request *request)
+{
+    const struct picture_key key = scene_key(request);
+    struct picture scene;
+    if (!find_quickly(request, &key, &scene))
+        return false;
+    answer_scene(request, &scene);
+    return true;
+}
+
+/* Reads the scene from the store. */
+static bool read_scene(struct request *request, struct pen_jobs *jobs,
+                       const struct picture_key *key, struct picture *scene, struct pen_status *st)
+{
+    struct pen_image image = {0};
+    if (!pen_jobs_scene(jobs, request->job_id, &image.bytes, st))
+        return false;
+    const bool xml = pen_text_is_xml((const char *)image.bytes.data, image.bytes.bytes);
+    strcpy(image.type, xml ? "application/xml" : "application/json");
+    pen_http_etag(&image.bytes, image.etag);
+    return pen_http_pictures_take(request->http->pictures,
+                                  image.bytes.bytes > KEPT_SCENE ? key : NULL, &image, NULL, scene,
+                                  st);
+}
+
 enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *jobs)
 {
-    struct pen_buf scene = {0};
+    const struct picture_key key = scene_key(request);
+    struct picture scene;
     struct pen_status st;
-    if (!pen_jobs_scene(jobs, request->job_id, &scene, &st))
+    if (!find_kept(request, jobs, &key, &scene) && !read_scene(request, jobs, &key, &scene, &st))
         return answer_status(request, jobs, &st);
-    bool xml = pen_text_is_xml((const char *)scene.data, scene.bytes);
-    answer_hashed(request, pen_http_blob_take(&scene),
-                  xml ? "application/xml" : "application/json");
+    answer_scene(request, &scene);
     return OUTCOME_ANSWERED;
 }
 

@@ -1,29 +1,37 @@
 /* SPDX-License-Identifier: MIT */
 /* A list of kept pictures, the one used last in front. A kept picture that nobody reads goes when
- * the list is full, or when the budget is needed for another. */
+ * the list is full, or when the budget is needed for another. The picture in the place beside the
+ * budget is not in the list, and goes with its last reader. */
 #include "http/internal/pictures.h"
 
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum {
     KEPT = 64,
     KEY_BYTES = 300,
-    SMALL_BYTES = 1 << 20,
     BUDGET_BYTES = 128 << 20,
-    RESERVE_BYTES = 32 << 20 /* beyond the budget, for small pictures */
+    RESERVE_BYTES = 64 << 20, /* beyond the budget, for small pictures */
+    PAUSE_MS = 20,            /* after which a thread that waits for memory looks again */
+    SMALL_FILE = 1 << 20,     /* a picture is small up to so many bytes, */
+    SMALL_ROOM = 16 << 20     /* and while it is made */
+};
+
+struct kept {
+    char key[KEY_BYTES];
+    struct picture picture;
 };
 
 struct pictures {
-    atomic_size_t bytes; /* of all pictures in memory. atomic: relaxed, a sum */
+    atomic_size_t bytes; /* within the budget, reserved or in memory. atomic: relaxed, a sum */
+    atomic_size_t alone_bytes; /* in the place beside it; 0: it is free. atomic: relaxed, a sum */
     pthread_mutex_t lock;
-    int count; /* guarded by lock */
-    struct kept {
-        char key[KEY_BYTES];
-        struct picture picture;
-    } * kept[KEPT]; /* guarded by lock */
+    int count;               /* guarded by lock */
+    struct kept *kept[KEPT]; /* guarded by lock */
+    struct kept *alone;      /* guarded by lock: the picture in that place, if it can be found */
 };
 
 struct pictures *pen_http_pictures_new(void)
@@ -44,12 +52,32 @@ static void drop(struct pictures *pictures, int i)
     free(kept);
 }
 
+static void drop_alone(struct pictures *pictures)
+{
+    struct kept *kept = pictures->alone;
+    pictures->alone = NULL;
+    if (kept)
+        pen_http_blob_unref(kept->picture.blob);
+    free(kept);
+}
+
+/* The last reader of the picture beside the budget has gone, unless another came. */
+static void on_idle(void *user)
+{
+    struct pictures *pictures = user;
+    pthread_mutex_lock(&pictures->lock);
+    if (pictures->alone && atomic_load(&pictures->alone->picture.blob->refs) == 1)
+        drop_alone(pictures);
+    pthread_mutex_unlock(&pictures->lock);
+}
+
 void pen_http_pictures_free(struct pictures *pictures)
 {
     if (!pictures)
         return;
     while (pictures->count > 0)
         drop(pictures, pictures->count - 1);
+    drop_alone(pictures);
     pthread_mutex_destroy(&pictures->lock);
     free(pictures);
 }
@@ -66,17 +94,21 @@ static bool write_key(const struct picture_key *key, char text[KEY_BYTES])
 /* Finds a picture and brings it to the front. Called with the lock held. */
 static bool find(struct pictures *pictures, const char *key, struct picture *out)
 {
-    for (int i = 0; i < pictures->count; i++) {
+    struct kept *found = pictures->alone;
+    if (!found || strcmp(found->key, key) != 0)
+        found = NULL;
+    for (int i = 0; !found && i < pictures->count; i++) {
         struct kept *kept = pictures->kept[i];
         if (strcmp(kept->key, key) != 0)
             continue;
         memmove(&pictures->kept[1], &pictures->kept[0], (size_t)i * sizeof(struct kept *));
-        pictures->kept[0] = kept;
-        *out = kept->picture;
-        pen_http_blob_ref(out->blob);
-        return true;
+        pictures->kept[0] = found = kept;
     }
-    return false;
+    if (!found)
+        return false;
+    *out = found->picture;
+    pen_http_blob_ref(out->blob);
+    return true;
 }
 
 bool pen_http_pictures_find(struct pictures *pictures, const struct picture_key *key,
@@ -91,60 +123,123 @@ bool pen_http_pictures_find(struct pictures *pictures, const struct picture_key 
     return found;
 }
 
-/* Whether a picture of this size may be in memory; if need be, drops pictures that nobody reads.
- * Called with the lock held. */
-static bool make_room(struct pictures *pictures, size_t bytes)
+/* Whether so many bytes fit into the budget; if need be, drops pictures that nobody reads. Called
+ * with the lock held. */
+static bool make_room(struct pictures *pictures, size_t bytes, bool is_small)
 {
-    size_t budget = BUDGET_BYTES + (bytes <= SMALL_BYTES ? (size_t)RESERVE_BYTES : 0);
+    size_t budget = BUDGET_BYTES + (is_small ? (size_t)RESERVE_BYTES : 0);
     for (int i = pictures->count - 1; i >= 0; i--) {
         if (atomic_load_explicit(&pictures->bytes, memory_order_relaxed) + bytes <= budget)
             return true;
         if (atomic_load(&pictures->kept[i]->picture.blob->refs) == 1)
             drop(pictures, i);
     }
-    size_t others = atomic_load_explicit(&pictures->bytes, memory_order_relaxed);
-    return others + bytes <= budget || others == 0; /* any picture may be alone */
+    return atomic_load_explicit(&pictures->bytes, memory_order_relaxed) + bytes <= budget;
 }
 
-static void keep(struct pictures *pictures, const char *key, const struct picture *picture)
+static bool fail_full(struct pen_status *st)
+{
+    return pen_fail(st, PEN_UNAVAILABLE,
+                    "there is no memory for a large picture now; try again later");
+}
+
+static atomic_size_t *total_of(struct pictures *pictures, bool alone)
+{
+    return alone ? &pictures->alone_bytes : &pictures->bytes;
+}
+
+static bool try_reserve(struct pictures *pictures, const struct picture_room *room)
+{
+    pthread_mutex_lock(&pictures->lock);
+    const bool ok = room->alone
+                        ? atomic_load_explicit(&pictures->alone_bytes, memory_order_relaxed) == 0
+                        : make_room(pictures, room->bytes, room->bytes <= SMALL_ROOM);
+    if (ok)
+        atomic_fetch_add_explicit(total_of(pictures, room->alone), room->bytes,
+                                  memory_order_relaxed);
+    pthread_mutex_unlock(&pictures->lock);
+    return ok;
+}
+
+bool pen_http_pictures_reserve(struct pictures *pictures, size_t bytes, int wait_ms,
+                               struct picture_room *room, struct pen_status *st)
+{
+    const struct timespec pause = {.tv_nsec = PAUSE_MS * 1000000L};
+    *room = (struct picture_room){.bytes = bytes, .alone = bytes > BUDGET_BYTES};
+    for (int ms = 0; !try_reserve(pictures, room); ms += PAUSE_MS) {
+        if (ms >= wait_ms) {
+            *room = (struct picture_room){0};
+            return fail_full(st);
+        }
+        nanosleep(&pause, NULL);
+    }
+    return true;
+}
+
+void pen_http_pictures_give_up(struct pictures *pictures, struct picture_room *room)
+{
+    atomic_fetch_sub_explicit(total_of(pictures, room->alone), room->bytes, memory_order_relaxed);
+    *room = (struct picture_room){0};
+}
+
+static void keep(struct pictures *pictures, const char *key, const struct picture *picture,
+                 bool alone)
 {
     struct kept *kept = malloc(sizeof *kept);
     if (!kept)
         return;
-    if (pictures->count == KEPT)
-        drop(pictures, KEPT - 1);
     memcpy(kept->key, key, KEY_BYTES);
     kept->picture = *picture;
     pen_http_blob_ref(picture->blob);
+    if (alone) {
+        picture->blob->idle = on_idle;
+        picture->blob->idle_user = pictures;
+        pictures->alone = kept;
+        return;
+    }
+    if (pictures->count == KEPT)
+        drop(pictures, KEPT - 1);
     memmove(&pictures->kept[1], &pictures->kept[0],
             (size_t)pictures->count * sizeof(struct kept *));
     pictures->kept[0] = kept;
     pictures->count++;
 }
 
+/* Makes the image a picture. Called with the lock held. */
+static bool take(struct pictures *pictures, const char *key, struct pen_image *image,
+                 struct picture_room *room, struct picture *out, struct pen_status *st)
+{
+    const size_t bytes = image->bytes.bytes;
+    const bool was_alone = room->alone;
+    if (!was_alone)
+        pen_http_pictures_give_up(pictures, room);
+    const bool fits = make_room(pictures, bytes, bytes <= SMALL_FILE);
+    if (!fits && !was_alone)
+        return fail_full(st);
+    memcpy(out->type, image->type, sizeof out->type);
+    memcpy(out->etag, image->etag, sizeof out->etag);
+    out->blob = pen_http_blob_take(&image->bytes);
+    if (!out->blob)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
+    pen_http_blob_count(out->blob, total_of(pictures, !fits));
+    if (key[0])
+        keep(pictures, key, out, !fits);
+    return true;
+}
+
 bool pen_http_pictures_take(struct pictures *pictures, const struct picture_key *key,
-                            struct pen_image *image, struct picture *out, struct pen_status *st)
+                            struct pen_image *image, struct picture_room *room, struct picture *out,
+                            struct pen_status *st)
 {
     char text[KEY_BYTES] = "";
-    bool keyed = key && write_key(key, text);
+    struct picture_room none = {0};
+    room = room ? room : &none;
+    if (key && !write_key(key, text))
+        text[0] = '\0';
     pthread_mutex_lock(&pictures->lock);
-    if (keyed && find(pictures, text, out)) {
-        pthread_mutex_unlock(&pictures->lock);
-        pen_buf_release(&image->bytes);
-        return true;
-    }
-    bool ok = make_room(pictures, image->bytes.bytes) ||
-              pen_fail(st, PEN_UNAVAILABLE,
-                       "there is no memory for a large picture now; try again later");
-    if (ok) {
-        memcpy(out->type, image->type, sizeof out->type);
-        memcpy(out->etag, image->etag, sizeof out->etag);
-        out->blob = pen_http_blob_take(&image->bytes);
-        pen_http_blob_count(out->blob, &pictures->bytes);
-        ok = out->blob || pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
-    }
-    if (ok && keyed)
-        keep(pictures, text, out);
+    const bool ok =
+        (text[0] && find(pictures, text, out)) || take(pictures, text, image, room, out, st);
+    pen_http_pictures_give_up(pictures, room);
     pthread_mutex_unlock(&pictures->lock);
     pen_buf_release(&image->bytes);
     return ok;

@@ -21,6 +21,8 @@ struct blob *pen_http_blob_take(struct pen_buf *content)
     atomic_init(&blob->refs, 1);
     blob->content = *content;
     blob->total = NULL;
+    blob->idle = NULL;
+    blob->idle_user = NULL;
     atomic_init(&blob->gzip, NULL);
     pen_buf_init(content);
     return blob;
@@ -28,7 +30,7 @@ struct blob *pen_http_blob_take(struct pen_buf *content)
 
 void pen_http_blob_count(struct blob *blob, atomic_size_t *total)
 {
-    if (!blob)
+    if (!blob || !total)
         return;
     blob->total = total;
     atomic_fetch_add_explicit(total, blob->content.bytes, memory_order_relaxed);
@@ -42,13 +44,25 @@ struct blob *pen_http_blob_ref(struct blob *blob)
 
 void pen_http_blob_unref(struct blob *blob)
 {
-    if (!blob || atomic_fetch_sub_explicit(&blob->refs, 1, memory_order_acq_rel) != 1)
+    if (!blob)
+        return;
+    void (*idle)(void *user) = blob->idle; /* read now: without its reference the blob may go */
+    void *user = blob->idle_user;
+    const int refs = atomic_fetch_sub_explicit(&blob->refs, 1, memory_order_acq_rel);
+    if (refs == 2 && idle)
+        idle(user);
+    if (refs != 1)
         return;
     if (blob->total)
         atomic_fetch_sub_explicit(blob->total, blob->content.bytes, memory_order_relaxed);
     pen_http_blob_unref(atomic_load_explicit(&blob->gzip, memory_order_acquire));
     pen_buf_release(&blob->content);
     free(blob);
+}
+
+bool pen_http_blob_has_gzip(const struct blob *blob)
+{
+    return atomic_load_explicit(&blob->gzip, memory_order_acquire) != NULL;
 }
 
 struct blob *pen_http_blob_gzip(struct blob *blob)
@@ -60,6 +74,7 @@ struct blob *pen_http_blob_gzip(struct blob *blob)
     if (!pen_http_gzip(blob->content.data, blob->content.bytes, &text) ||
         !(gzip = pen_http_blob_take(&text)))
         return NULL;
+    pen_http_blob_count(gzip, blob->total);
     struct blob *other = NULL;
     if (atomic_compare_exchange_strong_explicit(&blob->gzip, &other, gzip, memory_order_acq_rel,
                                                 memory_order_acquire))
@@ -83,12 +98,12 @@ struct blob *pen_http_blob_json(const json_t *json)
     return pen_http_blob_take(&text);
 }
 
-void pen_http_blob_etag(const struct blob *blob, char etag[ETAG_BYTES])
+void pen_http_etag(const struct pen_buf *content, char etag[ETAG_BYTES])
 {
     enum { HASH_BYTES = 16 };
     unsigned char hash[HASH_BYTES];
     char hex[2 * HASH_BYTES + 1];
-    crypto_generichash(hash, sizeof hash, blob->content.data, blob->content.bytes, NULL, 0);
+    crypto_generichash(hash, sizeof hash, content->data, content->bytes, NULL, 0);
     sodium_bin2hex(hex, sizeof hex, hash, sizeof hash);
     snprintf(etag, ETAG_BYTES, "\"%s\"", hex);
 }

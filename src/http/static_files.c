@@ -23,7 +23,7 @@ static bool add(struct static_files *files, const char *name, const char *type, 
     snprintf(file->name, sizeof file->name, "%s", name);
     file->type = type;
     file->blob = blob;
-    pen_http_blob_etag(blob, file->etag);
+    pen_http_etag(&blob->content, file->etag);
     return true;
 }
 

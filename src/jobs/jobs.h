@@ -94,10 +94,19 @@ bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snaps
  * PEN_NOT_FOUND; PEN_GONE (nothing is left to remove); PEN_CONFLICT (it has not ended). */
 bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, bool keep_stats, struct pen_status *st);
 
+/* Sets memory aside for a picture. If it fails, the picture is not made: the call fails with *st.
+ */
+typedef bool pen_reserve_fn(void *user, size_t bytes, struct pen_status *st);
+
 struct pen_image_query {
     const char *view;   /* "all": a contact sheet of all views; NULL: the first view */
     const char *layer;  /* NULL: beauty */
     const char *format; /* one of pen_image_formats; NULL: the first */
+    /* Called once with the memory that reading or making the picture takes, at most: pixels and
+     * file, computed from the job's settings, before any of it is used. What the store reads of one
+     * batch at a time is not in it. NULL: nobody is asked. */
+    pen_reserve_fn *reserve;
+    void *user;
 };
 
 struct pen_image {
@@ -112,9 +121,10 @@ struct pen_image {
 bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                     struct pen_image *out, struct pen_status *st);
 
-/* The pixels committed so far as an RGBA PNG; the others are transparent. view: NULL is the first.
- * Fails: PEN_NOT_FOUND (no such job or view, a job with a report). */
-bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
+/* The pixels committed so far as an RGBA PNG; the others are transparent. Of the query, layer and
+ * format do not count; NULL: of the first view. Fails: PEN_NOT_FOUND (no such job or view, a job
+ * with a report). */
+bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                       struct pen_image *out, struct pen_status *st);
 
 /* A rectangle of a view whose pixels were added by one commit. */

@@ -91,24 +91,11 @@ static bool load_layer(struct pen_jobs *jobs, const struct wanted *want, int vie
                        struct pen_film *film, struct pen_status *st)
 {
     struct pen_buf file = {0};
-    struct pen_picture *picture = NULL;
-    double *row = malloc(3 * (size_t)film->width * sizeof *row);
-    bool ok = row || pen_fail(st, PEN_NO_MEMORY, "no memory for a layer");
-    ok = ok && pen_store_artefact(jobs->store, want->id, view, pen_layer_name(want->layer), "pfm",
-                                  &file, st);
-    ok = ok && (picture = pen_picture_read(file.data, file.bytes, st)) != NULL;
-    if (ok &&
-        (pen_picture_width(picture) != film->width || pen_picture_height(picture) != film->height))
-        ok = pen_fail(st, PEN_STORAGE, "a layer of job %s has another size", want->id);
-    for (int y = 0; ok && y < film->height; y++) {
-        float *to = film->rgb + 3 * (size_t)y * (size_t)film->width;
-        pen_picture_linear_row(picture, y, row);
-        for (int i = 0; i < 3 * film->width; i++)
-            to[i] = (float)row[i];
-    }
-    pen_picture_free(picture);
+    bool ok = pen_store_artefact(jobs->store, want->id, view, pen_layer_name(want->layer), "pfm",
+                                 &file, st);
+    if (ok && !pen_pfm_load(file.data, file.bytes, film, st))
+        ok = pen_fail(st, PEN_STORAGE, "a layer of job %s is damaged", want->id);
     pen_buf_release(&file);
-    free(row);
     return ok;
 }
 
@@ -204,6 +191,52 @@ static struct pen_film *make_view(struct pen_jobs *jobs, const struct wanted *wa
     return NULL;
 }
 
+enum { FILM_BYTES = 3 * sizeof(float) }; /* of a pixel, also in PFM */
+
+/* The most that a PNG takes: its rows as they are, and what deflate and the chunks add to bytes
+ * that do not become smaller. */
+static size_t png_bytes(size_t width, size_t height, size_t pixel_bytes)
+{
+    const size_t rows = height * (width * pixel_bytes + 1);
+    return rows + rows / 512 + 4096;
+}
+
+/* The memory that a contact sheet takes at most: its film, beside it a view with what that is read
+ * from, and then the file. */
+static size_t sheet_memory(const struct wanted *want)
+{
+    const struct pen_settings *s = &want->request.settings;
+    const struct sheet_layout layout = sheet_layout_of(&want->request);
+    const size_t width = (size_t)layout.sheet_width, height = (size_t)layout.sheet_height;
+    const size_t view = (size_t)s->width * (size_t)s->height * FILM_BYTES;
+    const size_t loaded = want->layer == PEN_LAYER_BEAUTY ? view : 2 * view;
+    const size_t file =
+        want->format == FORMAT_PFM ? width * height * FILM_BYTES : png_bytes(width, height, 6);
+    return width * height * FILM_BYTES + (loaded > file ? loaded : file);
+}
+
+/* The memory that a picture takes at most: the file that is stored or is made of the film, PFM in
+ * its place; or else the film, beside it what that is read from, and then the file. */
+static size_t picture_memory(const struct wanted *want)
+{
+    const struct pen_settings *s = &want->request.settings;
+    const size_t width = (size_t)s->width, height = (size_t)s->height;
+    const size_t film = width * height * FILM_BYTES;
+    const bool beauty = want->layer == PEN_LAYER_BEAUTY;
+    if (want->view == ALL_VIEWS)
+        return sheet_memory(want);
+    if (want->format == FORMAT_PFM)
+        return film + 4096;
+    if (want->format == FORMAT_PNG && beauty)
+        return png_bytes(width, height, 3);
+    return film + (beauty ? png_bytes(width, height, 6) : film + 4096);
+}
+
+static bool reserve(const struct pen_image_query *query, size_t bytes, struct pen_status *st)
+{
+    return !query->reserve || query->reserve(query->user, bytes, st);
+}
+
 static bool encode(const struct wanted *want, const struct pen_film *film, struct pen_buf *out,
                    struct pen_status *st)
 {
@@ -216,9 +249,24 @@ static bool encode(const struct wanted *want, const struct pen_film *film, struc
                                            : pen_layer_encode(&task, film, format, out, &white, st);
 }
 
+/* The PFM of a view is made in the memory of its pixels. */
+static bool make_pfm(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
+                     struct pen_status *st)
+{
+    const struct pen_settings *s = &want->request.settings;
+    struct pen_film film;
+    const bool ok = pen_pfm_begin(s->width, s->height, out, &film, st) &&
+                    load_view(jobs, want, want->view, &film, st) && pen_pfm_end(&film, out, st);
+    if (!ok)
+        pen_buf_release(out);
+    return ok;
+}
+
 static bool make_picture(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
                          struct pen_status *st)
 {
+    if (want->format == FORMAT_PFM && want->view != ALL_VIEWS)
+        return make_pfm(jobs, want, out, st);
     struct pen_film *film =
         want->view == ALL_VIEWS ? make_sheet(jobs, want, st) : make_view(jobs, want, st);
     bool ok = film && encode(want, film, out, st);
@@ -267,10 +315,10 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
     *out = (struct pen_image){0};
     if (!resolve_format(&want, query->format, st) || !read_job(jobs, id, &want.request, &state, st))
         return false;
-    bool ok = resolve_layer(&want, query->layer, st) &&
-              resolve_view(&want, query->view, true, st) && check_succeeded(id, state, st) &&
-              get_picture(jobs, &want, &out->bytes, st) &&
-              fill_image(out, media_types[want.format]);
+    bool ok =
+        resolve_layer(&want, query->layer, st) && resolve_view(&want, query->view, true, st) &&
+        check_succeeded(id, state, st) && reserve(query, picture_memory(&want), st) &&
+        get_picture(jobs, &want, &out->bytes, st) && fill_image(out, media_types[want.format]);
     pen_stored_request_release(&want.request);
     if (!ok)
         pen_buf_release(&out->bytes);
@@ -295,15 +343,26 @@ static bool make_preview(struct pen_jobs *jobs, const struct wanted *want, struc
     return ok;
 }
 
-bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const char *view,
+/* Film, mask, and a file with four channels. */
+static size_t preview_memory(const struct pen_settings *s)
+{
+    const size_t width = (size_t)s->width, height = (size_t)s->height;
+    return width * height * (FILM_BYTES + 1) + png_bytes(width, height, 4);
+}
+
+bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                       struct pen_image *out, struct pen_status *st)
 {
+    static const struct pen_image_query none = {0};
     struct wanted want = {.id = id};
     enum pen_job_state state;
     *out = (struct pen_image){0};
     if (!read_job(jobs, id, &want.request, &state, st))
         return false;
-    bool ok = resolve_view(&want, view, false, st) && make_preview(jobs, &want, &out->bytes, st) &&
+    query = query ? query : &none;
+    bool ok = resolve_view(&want, query->view, false, st) &&
+              reserve(query, preview_memory(&want.request.settings), st) &&
+              make_preview(jobs, &want, &out->bytes, st) &&
               fill_image(out, media_types[FORMAT_PNG]);
     pen_stored_request_release(&want.request);
     if (!ok)

@@ -24,7 +24,7 @@ static bool take(struct pictures *pictures, const char *job, size_t bytes, struc
     const struct picture_key key = {.job = job};
     struct pen_status st = {0};
     struct pen_image image = image_of(bytes);
-    bool ok = pen_http_pictures_take(pictures, job ? &key : NULL, &image, out, &st);
+    bool ok = pen_http_pictures_take(pictures, job ? &key : NULL, &image, NULL, out, &st);
     ck_assert(ok || st.code == PEN_UNAVAILABLE);
     return ok;
 }
@@ -78,11 +78,82 @@ START_TEST(test_pictures__have_a_budget)
     pen_http_blob_unref(small.blob);
     while (count > 0)
         pen_http_blob_unref(read[--count].blob);
-    /* Pictures that nobody reads give way; one alone may be larger than the budget. */
-    ck_assert(take(pictures, NULL, 200 * MIB, &small));
-    pen_http_blob_unref(small.blob);
     pen_http_pictures_free(pictures);
 }
 END_TEST
 
-PEN_SUITE("pictures", test_pictures__readers_share_one_copy, test_pictures__have_a_budget)
+static bool reserve(struct pictures *pictures, size_t bytes, struct picture_room *room)
+{
+    struct pen_status st = {0};
+    const bool ok = pen_http_pictures_reserve(pictures, bytes, 0, room, &st);
+    ck_assert(ok || (st.code == PEN_UNAVAILABLE && room->bytes == 0));
+    return ok;
+}
+
+/* Takes a picture that was made in a room. */
+static bool take_made(struct pictures *pictures, const char *job, size_t bytes,
+                      struct picture_room *room, struct picture *out)
+{
+    const struct picture_key key = {.job = job};
+    struct pen_status st = {0};
+    struct pen_image image = image_of(bytes);
+    const bool ok = pen_http_pictures_take(pictures, &key, &image, room, out, &st);
+    ck_assert(ok || st.code == PEN_UNAVAILABLE);
+    ck_assert_uint_eq(room->bytes, 0);
+    return ok;
+}
+
+START_TEST(test_pictures__memory_is_reserved_before_they_are_made)
+{
+    struct pictures *pictures = pen_http_pictures_new();
+    struct picture_room a, b, small;
+    struct picture picture;
+    ck_assert(reserve(pictures, 100 * MIB, &a));
+    ck_assert(!reserve(pictures, 100 * MIB, &b));
+    ck_assert(reserve(pictures, 4 * MIB, &small)); /* small ones go on */
+    pen_http_pictures_give_up(pictures, &small);
+    pen_http_pictures_give_up(pictures, &a);
+    ck_assert(reserve(pictures, 100 * MIB, &b));
+    /* What is made takes less than making it; a kept picture gives way. */
+    ck_assert(take_made(pictures, "job", 40 * MIB, &b, &picture));
+    ck_assert(!reserve(pictures, 100 * MIB, &a));
+    pen_http_blob_unref(picture.blob);
+    ck_assert(reserve(pictures, 100 * MIB, &a));
+    pen_http_pictures_give_up(pictures, &a);
+    pen_http_pictures_free(pictures);
+}
+END_TEST
+
+START_TEST(test_pictures__beyond_the_budget_there_is_one_at_a_time)
+{
+    struct pictures *pictures = pen_http_pictures_new();
+    const struct picture_key key = {.job = "huge"};
+    struct picture_room huge, other, usual;
+    struct picture picture, again;
+    ck_assert(reserve(pictures, 900 * (size_t)MIB, &huge));
+    ck_assert(!reserve(pictures, 800 * (size_t)MIB, &other));
+    ck_assert(reserve(pictures, 100 * MIB, &usual)); /* the budget is as it was */
+    pen_http_pictures_give_up(pictures, &usual);
+    ck_assert(take_made(pictures, "huge", 130 * MIB, &huge, &picture));
+    ck_assert(!reserve(pictures, 800 * (size_t)MIB, &other));
+    ck_assert(pen_http_pictures_find(pictures, &key, &again));
+    ck_assert_ptr_eq(again.blob, picture.blob);
+    pen_http_blob_unref(picture.blob);
+    ck_assert(!reserve(pictures, 800 * (size_t)MIB, &other));
+    pen_http_blob_unref(again.blob); /* its last reader goes, and so does it */
+    ck_assert(!pen_http_pictures_find(pictures, &key, &again));
+    ck_assert(reserve(pictures, 800 * (size_t)MIB, &other));
+    /* One whose file fits into the budget is kept as any other, and its place is free. */
+    ck_assert(take_made(pictures, "huge", 10 * MIB, &other, &picture));
+    pen_http_blob_unref(picture.blob);
+    ck_assert(pen_http_pictures_find(pictures, &key, &again));
+    ck_assert(reserve(pictures, 800 * (size_t)MIB, &other));
+    pen_http_pictures_give_up(pictures, &other);
+    pen_http_blob_unref(again.blob);
+    pen_http_pictures_free(pictures);
+}
+END_TEST
+
+PEN_SUITE("pictures", test_pictures__readers_share_one_copy, test_pictures__have_a_budget,
+          test_pictures__memory_is_reserved_before_they_are_made,
+          test_pictures__beyond_the_budget_there_is_one_at_a_time)

@@ -137,7 +137,8 @@ int pen_role_api(const struct pen_config *config, int listen_fd)
     pen_log_set_name("api");
     prctl(PR_SET_NAME, api_process);
     raise_descriptor_limit();
-    mallopt(M_ARENA_MAX, 2); /* answers are small: more arenas would only keep memory */
+    mallopt(M_ARENA_MAX, 2);            /* answers are small: more arenas would only keep memory */
+    mallopt(M_MMAP_THRESHOLD, 1 << 20); /* large ones go back to the system when they are freed */
     if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
     struct pen_http_options options = {.listen_fd = listen_fd,

@@ -22,6 +22,12 @@ void pen_http_exchange_dispatch(struct request *request);
  * request is the loop's again, without an answer; otherwise it will be resumed. */
 bool pen_http_exchange_abandon(struct request *request);
 
+/* The client has closed its side, and the request is in PHASE_WORK. Returns true once for a request
+ * that takes long and of which nothing comes but its answer: an interim answer is to be sent. A
+ * client that has closed its socket, which looks the same, refuses that with a reset; the request
+ * is then unwanted. One that has only ended its side reads on, as HTTP/1.1 asks of it. */
+bool pen_http_exchange_probes(struct request *request);
+
 /* Ends a request that the loop has: logs and frees it. */
 void pen_http_exchange_end(struct request *request, bool complete);
 

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The threads that may block: store, compute and intake threads, each with a jobs handle of its
- * own. All threads of a kind serve one queue of requests, first in, first out. The number of
- * connections bounds the queues. */
+/* The threads that may block: store, compute and intake threads, and one for large work, each with
+ * a jobs handle of its own. All threads of a kind serve one queue of requests, first in, first out;
+ * but of large bodies (QUEUE_INTAKE) the smallest goes first, and for a quarter of the time the
+ * oldest. The number of connections bounds the queues.
+ *
+ * A request whose client has gone is not worked on if nothing would come of it but its answer. */
 #ifndef PEN_HTTP_INTERNAL_EXECUTOR_H
 #define PEN_HTTP_INTERNAL_EXECUTOR_H
 
@@ -32,9 +35,14 @@ void pen_http_executor_stop(struct executor *executor);
  * allowed. */
 void pen_http_executor_free(struct executor *executor);
 
-/* Queues a request in PHASE_WORK; a thread runs the handler of its route and resumes it. Returns
+/* Queues a request in PHASE_WORK; a thread runs the handler of its route, unless it was handled
+ * already, compresses the answer where that is wanted, and resumes it. Returns
  * false once pen_http_executor_stop was called; the request then stays the caller's. Threads: any.
  */
 bool pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request);
+
+/* The queue whose threads have to compress an answered request's body: a large body keeps neither
+ * a loop nor a store thread. QUEUE_NONE: a thread of `here` may do it. */
+enum queue_id pen_http_executor_encodes(const struct request *request, enum queue_id here);
 
 #endif

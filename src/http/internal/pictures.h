@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The pictures in memory: those that are being sent, one copy for all clients that read the same
- * one, and some that were sent lately. All together have a budget. When it is used up, a client is
- * told to come back for a large picture; small ones go on, from a reserve.
+/* The large answers in memory, pictures and scenes: those that are being sent, one copy for all
+ * clients that read the same one, and some that were sent lately.
+ *
+ * The budget. All pictures, and what making them takes, have one budget. Memory is reserved before
+ * a picture is made; if there is none, nothing is made, and the client is told to come back. Small
+ * pictures go on, from a reserve. What is larger than the whole budget has a place of its own
+ * beside it, for one at a time: it is taken when the picture is reserved, and free once the picture
+ * was made and is small enough for the budget, or all its readers have gone.
  *
  * Only the pictures of jobs that have succeeded are kept: they never change. The caller looks
  * whether the job is still there.
@@ -38,10 +43,26 @@ void pen_http_pictures_free(struct pictures *pictures); /* NULL is allowed */
 bool pen_http_pictures_find(struct pictures *pictures, const struct picture_key *key,
                             struct picture *out);
 
-/* Takes a picture that was read, and counts it. With a key it may be found from now on; if another
- * thread has read the same one meanwhile, *out is that. Owns: as pen_http_pictures_find. Fails:
- * PEN_UNAVAILABLE (the budget is used up), PEN_NO_MEMORY. */
+/* Memory that is set aside for a picture; all zero: none. */
+struct picture_room {
+    size_t bytes;
+    bool alone; /* in the place beside the budget */
+};
+
+/* Sets memory aside; if need be, drops pictures that nobody reads, and waits for the readers of
+ * others for wait_ms at most. Owns: give the room to
+ * pen_http_pictures_take or pen_http_pictures_give_up. Fails: PEN_UNAVAILABLE (the budget, or the
+ * place beside it, is used up). */
+bool pen_http_pictures_reserve(struct pictures *pictures, size_t bytes, int wait_ms,
+                               struct picture_room *room, struct pen_status *st);
+void pen_http_pictures_give_up(struct pictures *pictures, struct picture_room *room);
+
+/* Takes a picture that was made in `room` (NULL: none was reserved), gives the room back, and
+ * counts the picture. With a key it may be found from now on; if another thread has taken the same
+ * one meanwhile, *out is that. The caller's image and room are empty afterwards. Owns: as
+ * pen_http_pictures_find. Fails: PEN_UNAVAILABLE (the budget is used up), PEN_NO_MEMORY. */
 bool pen_http_pictures_take(struct pictures *pictures, const struct picture_key *key,
-                            struct pen_image *image, struct picture *out, struct pen_status *st);
+                            struct pen_image *image, struct picture_room *room, struct picture *out,
+                            struct pen_status *st);
 
 #endif

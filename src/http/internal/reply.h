@@ -19,6 +19,10 @@ struct blob {
     atomic_int refs; /* atomic: acquire-release, so that the thread that frees sees all reads */
     struct pen_buf content;
     atomic_size_t *total; /* a sum that includes these bytes while the blob exists; NULL: none */
+    /* Called without a lock when one reference is left, by the thread that gave up the other; more
+     * may come meanwhile. Set before a second thread has the blob. NULL: nobody asks. */
+    void (*idle)(void *user);
+    void *idle_user;
     _Atomic(struct blob *) gzip; /* these bytes compressed; NULL: not yet. atomic: acquire-release,
                                   * the thread that finds it reads it */
 };
@@ -27,10 +31,14 @@ struct blob {
  * Fails: NULL when out of memory, or if the buffer has failed. */
 struct blob *pen_http_blob_take(struct pen_buf *content);
 
-/* Adds the blob's bytes to *total while the blob exists. NULL is allowed as blob. */
+/* Adds the blob's bytes to *total while the blob exists, and those of its compressed form, once
+ * there is one, while that exists. NULL is allowed for both. */
 void pen_http_blob_count(struct blob *blob, atomic_size_t *total);
 struct blob *pen_http_blob_ref(struct blob *blob);
 void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
+
+/* Whether these bytes were compressed already. */
+bool pen_http_blob_has_gzip(const struct blob *blob);
 
 /* A reference to these bytes compressed with gzip; they are compressed once. Fails: NULL when out
  * of memory. */
@@ -41,7 +49,7 @@ struct blob *pen_http_blob_json(const json_t *json);
 
 /* A strong entity tag, quoted: a hash of the bytes. */
 enum { ETAG_BYTES = 40 };
-void pen_http_blob_etag(const struct blob *blob, char etag[ETAG_BYTES]);
+void pen_http_etag(const struct pen_buf *content, char etag[ETAG_BYTES]);
 
 enum { REPLY_FIELDS = 10 };
 

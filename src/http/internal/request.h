@@ -65,6 +65,8 @@ struct request {
 
     uint64_t declared_bytes; /* Content-Length */
     uint64_t received_bytes; /* of the body, kept or not */
+    size_t work_bytes;       /* of the body as it will be parsed, as far as is known: see
+                              * pen_http_request_work */
     struct pen_buf body;
     struct intake_place {
         bool entered;                    /* intake.h counts it; the thread's that has the request */
@@ -73,9 +75,12 @@ struct request {
         int64_t since_ns;                /* when its window began */
         size_t bytes;                    /* kept */
     } intake;
+    bool is_large;   /* the thread of QUEUE_LARGE has it */
+    bool is_handled; /* the reply is complete, but for compressing its body */
     struct reply reply;
     struct stream *stream; /* of an event stream; NULL: none */
 
+    bool is_probed;       /* of the loop: see pen_http_exchange_probes */
     struct request *next; /* link in the queue or list of the thread that holds it */
     int64_t deadline_ns;  /* of a long poll */
     bool resumed;         /* guarded by the loop's lock: pen_http_resume was called for it */

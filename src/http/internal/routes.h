@@ -15,7 +15,9 @@ struct request;
 
 enum outcome {
     OUTCOME_ANSWERED, /* the reply is complete */
-    OUTCOME_WATCHED   /* the request belongs to the watcher, which resumes it later */
+    OUTCOME_WATCHED,  /* the request belongs to the watcher, which resumes it later */
+    OUTCOME_LARGE     /* the handler has seen that it is large work: it is called again by the
+                       * thread of QUEUE_LARGE, with request->is_large set */
 };
 
 /* Fills request->reply. jobs is NULL where the route has no queue. */
@@ -29,7 +31,9 @@ enum queue_id {
     QUEUE_NONE,    /* in the thread of the connection: it must not block */
     QUEUE_STORE,   /* on a store thread: short reads and writes of the store */
     QUEUE_COMPUTE, /* on a compute thread: encoding pictures, writing reports, checking scenes */
-    QUEUE_INTAKE   /* on an intake thread: whatever has a large body */
+    QUEUE_INTAKE,  /* on an intake thread: whatever has a large body */
+    QUEUE_LARGE    /* on the thread for large work, one after the other: pictures that take much
+                    * memory, and compressing large answers */
 };
 
 /* What a query parameter may be: if `allowed` is set, one of these words; else, if high > 0, a
@@ -49,6 +53,8 @@ struct route {
     bool is_short;     /* answered even when all connections are at work, then without waiting */
     bool takes_body;   /* a scene or a job; otherwise a body is discarded */
     bool submits;      /* refused while draining */
+    bool only_answers; /* a POST of which nothing comes but its answer, at least until its handler
+                        * has made a job: it is dropped if its client has gone */
     bool handle_again; /* a request that has waited in the watcher goes to the handler again,
                         * instead of being answered with its job */
     const struct param_rule *params; /* ends with a NULL name; NULL: none */

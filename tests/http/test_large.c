@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: MIT */
+/* Large bodies and large answers beside others: they wait for their like, in an order that is fair
+ * to small ones, and share what they can. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "http/internal/encoding.h"
+#include "http/internal/http.h"
+#include "support/server.h"
+#include "support/suite.h"
+
+static const int64_t second_ns = INT64_C(1000000000);
+
+/* A request with a scene of `count` spheres, after `spaces` spaces. Owns: release it. */
+static struct pen_buf scene_request(const char *head, int count, int spaces)
+{
+    struct pen_buf body = {0}, text = {0};
+    pen_buf_puts(&body, "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9],"
+                        " \"look_at\": [0, 0, 0]}, \"objects\": [");
+    for (int i = 0; i < count; i++)
+        pen_buf_printf(&body, "%s{\"type\":\"sphere\",\"center\":[%d,%d,-5],\"radius\":0.25}",
+                       i ? "," : "", i % 100, i / 100);
+    pen_buf_printf(&body, "]%*s}", spaces, "");
+    pen_buf_printf(&text, "%s HTTP/1.1\r\nHost: localhost\r\nContent-Length: %zu\r\n\r\n", head,
+                   body.bytes);
+    pen_buf_add(&text, body.data, body.bytes);
+    ck_assert(!text.failed);
+    pen_buf_release(&body);
+    return text;
+}
+
+static int send_request(const struct server *server, const struct pen_buf *request)
+{
+    const int fd = server_connect(server);
+    ck_assert(client_send(fd, (const char *)request->data));
+    return fd;
+}
+
+static void expect_status(int fd, int status)
+{
+    struct answer answer;
+    client_read(fd, false, &answer);
+    ck_assert_msg(answer.status == status, "%d: %.200s", answer.status, answer.body);
+    answer_release(&answer);
+}
+
+static bool is_answered(int fd)
+{
+    char byte;
+    return recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
+}
+
+/* Waits until bodies of so many bytes have arrived and are not done with. */
+static void wait_for_bodies(struct server *server, size_t bytes)
+{
+    for (int i = 0; i < 2000 && atomic_load(&server->http->intake_bytes) < bytes; i++)
+        client_pause(5);
+    ck_assert_uint_ge(atomic_load(&server->http->intake_bytes), bytes);
+}
+
+/* While a body is parsed, large ones come, and then a small one: it waits for few of them. */
+START_TEST(test_large__bodies_do_not_hold_up_a_small_one)
+{
+    enum { LARGE = 8 };
+    struct server server;
+    struct pen_buf before = scene_request("POST /v1/validate", 60000, 1);
+    struct pen_buf large = scene_request("POST /v1/validate", 12000, 1);
+    struct pen_buf small = scene_request("POST /v1/validate", 1500, 1);
+    int fd[LARGE], done = 0;
+    server_start(&server, &(struct server_options){0});
+    const int first = send_request(&server, &before);
+    wait_for_bodies(&server, before.bytes - 200);
+    for (int i = 0; i < LARGE; i++)
+        fd[i] = send_request(&server, &large);
+    wait_for_bodies(&server, before.bytes + LARGE * large.bytes - 2000);
+    const int last = send_request(&server, &small);
+    expect_status(last, 200);
+    for (int i = 0; i < LARGE; i++)
+        done += is_answered(fd[i]);
+    printf("# %d of %d large bodies were before the small one\n", done, LARGE);
+    ck_assert_int_le(done, LARGE / 2);
+    expect_status(first, 200);
+    for (int i = 0; i < LARGE; i++) {
+        expect_status(fd[i], 200);
+        close(fd[i]);
+    }
+    close(first);
+    close(last);
+    pen_buf_release(&before);
+    pen_buf_release(&large);
+    pen_buf_release(&small);
+    server_stop(&server);
+}
+END_TEST
+
+/* The reverse: while small ones come, a large one gets its turn. */
+START_TEST(test_large__a_large_body_is_not_overtaken_for_ever)
+{
+    enum { SMALL = 40 };
+    struct server server;
+    struct pen_buf before = scene_request("POST /v1/validate", 30000, 1);
+    struct pen_buf large = scene_request("POST /v1/validate", 6000, 1);
+    struct pen_buf small = scene_request("POST /v1/validate", 3000, 1);
+    int fd[SMALL];
+    server_start(&server, &(struct server_options){0});
+    const int first = send_request(&server, &before);
+    wait_for_bodies(&server, before.bytes - 200);
+    const int late = send_request(&server, &large);
+    wait_for_bodies(&server, before.bytes + large.bytes - 400);
+    for (int i = 0; i < SMALL; i++)
+        fd[i] = send_request(&server, &small);
+    expect_status(late, 200);
+    ck_assert(!is_answered(fd[SMALL - 1]));
+    expect_status(first, 200);
+    for (int i = 0; i < SMALL; i++) {
+        expect_status(fd[i], 200);
+        close(fd[i]);
+    }
+    close(first);
+    close(late);
+    pen_buf_release(&before);
+    pen_buf_release(&large);
+    pen_buf_release(&small);
+    server_stop(&server);
+}
+END_TEST
+
+/* Clients that have gone wait for nothing, so their bodies are not parsed. */
+START_TEST(test_large__bodies_of_clients_that_have_gone_are_dropped)
+{
+    enum { GONE = 16 };
+    struct server server;
+    struct pen_buf before = scene_request("POST /v1/validate", 60000, 1);
+    struct pen_buf large = scene_request("POST /v1/validate", 20000, 1);
+    server_start(&server, &(struct server_options){0});
+    const int fd = send_request(&server, &before);
+    wait_for_bodies(&server, before.bytes - 200);
+    const int64_t begun_ns = pen_clock_ns();
+    for (int i = 0; i < GONE; i++)
+        close(send_request(&server, &large));
+    wait_for_bodies(&server, before.bytes + GONE * large.bytes - 2000);
+    expect_status(fd, 200);
+    const int64_t first_ns = pen_clock_ns();
+    close(fd);
+    while (atomic_load(&server.http->active) > 0 && pen_clock_ns() - first_ns < 60 * second_ns)
+        client_pause(5);
+    const int64_t parsed_ns = first_ns - begun_ns, all_ns = pen_clock_ns() - first_ns;
+    printf("# a body %.3f s, then %d that nobody waits for %.3f s\n", (double)parsed_ns * 1e-9,
+           GONE, (double)all_ns * 1e-9);
+    ck_assert_int_lt(all_ns, parsed_ns / 3); /* to parse them takes longer than the first one */
+    pen_buf_release(&before);
+    pen_buf_release(&large);
+    server_stop(&server);
+}
+END_TEST
+
+/* A client that has only ended its side gets its answer. */
+START_TEST(test_large__a_client_that_ends_its_side_is_answered)
+{
+    struct server server;
+    struct pen_buf large = scene_request("POST /v1/validate", 6000, 1);
+    struct answer answer;
+    server_start(&server, &(struct server_options){0});
+    const int fd = send_request(&server, &large);
+    shutdown(fd, SHUT_WR);
+    client_read(fd, false, &answer);
+    const int status = answer.status;
+    answer_release(&answer);
+    if (status == 100)
+        expect_status(fd, 200);
+    else
+        ck_assert_int_eq(status, 200);
+    close(fd);
+    pen_buf_release(&large);
+    server_stop(&server);
+}
+END_TEST
+
+/* Submits a job of one sphere, which no worker renders, and writes its path. */
+static void submit_size(const struct server *server, int size, char path[100])
+{
+    char body[400];
+    struct answer answer;
+    snprintf(body, sizeof body,
+             "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9], \"look_at\":"
+             " [0, 0, 0]}, \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0],"
+             " \"radius\": 1}], \"render\": {\"width\": %d, \"height\": %d}}",
+             size, size);
+    server_ask(server, "POST /v1/jobs HTTP/1.1", body, &answer);
+    ck_assert_msg(answer.status == 202, "%s", answer.body);
+    answer_field(&answer, "Location", path, 100);
+    answer_release(&answer);
+}
+
+static int ask_preview(const struct server *server, const char *path)
+{
+    char head[200];
+    const int fd = server_connect(server);
+    snprintf(head, sizeof head, "GET %s/preview HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
+    ck_assert(client_send(fd, head));
+    return fd;
+}
+
+/* Large pictures are made one after the other, beside small ones. */
+START_TEST(test_large__pictures_do_not_hold_up_small_ones)
+{
+    enum { LARGE = 6 };
+    struct server server;
+    char large[100], small[100];
+    int fd[LARGE], done = 0;
+    server_start(&server, &(struct server_options){0});
+    submit_size(&server, 2500, large);
+    submit_size(&server, 16, small);
+    for (int i = 0; i < LARGE; i++)
+        fd[i] = ask_preview(&server, large);
+    client_pause(50); /* until they are at work */
+    const int last = ask_preview(&server, small);
+    expect_status(last, 200);
+    for (int i = 0; i < LARGE; i++)
+        done += is_answered(fd[i]);
+    printf("# %d of %d large pictures were before the small one\n", done, LARGE);
+    ck_assert_int_le(done, LARGE / 2);
+    for (int i = 0; i < LARGE; i++) {
+        expect_status(fd[i], 200);
+        close(fd[i]);
+    }
+    close(last);
+    server_stop(&server);
+}
+END_TEST
+
+/* Clients that read nothing of a large scene share its bytes, plain and compressed. */
+START_TEST(test_large__readers_of_a_scene_share_one_copy)
+{
+    enum { READERS = 16, SPACES = 8 << 20 };
+    struct server server;
+    struct pen_buf submit = scene_request("POST /v1/jobs", 2000, SPACES), text = {0};
+    struct answer answer, packed;
+    struct pen_status st;
+    char path[100], head[200], value[100];
+    int fd[READERS];
+    server_start(&server, &(struct server_options){0});
+    int submitted = send_request(&server, &submit);
+    client_read(submitted, false, &answer);
+    ck_assert_int_eq(answer.status, 202);
+    answer_field(&answer, "Location", path, sizeof path);
+    answer_release(&answer);
+    close(submitted);
+    snprintf(head, sizeof head, "GET %s/scene HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
+    for (int i = 0; i < READERS; i++) {
+        fd[i] = server_connect(&server);
+        client_send(fd[i], head);
+        ck_assert_int_eq(client_first_answered(&fd[i], 1), 0);
+        ck_assert_int_eq(recv(fd[i], value, 12, MSG_WAITALL), 12);
+        ck_assert_mem_eq(value, "HTTP/1.1 200", 12);
+    }
+    snprintf(head, sizeof head, "GET %s/scene HTTP/1.1", path);
+    server_ask(&server, head, NULL, &answer);
+    const size_t bytes = answer.text.bytes - (size_t)(answer.body - (char *)answer.text.data);
+    ck_assert_uint_gt(bytes, SPACES);
+    ck_assert_mem_eq(answer.body, submit.data + submit.bytes - bytes, bytes);
+    for (int i = 0; i < 2; i++) {
+        snprintf(head, sizeof head, "GET %s/scene HTTP/1.1\r\nAccept-Encoding: gzip", path);
+        server_ask(&server, head, NULL, &packed);
+        ck_assert_str_eq(answer_field(&packed, "Content-Encoding", value, sizeof value), "gzip");
+        ck_assert(pen_http_gunzip(
+            packed.body, packed.text.bytes - (size_t)(packed.body - (char *)packed.text.data),
+            bytes, &text, &st));
+        ck_assert_uint_eq(text.bytes, bytes);
+        ck_assert_mem_eq(text.data, answer.body, bytes);
+        pen_buf_release(&text);
+        answer_release(&packed);
+    }
+    for (int i = 0; i < READERS; i++)
+        close(fd[i]);
+    answer_release(&answer);
+    /* A job that is removed takes its scene with it. */
+    snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
+    ck_assert_int_eq(server_status(&server, head, NULL), 202);
+    snprintf(head, sizeof head, "DELETE %s HTTP/1.1", path);
+    ck_assert_int_eq(server_status(&server, head, NULL), 204);
+    snprintf(head, sizeof head, "GET %s/scene HTTP/1.1", path);
+    ck_assert_int_eq(server_status(&server, head, NULL), 410);
+    pen_buf_release(&submit);
+    server_stop(&server);
+}
+END_TEST
+
+PEN_SUITE("large", test_large__bodies_do_not_hold_up_a_small_one,
+          test_large__a_large_body_is_not_overtaken_for_ever,
+          test_large__bodies_of_clients_that_have_gone_are_dropped,
+          test_large__a_client_that_ends_its_side_is_answered,
+          test_large__pictures_do_not_hold_up_small_ones,
+          test_large__readers_of_a_scene_share_one_copy)
