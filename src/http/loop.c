@@ -133,14 +133,25 @@ const char *pen_http_loop_date(struct loop *loop)
     return loop->date;
 }
 
-/* Closes the connection that can best be spared. Returns false if all are at work. */
-static bool close_idlest(struct loop *loop)
+/* The first connection of a list that is in a reserved slot, or in another one. */
+static struct conn *first_of(const struct loop *loop, enum conn_wait wait, bool reserved)
 {
-    struct conn *head = loop->list[WAIT_HEAD].first, *body = loop->list[WAIT_BODY].first;
-    struct conn *reader = loop->list[WAIT_READER].first;
-    struct conn *idlest = loop->list[WAIT_LINGER].first;
+    struct conn *conn = loop->list[wait].first;
+    while (conn && conn->reserved != reserved)
+        conn = conn->next;
+    return conn;
+}
+
+/* Closes the connection that can best be spared, of those in reserved slots or of the others.
+ * Returns false if all are at work. */
+static bool close_idlest(struct loop *loop, bool reserved)
+{
+    struct conn *head = first_of(loop, WAIT_HEAD, reserved);
+    struct conn *body = first_of(loop, WAIT_BODY, reserved);
+    struct conn *reader = first_of(loop, WAIT_READER, reserved);
+    struct conn *idlest = first_of(loop, WAIT_LINGER, reserved);
     if (!idlest)
-        idlest = loop->list[WAIT_IDLE].first;
+        idlest = first_of(loop, WAIT_IDLE, reserved);
     if (!idlest)
         idlest = !head || (body && body->since_ns < head->since_ns) ? body : head;
     if (!idlest && reader && loop->now_ns - reader->since_ns >= stalled_ns)
@@ -154,9 +165,10 @@ static bool close_idlest(struct loop *loop)
 static bool make_place(struct conn *conn)
 {
     struct pen_http *http = conn->loop->http;
-    int others = atomic_fetch_add_explicit(&http->connections, 1, memory_order_relaxed);
+    int others = atomic_fetch_add_explicit(&http->connections, 1, memory_order_relaxed) -
+                 atomic_load_explicit(&http->reserved, memory_order_relaxed);
     atomic_fetch_sub_explicit(&http->arriving, 1, memory_order_relaxed);
-    return others < http->connection_max || close_idlest(conn->loop);
+    return others < http->connection_max || close_idlest(conn->loop, false);
 }
 
 /* Passes a new connection on to the next loop, which may have one to spare. Returns false if all
@@ -174,12 +186,13 @@ static bool pass_on(struct conn *conn)
     return false;
 }
 
-/* Gives a new connection one of the reserved slots. Returns false if they are taken, too. */
+/* Gives a new connection one of the reserved slots. Returns false if they are all at work, too. */
 static bool reserve(struct conn *conn)
 {
     struct pen_http *http = conn->loop->http;
     conn->reserved = true;
-    return atomic_fetch_add_explicit(&http->reserved, 1, memory_order_relaxed) < RESERVED_SLOTS;
+    return atomic_fetch_add_explicit(&http->reserved, 1, memory_order_relaxed) < RESERVED_SLOTS ||
+           close_idlest(conn->loop, true);
 }
 
 static void begin(struct conn *conn)

@@ -20,7 +20,8 @@
  * When there are as many connections as allowed, one more takes the place of the one that has been
  * idle longest: one that is being closed, or waits for a request; else the one whose head, or
  * window of a body, began first; else a reader that has taken nothing for 2 s. If a loop has none
- * of these, it passes the new one on to the next loop. */
+ * of these, it passes the new one on to the next loop. Connections in reserved slots (http.h) are
+ * not counted, and give way only to others of their kind. */
 #ifndef PEN_HTTP_INTERNAL_LOOP_H
 #define PEN_HTTP_INTERNAL_LOOP_H
 
