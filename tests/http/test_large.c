@@ -48,6 +48,15 @@ static void expect_status(int fd, int status)
     answer_release(&answer);
 }
 
+/* All of these requests succeed; closes their connections. */
+static void expect_all(const int *fd, int count)
+{
+    for (int i = 0; i < count; i++) {
+        expect_status(fd[i], 200);
+        close(fd[i]);
+    }
+}
+
 static bool is_answered(int fd)
 {
     char byte;
@@ -84,10 +93,7 @@ START_TEST(test_large__bodies_do_not_hold_up_a_small_one)
     printf("# %d of %d large bodies were before the small one\n", done, LARGE);
     ck_assert_int_le(done, LARGE / 2);
     expect_status(first, 200);
-    for (int i = 0; i < LARGE; i++) {
-        expect_status(fd[i], 200);
-        close(fd[i]);
-    }
+    expect_all(fd, LARGE);
     close(first);
     close(last);
     pen_buf_release(&before);
@@ -116,10 +122,7 @@ START_TEST(test_large__a_large_body_is_not_overtaken_for_ever)
     expect_status(late, 200);
     ck_assert(!is_answered(fd[SMALL - 1]));
     expect_status(first, 200);
-    for (int i = 0; i < SMALL; i++) {
-        expect_status(fd[i], 200);
-        close(fd[i]);
-    }
+    expect_all(fd, SMALL);
     close(first);
     close(late);
     pen_buf_release(&before);
@@ -224,10 +227,7 @@ START_TEST(test_large__pictures_do_not_hold_up_small_ones)
         done += is_answered(fd[i]);
     printf("# %d of %d large pictures were before the small one\n", done, LARGE);
     ck_assert_int_le(done, LARGE / 2);
-    for (int i = 0; i < LARGE; i++) {
-        expect_status(fd[i], 200);
-        close(fd[i]);
-    }
+    expect_all(fd, LARGE);
     close(last);
     server_stop(&server);
 }

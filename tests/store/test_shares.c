@@ -423,12 +423,19 @@ START_TEST(test_shares__the_queue_is_in_the_order_in_which_jobs_begin)
 }
 END_TEST
 
-static void expect_in_hand(int64_t running, int64_t hand_us)
+/* The queue without its list of jobs. */
+static struct pen_queue read_facts(void)
 {
     struct pen_queue queue;
     struct pen_status st;
     store_must(pen_store_queue(bed.store, &queue, &st), &st, "queue");
     pen_buf_release(&queue.ids);
+    return queue;
+}
+
+static void expect_in_hand(int64_t running, int64_t hand_us)
+{
+    const struct pen_queue queue = read_facts();
     ck_assert_int_eq(queue.running, running);
     ck_assert_int_eq(queue.hand_us, hand_us);
 }
@@ -459,10 +466,7 @@ END_TEST
 
 static void expect_facts(int64_t running, int64_t workers, int64_t job_us)
 {
-    struct pen_queue queue;
-    struct pen_status st;
-    store_must(pen_store_queue(bed.store, &queue, &st), &st, "queue");
-    pen_buf_release(&queue.ids);
+    const struct pen_queue queue = read_facts();
     ck_assert_int_eq(queue.running, running);
     ck_assert_int_eq(queue.workers, workers);
     ck_assert_int_eq(queue.job_us, job_us);
