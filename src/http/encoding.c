@@ -110,13 +110,14 @@ bool pen_http_request_decode(struct request *request)
     return true;
 }
 
-static const struct reply_field *find_field(const struct reply *reply, const char *name)
+/* The index of the header field; -1: the reply has none. */
+static int find_field(const struct reply *reply, const char *name)
 {
     for (int i = 0; i < reply->field_count; i++) {
         if (strcmp(reply->field[i].name, name) == 0)
-            return &reply->field[i];
+            return i;
     }
-    return NULL;
+    return -1;
 }
 
 /* Whether a body of this type becomes smaller: texts do, and pictures are compressed already. */
@@ -138,48 +139,51 @@ static bool is_text(const char *type)
 /* A strong tag names the bytes that are sent, so the compressed ones have a tag of their own. */
 static void change_tag(struct reply *reply)
 {
-    struct reply_field *tag = (struct reply_field *)find_field(reply, "ETag");
-    size_t length = tag ? strlen(tag->value) : 0;
+    const int at = find_field(reply, "ETag");
+    size_t length = at >= 0 ? strlen(reply->field[at].value) : 0;
     char *text = NULL;
     if (length < 2)
         return;
-    if (asprintf(&text, "%.*s" PEN_GZIP_TAG "\"", (int)length - 1, tag->value) < 0) {
+    if (asprintf(&text, "%.*s" PEN_GZIP_TAG "\"", (int)length - 1, reply->field[at].value) < 0) {
         reply->failed = true;
         return;
     }
-    free(tag->value);
-    tag->value = text;
+    free(reply->field[at].value);
+    reply->field[at].value = text;
 }
 
 /* Whether the answer may be compressed, if the client accepts that and the length is worth it. */
 static bool is_compressible(const struct reply *reply)
 {
-    const struct reply_field *type = find_field(reply, "Content-Type");
-    return !reply->failed && reply->body && type && is_text(type->value) && reply->status != 206 &&
-           !find_field(reply, "Content-Encoding");
+    const int type = find_field(reply, "Content-Type");
+    return !reply->failed && reply->body && type >= 0 && is_text(reply->field[type].value) &&
+           reply->status != 206 && find_field(reply, "Content-Encoding") < 0;
 }
 
+/* Whether this client gets a compressible answer compressed. */
 static bool wants_gzip(const struct request *request)
 {
-    const struct reply *reply = &request->reply;
-    return is_compressible(reply) && reply->bytes >= SMALL_BYTES && reply->bytes <= LARGE_BYTES &&
+    const size_t bytes = request->reply.bytes;
+    return bytes >= SMALL_BYTES && bytes <= LARGE_BYTES &&
            pen_encoding_is_gzip(request->fields.accept_encoding);
 }
 
 size_t pen_http_request_encodes(const struct request *request)
 {
-    return wants_gzip(request) && !pen_http_blob_has_gzip(request->reply.body)
-               ? request->reply.bytes
+    const struct reply *reply = &request->reply;
+    return is_compressible(reply) && wants_gzip(request) && !pen_http_blob_has_gzip(reply->body)
+               ? reply->bytes
                : 0;
 }
 
 void pen_http_request_encode(struct request *request)
 {
     struct reply *reply = &request->reply;
-    const bool wanted = wants_gzip(request);
-    if (is_compressible(reply) && !find_field(reply, "Vary"))
+    if (!is_compressible(reply))
+        return;
+    if (find_field(reply, "Vary") < 0)
         pen_http_reply_field(reply, "Vary", "Accept-Encoding");
-    if (!wanted)
+    if (!wants_gzip(request))
         return;
     struct blob *gzip = pen_http_blob_gzip(reply->body);
     if (!gzip)

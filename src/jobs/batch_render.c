@@ -217,7 +217,7 @@ static void write_hex(const unsigned char *bytes, size_t count, char *out)
 /* How long the rounds of a job with a budget may take, so that its commit comes in time:
  * compressing, encoding and storing take about half a microsecond for each pixel. 0 without a
  * budget. */
-static int64_t budget_of(const struct pen_batch_context *context)
+static int64_t time_for_rounds(const struct pen_batch_context *context)
 {
     const double seconds = pen_stored_request_budget(&context->request);
     const struct pen_settings *s = &context->request.settings;
@@ -286,7 +286,7 @@ bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim 
                       struct pen_batch_output *output, struct pen_status *st)
 {
     context->begun_ns = pen_clock_ns();
-    context->budget_ns = budget_of(context);
+    context->budget_ns = time_for_rounds(context);
     bool ok = render(context, claim, output, st);
     pen_png_free(context->picture);
     context->picture = NULL;

@@ -39,23 +39,18 @@ static bool cannot_write(const char *path, int error, struct pen_status *st)
                     "cannot write the backup %s: %s", path, strerror(error));
 }
 
-/* Tells whether both names are names of one file. */
-static bool is_same_file(const char *a, const char *b)
-{
-    struct stat first, second;
-    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
-           first.st_ino == second.st_ino;
-}
-
 /* Tells whether the name is that of the store or of a file beside it, which may not exist. */
 static bool is_of_store(const char *store, const char *name)
 {
     static const char *const ends[] = {"", "-wal", "-shm", "-wake", "-reserve", "-new"};
     char path[PATH_BYTES + 16], *resolved = pen_sqlite_resolve(name);
+    struct stat named, beside;
+    const bool exists = stat(name, &named) == 0;
     bool found = false;
     for (size_t i = 0; i < sizeof ends / sizeof ends[0] && !found; i++) {
         snprintf(path, sizeof path, "%s%s", store, ends[i]);
-        found = is_same_file(path, name) || strcmp(path, resolved ? resolved : name) == 0;
+        found = (exists && stat(path, &beside) == 0 && pen_sqlite_same_file(&beside, &named)) ||
+                strcmp(path, resolved ? resolved : name) == 0;
     }
     free(resolved);
     return found;
@@ -86,14 +81,6 @@ static bool lock_part(int fd)
     return fcntl(fd, F_OFD_SETLK, &lock) == 0;
 }
 
-/* Tells whether the path still names the open file. */
-static bool is_named(int fd, const char *path)
-{
-    struct stat open_file, named;
-    return fstat(fd, &open_file) == 0 && stat(path, &named) == 0 &&
-           open_file.st_dev == named.st_dev && open_file.st_ino == named.st_ino;
-}
-
 static void remove_files(const char *part)
 {
     char journal[PATH_BYTES + 300];
@@ -107,7 +94,7 @@ static void remove_if_left(const char *part)
     int fd = open(part, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
     if (fd < 0)
         return;
-    if (lock_part(fd) && is_named(fd, part))
+    if (lock_part(fd) && pen_sqlite_is_named(fd, part))
         remove_files(part);
     close(fd);
 }
@@ -139,7 +126,7 @@ static bool make_part(struct copy *copy, struct pen_status *st)
         copy->lock_fd = mkostemp(copy->path, O_CLOEXEC); /* 0600, as the store */
         if (copy->lock_fd < 0)
             break;
-        if (lock_part(copy->lock_fd) && is_named(copy->lock_fd, copy->path))
+        if (lock_part(copy->lock_fd) && pen_sqlite_is_named(copy->lock_fd, copy->path))
             return true;
         unlink(copy->path);
         close(copy->lock_fd);

@@ -25,6 +25,18 @@ char *pen_sqlite_resolve(const char *path)
     return resolved;
 }
 
+bool pen_sqlite_same_file(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+bool pen_sqlite_is_named(int fd, const char *path)
+{
+    struct stat open_file, named;
+    return fstat(fd, &open_file) == 0 && stat(path, &named) == 0 &&
+           pen_sqlite_same_file(&open_file, &named);
+}
+
 void pen_sqlite_path(const struct pen_sqlite_store *store, const char *ending,
                      char path[PEN_SQLITE_PATH_BYTES])
 {

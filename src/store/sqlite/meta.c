@@ -237,6 +237,5 @@ bool pen_sqlite_has_log(const struct pen_sqlite_store *store)
     char path[PEN_SQLITE_PATH_BYTES];
     struct stat now;
     pen_sqlite_path(store, "-wal", path);
-    return !store->has_log || (stat(path, &now) == 0 && now.st_dev == store->log.st_dev &&
-                               now.st_ino == store->log.st_ino);
+    return !store->has_log || (stat(path, &now) == 0 && pen_sqlite_same_file(&now, &store->log));
 }

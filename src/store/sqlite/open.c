@@ -75,7 +75,7 @@ static bool is_same_file(const struct pen_sqlite_store *store, struct pen_status
                         "the log %s-wal was moved or removed while it was in use; put it back, or "
                         "stop Penumbra",
                         store->path);
-    return (now.st_dev == store->opened.st_dev && now.st_ino == store->opened.st_ino) ||
+    return pen_sqlite_same_file(&now, &store->opened) ||
            pen_fail(st, PEN_STORAGE,
                     "another file was put in the place of the store %s while it was in use: stop "
                     "Penumbra, remove the files ending in -wal and -shm, and start it again",

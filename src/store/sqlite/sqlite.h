@@ -312,6 +312,10 @@ void pen_sqlite_close_unwritten(struct pen_sqlite_store *store);
  * NULL with errno. */
 char *pen_sqlite_resolve(const char *path);
 
+/* files.c: tells whether both are of one file, and whether the path names the open file. */
+bool pen_sqlite_same_file(const struct stat *a, const struct stat *b);
+bool pen_sqlite_is_named(int fd, const char *path);
+
 /* files.c: the path of the store's file with this ending, such as "-wal"; tells whether there is
  * such a file, and its length, 0 if there is none. */
 void pen_sqlite_path(const struct pen_sqlite_store *store, const char *ending,

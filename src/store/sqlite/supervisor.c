@@ -26,7 +26,7 @@ bool pen_sqlite_supervise(struct pen_driver *driver, struct pen_status *st)
     if (store->supervisor_fd < 0 || fstat(store->supervisor_fd, &info) != 0)
         return pen_fail(st, PEN_STORAGE, "cannot open the store %s: %s", store->path,
                         strerror(errno));
-    if (info.st_dev != store->opened.st_dev || info.st_ino != store->opened.st_ino)
+    if (!pen_sqlite_same_file(&info, &store->opened))
         return pen_fail(st, PEN_STORAGE, "another file was put in the place of the store %s",
                         store->path);
     if (fcntl(store->supervisor_fd, F_OFD_SETLK, &lock) == 0)

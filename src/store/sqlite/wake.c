@@ -25,6 +25,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "store/sqlite/sqlite.h"
 
 enum { SIGNAL_COUNT = 2, FIRST_WORD = 16, IDENTITY_AT = 256, TALLY_AT = 1024, FILE_BYTES = 4096 };
 
@@ -168,17 +169,11 @@ void pen_wake_unlock(int lock)
         close(lock);
 }
 
-/* Whether the path still names the mapped file. If not, others may use the one that it names. */
-static bool is_named(const struct pen_wake *wake)
-{
-    struct stat mapped, named;
-    return fstat(wake->fd, &mapped) == 0 && stat(wake->path, &named) == 0 &&
-           mapped.st_dev == named.st_dev && mapped.st_ino == named.st_ino;
-}
-
 bool pen_wake_be_alone(struct pen_wake *wake)
 {
-    return wake->fd < 0 || (is_named(wake) && lock_in_use(wake->fd, F_WRLCK));
+    /* Where the path names another file by now, others may use that one. */
+    return wake->fd < 0 ||
+           (pen_sqlite_is_named(wake->fd, wake->path) && lock_in_use(wake->fd, F_WRLCK));
 }
 
 void pen_wake_end_alone(struct pen_wake *wake)
