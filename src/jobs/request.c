@@ -46,6 +46,27 @@ static void find_builtin(struct pen_request *request, const char *text,
     request->scene_bytes = bytes;
 }
 
+/* The body is neither a job nor a scene. Names the key that was meant, if one is misspelt. */
+static void fail_neither(const struct pen_request *request, struct pen_errors *errors)
+{
+    static const char *const names[] = {"scene", "format", NULL};
+    const char *key;
+    json_t *value;
+    json_object_foreach(request->body, key, value)
+    {
+        const char *near = pen_nearest_name(key, names);
+        if (near) {
+            pen_request_fail(errors, PEN_INVALID, "", key, "unknown key; did you mean \"%s\"?",
+                             near);
+            return;
+        }
+    }
+    pen_request_fail(errors, PEN_INVALID, "", NULL,
+                     "must be a job, an object with \"scene\", or a scene, an object with "
+                     "\"format\"; found %s",
+                     json_is_object(request->body) ? "neither key" : pen_found(request->body).text);
+}
+
 /* Finds the scene document in the body, or the built-in one that the body names. request->scene
  * stays NULL after an error. */
 static void find_scene(struct pen_request *request, const struct pen_submission *in,
@@ -69,11 +90,7 @@ static void find_scene(struct pen_request *request, const struct pen_submission 
                          "must be a scene, or \"builtin:\" and a name, found %s",
                          pen_found(scene).text);
     } else {
-        pen_request_fail(errors, PEN_INVALID, "", NULL,
-                         "must be a job, an object with \"scene\", or a scene, an object with "
-                         "\"format\"; found %s",
-                         json_is_object(request->body) ? "neither key"
-                                                       : pen_found(request->body).text);
+        fail_neither(request, errors);
     }
 }
 

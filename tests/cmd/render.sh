@@ -177,6 +177,10 @@ prints "an unknown key's error names the nearest key" stderr '"ambient"'
 expect "each error is one line" "$(grep -c '^penumbra: bad.json' stderr)" 3
 exits "render a scene with errors and --json" 3 "$penumbra" render bad.json -o keep.png --json
 expect "--json prints a problem document, too" "$(jq .status stdout)" 422
+echo '{"scene": "builtin:room", "render": {"width": 8}}' >job.json
+exits "render a job" 3 "$penumbra" render job.json -o keep.png
+expect "its only error tells which command takes jobs" "$(cat stderr)" \
+    'penumbra: job.json: at /scene: must be a scene, found a job, which has one; `penumbra submit` takes jobs'
 check "a picture replaces the old one" "$penumbra" render scene.json -o keep.png
 check "the new picture is complete" cmp keep.png a.png
 expect "the file keeps its mode" "$(stat -c %a keep.png)" 640

@@ -25,6 +25,8 @@ static const struct bad bad_bodies[] = {
     {"[]", PEN_INVALID, "", "found an empty array"},
     {"17", PEN_INVALID, "", "object"},
     {"{}", PEN_INVALID, "", "found neither"},
+    {"{\"scne\": \"builtin:room\"}", PEN_INVALID, "/scne", "did you mean \"scene\"?"},
+    {"{\"formt\": \"penumbra-scene/1\"}", PEN_INVALID, "/formt", "did you mean \"format\"?"},
     {"{\"kind\": \"render\"}", PEN_INVALID, "", "\"scene\""},
     {"{\"scene\": 5}", PEN_INVALID, "/scene", "found 5"},
     {"{\"scene\": \"room\"}", PEN_INVALID, "/scene", "builtin:"},

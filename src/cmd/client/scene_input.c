@@ -6,6 +6,21 @@
 #include "base/clock.h"
 #include "io/message.h"
 
+/* Where the document is a job, says that instead of what it lacks to be a scene. */
+static void explain_job(const struct pen_source *source, struct pen_errors *errors)
+{
+    bool job = false;
+    for (size_t i = 0; i < errors->count && !source->xml; i++)
+        job = job || strcmp(errors->item[i].at, "/scene") == 0;
+    if (!job)
+        return;
+    *errors = (struct pen_errors){0};
+    struct pen_status st;
+    pen_fail_at(&st, PEN_INVALID, "/scene",
+                "must be a scene, found a job, which has one; `penumbra submit` takes jobs");
+    pen_errors_add(errors, &st);
+}
+
 bool pen_scene_input_read(struct pen_scene_input *input, const char *name,
                           struct pen_errors *errors)
 {
@@ -22,6 +37,8 @@ bool pen_scene_input_read(struct pen_scene_input *input, const char *name,
     int64_t start_ns = pen_clock_ns();
     ok = pen_source_scene(&input->source, &limits, input->arena, &input->desc, errors);
     input->parse_ms = (double)(pen_clock_ns() - start_ns) * 1e-6;
+    if (!ok)
+        explain_job(&input->source, errors);
     return ok;
 }
 
