@@ -67,7 +67,7 @@ static bool is_answered(int fd)
 static void wait_for_bodies(struct server *server, size_t bytes)
 {
     for (int i = 0; i < 2000 && atomic_load(&server->http->intake_bytes) < bytes; i++)
-        client_pause(5);
+        client_pause(5 * client_patience());
     ck_assert_uint_ge(atomic_load(&server->http->intake_bytes), bytes);
 }
 

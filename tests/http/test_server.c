@@ -130,7 +130,7 @@ START_TEST(test_server__bodies_in_memory_are_bounded)
     }
     const size_t sent = (size_t)BODIES * (BODY_BYTES - 1);
     for (int i = 0; i < 400 && atomic_load(&server.http->intake_bytes) < sent; i++)
-        client_pause(10);
+        client_pause(10 * client_patience());
     ck_assert_uint_eq(atomic_load(&server.http->intake_bytes), sent);
     part[17] = '\0';
     const int at_once = server_status(&server, "POST /v1/jobs HTTP/1.1", part);

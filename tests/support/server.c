@@ -95,13 +95,20 @@ int server_connect(const struct server *server)
     return server_connect_from(server, "127.0.0.1");
 }
 
+int client_patience(void)
+{
+    const char *multiplier = getenv("CK_TIMEOUT_MULTIPLIER");
+    const int patience = multiplier ? atoi(multiplier) : 1;
+    return patience > 1 ? patience : 1;
+}
+
 int server_connect_from(const struct server *server, const char *from)
 {
     struct sockaddr_in own = {.sin_family = AF_INET};
     struct sockaddr_in address = {.sin_family = AF_INET,
                                   .sin_port = htons((uint16_t)server->port),
                                   .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    struct timeval limit = {.tv_sec = 20};
+    struct timeval limit = {.tv_sec = 20 * client_patience()};
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     ck_assert_int_ge(fd, 0);
     setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);

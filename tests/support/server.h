@@ -35,7 +35,11 @@ struct server_options {
 void server_start(struct server *server, const struct server_options *options);
 void server_stop(struct server *server);
 
-/* A connected socket whose reads time out after 20 s. */
+/* How many times as long as usual a client waits for the server: libcheck's CK_TIMEOUT_MULTIPLIER,
+ * which builds with sanitizers set, or 1. */
+int client_patience(void);
+
+/* A connected socket whose reads time out after 20 s, times client_patience. */
 int server_connect(const struct server *server);
 
 /* As server_connect, from another loopback address, such as "127.0.0.2". */
