@@ -72,11 +72,11 @@ void pen_http_exchange_dispatch(struct request *request)
     }
     request->phase = PHASE_WORK;
     request->is_handled = answered;
-    if (pen_http_executor_submit(request->http->executor, answered ? encodes : id, request))
+    struct executor *executor = request->http->executor;
+    if (pen_http_executor_submit(executor, answered ? encodes : id, !answered, request))
         return;
-    struct pen_status st;
-    pen_fail(&st, PEN_UNAVAILABLE, "the daemon is stopping");
-    pen_http_request_fail(request, &st);
+    if (!answered)
+        pen_http_executor_refuse(executor, request);
     request->phase = PHASE_ANSWERED;
 }
 
@@ -87,9 +87,8 @@ bool pen_http_exchange_abandon(struct request *request)
 
 bool pen_http_exchange_probes(struct request *request)
 {
-    const struct route *route = request->route;
-    const bool takes_long = route->queue == QUEUE_COMPUTE || route->only_answers;
-    const bool probes = takes_long && request->minor > 0 && !request->is_probed;
+    const bool probes =
+        pen_http_request_only_answers(request) && request->minor > 0 && !request->is_probed;
     request->is_probed = request->is_probed || probes;
     return probes;
 }

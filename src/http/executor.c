@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The queues and one lock, which is held for a few instructions at a time; longer only where it
- * looks for the smallest of the requests with large bodies. */
+/* The queues and one lock, which is held for a few instructions at a time; longer only where a
+ * queue by turns chooses among some hundred requests. */
 #include "http/internal/executor.h"
 
 #include <malloc.h>
@@ -13,6 +13,7 @@
 #include "http/internal/http.h"
 #include "http/internal/loop.h"
 #include "http/internal/request.h"
+#include "http/internal/waiting.h"
 #include "jobs/jobs.h"
 
 enum {
@@ -24,19 +25,21 @@ enum {
     ENCODED_ANYWHERE = 64 << 10,  /* answers up to here are compressed where they are made */
     ENCODED_BY_COMPUTE = 4 << 20, /* and these by a compute thread; it takes up to 0.1 s */
     GROWN_BYTES = 64 << 20,       /* bodies in memory, up to which decoded ones may wait again */
-    SMALLEST_SHARE = 3 /* times as long as on the oldest, intake works on the smallest first */
+    WAITING_LEAST = 64            /* new requests that may wait in any queue, however few
+                                   * connections there are, and no more in QUEUE_LARGE */
 };
-_Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_COMPUTE == 2 && QUEUE_INTAKE == 3 &&
-                   QUEUE_LARGE == 4,
+_Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_LISTS == 2 && QUEUE_COMPUTE == 3 &&
+                   QUEUE_INTAKE == 4 && QUEUE_LARGE == 5,
                "queues are indexed by enum queue_id");
 
+/* One part in so many of the connections is how many new requests may wait in a queue. Together
+ * they leave connections to others, however slow the threads are. */
+static const int waiting_part[QUEUES] = {
+    [QUEUE_STORE] = 4, [QUEUE_LISTS] = 8, [QUEUE_COMPUTE] = 8, [QUEUE_INTAKE] = 8};
+
 struct queue {
-    struct request *head, **tail; /* guarded by lock */
+    struct waiting waiting; /* guarded by lock */
     pthread_cond_t filled;
-    /* guarded by lock; of QUEUE_INTAKE: time spent on requests chosen as the smallest and as the
-     * oldest since the queue was empty */
-    int64_t smallest_ns, oldest_ns;
-    bool was_oldest; /* guarded by lock: the last one was chosen as the oldest */
 };
 
 struct thread {
@@ -70,62 +73,35 @@ static bool trim_memory(struct executor *executor, enum queue_id id)
     return true;
 }
 
-/* The place of the next request in a queue that is not empty: of large bodies the smallest, and for
- * a quarter of the time, but never twice in turn, the oldest. So a small one does not wait for many
- * large ones, and a large one is not overtaken for ever. Of the others, the oldest. */
-static struct request **choose(struct queue *queue, enum queue_id id, bool *smallest)
-{
-    struct request **chosen = &queue->head;
-    *smallest = id == QUEUE_INTAKE &&
-                (queue->was_oldest || queue->smallest_ns <= SMALLEST_SHARE * queue->oldest_ns);
-    queue->was_oldest = !*smallest;
-    if (!*smallest)
-        return chosen;
-    for (struct request **link = chosen; *link; link = &(*link)->next) {
-        if ((*link)->work_bytes < (*chosen)->work_bytes)
-            chosen = link;
-    }
-    return chosen;
-}
-
 /* Waits for the next request of a queue. Returns NULL once the executor is closed and the queue
  * empty. */
-static struct request *next_request(struct executor *executor, enum queue_id id, bool *smallest)
+static struct request *next_request(struct executor *executor, enum queue_id id, bool *oldest)
 {
     struct queue *queue = &executor->queue[id];
-    struct request *request = NULL;
+    struct request *request;
     pthread_mutex_lock(&executor->lock);
-    while (!queue->head && !executor->closed) {
-        queue->smallest_ns = queue->oldest_ns = 0;
+    while (!(request = pen_http_waiting_take(&queue->waiting, oldest)) && !executor->closed) {
         if (!trim_memory(executor, id))
             pthread_cond_wait(&queue->filled, &executor->lock);
-    }
-    if (queue->head) {
-        struct request **link = choose(queue, id, smallest);
-        request = *link;
-        *link = request->next;
-        if (!request->next)
-            queue->tail = link;
     }
     pthread_mutex_unlock(&executor->lock);
     return request;
 }
 
-static void finish_request(struct executor *executor, enum queue_id id, bool smallest, int64_t ns,
+static void finish_request(struct executor *executor, enum queue_id id, bool oldest, int64_t ns,
                            bool large)
 {
-    struct queue *queue = &executor->queue[id];
     pthread_mutex_lock(&executor->lock);
     executor->trim = executor->trim || large;
-    *(smallest ? &queue->smallest_ns : &queue->oldest_ns) += ns;
+    pen_http_waiting_spent(&executor->queue[id].waiting, oldest, ns);
     pthread_mutex_unlock(&executor->lock);
 }
 
 /* Whether nobody waits for the answer, and nothing else comes of the request. */
 static bool is_unwanted(const struct request *request)
 {
-    const bool reads = request->head || strcmp(request->method, "GET") == 0;
-    return (reads || (request->route->only_answers && !request->job_id[0])) &&
+    return pen_http_request_only_answers(request) &&
+           !(request->route->only_answers && request->job_id[0]) &&
            atomic_load_explicit(&request->unwanted, memory_order_relaxed);
 }
 
@@ -191,19 +167,21 @@ static enum queue_id handle(struct request *request, struct thread *thread, enum
         count_answer(request);
         pen_http_request_drop_body(request);
         request->is_handled = true;
+        request->work_bytes = request->reply.bytes;
         return pen_http_executor_encodes(request, thread->id);
     }
     return QUEUE_NONE;
 }
 
-/* Gives a request on to another queue. Returns false once the executor is closed. */
+/* Gives a request on to another queue. Returns false if it is answered now: the executor is
+ * closed, or the queue is full of such as this one. */
 static bool pass_on(struct request *request, struct executor *executor, enum queue_id to)
 {
     const bool handled = request->is_handled;
-    if (pen_http_executor_submit(executor, to, request))
+    if (pen_http_executor_submit(executor, to, !handled && to == QUEUE_LARGE, request))
         return true;
     if (!handled)
-        answer_unavailable(request, "the daemon is stopping");
+        pen_http_executor_refuse(executor, request);
     return false;
 }
 
@@ -225,12 +203,12 @@ static void *work(void *arg)
 {
     struct thread *thread = arg;
     struct request *request;
-    bool smallest = false;
-    while ((request = next_request(thread->executor, thread->id, &smallest)) != NULL) {
+    bool oldest = false;
+    while ((request = next_request(thread->executor, thread->id, &oldest)) != NULL) {
         const bool large = request->work_bytes >= LARGE_BYTES;
         const int64_t begun_ns = pen_clock_ns();
         run(request, thread);
-        finish_request(thread->executor, thread->id, smallest, pen_clock_ns() - begun_ns, large);
+        finish_request(thread->executor, thread->id, oldest, pen_clock_ns() - begun_ns, large);
     }
     return NULL;
 }
@@ -265,6 +243,7 @@ struct executor *pen_http_executor_start(const struct executor_options *options,
                                          struct pen_status *st)
 {
     const int count[QUEUES] = {[QUEUE_STORE] = options->store_threads,
+                               [QUEUE_LISTS] = options->list_threads,
                                [QUEUE_COMPUTE] = options->compute_threads,
                                [QUEUE_INTAKE] = options->intake_threads,
                                [QUEUE_LARGE] = 1};
@@ -278,7 +257,7 @@ struct executor *pen_http_executor_start(const struct executor_options *options,
     }
     pthread_mutex_init(&executor->lock, NULL);
     for (int id = 0; id < QUEUES; id++) {
-        executor->queue[id].tail = &executor->queue[id].head;
+        pen_http_waiting_init(&executor->queue[id].waiting, id != QUEUE_STORE);
         pthread_cond_init(&executor->queue[id].filled, NULL);
     }
     bool ok = true;
@@ -317,19 +296,35 @@ void pen_http_executor_free(struct executor *executor)
     free(executor);
 }
 
-bool pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request)
+/* How many new requests may wait in a queue. */
+static int waiting_max(const struct pen_http *http, enum queue_id id)
+{
+    const int part = waiting_part[id] > 0 ? http->connection_max / waiting_part[id] : 0;
+    return part > WAITING_LEAST ? part : WAITING_LEAST;
+}
+
+bool pen_http_executor_submit(struct executor *executor, enum queue_id id, bool is_new,
+                              struct request *request)
 {
     struct queue *queue = &executor->queue[id];
-    request->next = NULL;
     if (id == QUEUE_INTAKE && request->work_bytes == 0)
         request->work_bytes = pen_http_request_work(request);
     pthread_mutex_lock(&executor->lock);
-    bool open = !executor->closed;
-    if (open) {
-        *queue->tail = request;
-        queue->tail = &request->next;
+    const bool taken =
+        !executor->closed && (!is_new || queue->waiting.count < waiting_max(request->http, id));
+    if (taken) {
+        pen_http_waiting_add(&queue->waiting, request);
         pthread_cond_signal(&queue->filled);
     }
     pthread_mutex_unlock(&executor->lock);
-    return open;
+    return taken;
+}
+
+void pen_http_executor_refuse(struct executor *executor, struct request *request)
+{
+    pthread_mutex_lock(&executor->lock);
+    const bool closed = executor->closed;
+    pthread_mutex_unlock(&executor->lock);
+    answer_unavailable(request, closed ? "the daemon is stopping"
+                                       : "too many requests like this one wait; try again later");
 }

@@ -117,8 +117,10 @@ static bool reserve(void *user, size_t bytes, struct pen_status *st)
 {
     struct making *making = user;
     making->is_large = bytes > LARGE_WORK && !making->request->is_large;
-    if (making->is_large)
+    if (making->is_large) {
+        making->request->work_bytes = bytes;
         return pen_fail(st, PEN_UNAVAILABLE, "the picture is large");
+    }
     return pen_http_pictures_reserve(making->request->http->pictures, bytes,
                                      making->request->is_large ? LARGE_WAIT_MS : 0, &making->room,
                                      st);

@@ -12,6 +12,7 @@
 #include "base/clock.h"
 #include "http/internal/http.h"
 #include "http/internal/intake.h"
+#include "http/internal/routes.h"
 #include "http/wire.h"
 #include "jobs/jobs.h"
 
@@ -131,6 +132,11 @@ void pen_http_request_free(struct request *request)
     pen_target_release(&request->target);
     free(request->text);
     free(request);
+}
+
+bool pen_http_request_only_answers(const struct request *request)
+{
+    return request->head || strcmp(request->method, "GET") == 0 || request->route->only_answers;
 }
 
 void pen_http_request_drop_body(struct request *request)

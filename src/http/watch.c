@@ -107,12 +107,10 @@ static void forget(struct watch *watch, struct request *request)
 /* Gives a request whose wait is over to the connection, or to its handler. */
 static void pass_on(struct watch *watch, struct request *request)
 {
-    struct pen_status st;
     if (request->route->handle_again && request->reply.status == 0) {
-        if (pen_http_executor_submit(watch->http->executor, QUEUE_STORE, request))
+        if (pen_http_executor_submit(watch->http->executor, QUEUE_STORE, false, request))
             return;
-        pen_fail(&st, PEN_UNAVAILABLE, "the daemon is stopping");
-        pen_http_request_fail(request, &st);
+        pen_http_executor_refuse(watch->http->executor, request);
     }
     pen_http_request_encode(request);
     pen_http_resume(request);

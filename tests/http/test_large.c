@@ -57,12 +57,6 @@ static void expect_all(const int *fd, int count)
     }
 }
 
-static bool is_answered(int fd)
-{
-    char byte;
-    return recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
-}
-
 /* Waits until bodies of so many bytes have arrived and are not done with. */
 static void wait_for_bodies(struct server *server, size_t bytes)
 {
@@ -89,7 +83,7 @@ START_TEST(test_large__bodies_do_not_hold_up_a_small_one)
     const int last = send_request(&server, &small);
     expect_status(last, 200);
     for (int i = 0; i < LARGE; i++)
-        done += is_answered(fd[i]);
+        done += client_sees_answer(fd[i]);
     printf("# %d of %d large bodies were before the small one\n", done, LARGE);
     ck_assert_int_le(done, LARGE / 2);
     expect_status(first, 200);
@@ -120,7 +114,7 @@ START_TEST(test_large__a_large_body_is_not_overtaken_for_ever)
     for (int i = 0; i < SMALL; i++)
         fd[i] = send_request(&server, &small);
     expect_status(late, 200);
-    ck_assert(!is_answered(fd[SMALL - 1]));
+    ck_assert(!client_sees_answer(fd[SMALL - 1]));
     expect_status(first, 200);
     expect_all(fd, SMALL);
     close(first);
@@ -224,7 +218,7 @@ START_TEST(test_large__pictures_do_not_hold_up_small_ones)
     const int last = ask_preview(&server, small);
     expect_status(last, 200);
     for (int i = 0; i < LARGE; i++)
-        done += is_answered(fd[i]);
+        done += client_sees_answer(fd[i]);
     printf("# %d of %d large pictures were before the small one\n", done, LARGE);
     ck_assert_int_le(done, LARGE / 2);
     expect_all(fd, LARGE);

@@ -187,6 +187,12 @@ const char *answer_field(const struct answer *answer, const char *name, char *ou
     return out;
 }
 
+bool client_sees_answer(int fd)
+{
+    char byte;
+    return recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
+}
+
 bool client_sees_end(int fd, int seconds)
 {
     char part[4096];

@@ -61,6 +61,9 @@ void answer_release(struct answer *answer);
 /* The value of a field of the answer, or "". */
 const char *answer_field(const struct answer *answer, const char *name, char *out, size_t bytes);
 
+/* Whether bytes of an answer have come. */
+bool client_sees_answer(int fd);
+
 /* Whether the server closes the connection within `seconds`. */
 bool client_sees_end(int fd, int seconds);
 

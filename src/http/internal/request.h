@@ -65,8 +65,9 @@ struct request {
 
     uint64_t declared_bytes; /* Content-Length */
     uint64_t received_bytes; /* of the body, kept or not */
-    size_t work_bytes;       /* of the body as it will be parsed, as far as is known: see
-                              * pen_http_request_work */
+    size_t work_bytes;       /* what it will take, as far as is known: bytes of the body as it
+                              * will be parsed (pen_http_request_work), of the picture that is to
+                              * be made, or of the answer that is to be compressed */
     struct pen_buf body;
     struct intake_place {
         bool entered;                    /* intake.h counts it; the thread's that has the request */
@@ -82,6 +83,7 @@ struct request {
 
     bool is_probed;       /* of the loop: see pen_http_exchange_probes */
     struct request *next; /* link in the queue or list of the thread that holds it */
+    uint64_t last_turn;   /* guarded by the executor's lock: see waiting.c */
     int64_t deadline_ns;  /* of a long poll */
     bool resumed;         /* guarded by the loop's lock: pen_http_resume was called for it */
     bool watched;         /* guarded by the watcher's lock: it is in the watcher's list */
@@ -93,6 +95,10 @@ struct request {
  * it is for the caller to answer. Fails: NULL when out of memory. */
 struct request *pen_http_request_new(struct pen_http *http, const char *head, size_t bytes);
 void pen_http_request_free(struct request *request); /* NULL is allowed */
+
+/* Whether nothing comes of the request but its answer, at least until its handler has made a job.
+ */
+bool pen_http_request_only_answers(const struct request *request);
 
 /* Frees the body and gives its bytes back to the intake budget. */
 void pen_http_request_drop_body(struct request *request);

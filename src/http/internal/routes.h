@@ -30,6 +30,7 @@ typedef bool route_quick(struct request *request);
 enum queue_id {
     QUEUE_NONE,    /* in the thread of the connection: it must not block */
     QUEUE_STORE,   /* on a store thread: short reads and writes of the store */
+    QUEUE_LISTS,   /* on a list thread: reads that take the longer, the more the store has */
     QUEUE_COMPUTE, /* on a compute thread: encoding pictures, writing reports, checking scenes */
     QUEUE_INTAKE,  /* on an intake thread: whatever has a large body */
     QUEUE_LARGE    /* on the thread for large work, one after the other: pictures that take much

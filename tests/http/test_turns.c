@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: MIT */
+/* Who is served next: clients take turns, small requests of a client come before its large ones,
+ * only so many wait, and none for a client that has gone. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "http/internal/http.h"
+#include "http/internal/request.h"
+#include "http/internal/waiting.h"
+#include "support/server.h"
+#include "support/suite.h"
+
+static void add(struct waiting *waiting, struct request *request, const char *client, size_t work)
+{
+    snprintf(request->peer, sizeof request->peer, "%s", client);
+    request->work_bytes = work;
+    pen_http_waiting_add(waiting, request);
+}
+
+/* Takes the next request, which takes so long, and returns it. */
+static const struct request *serve(struct waiting *waiting, int64_t ns)
+{
+    bool oldest = false;
+    const struct request *request = pen_http_waiting_take(waiting, &oldest);
+    if (request)
+        pen_http_waiting_spent(waiting, oldest, ns);
+    return request;
+}
+
+/* A client with many requests, then one with two: that one is next, then both in turn. */
+START_TEST(test_turns__clients_take_turns)
+{
+    struct waiting *waiting = malloc(sizeof *waiting);
+    struct request *request = calloc(8, sizeof *request);
+    const int order[] = {0, 6, 1, 7, 2, 3, 4, 5};
+    pen_http_waiting_init(waiting, true);
+    for (int i = 0; i < 6; i++)
+        add(waiting, &request[i], "192.0.2.1", 0);
+    ck_assert_ptr_eq(serve(waiting, 0), &request[0]);
+    for (int i = 6; i < 8; i++)
+        add(waiting, &request[i], "192.0.2.2", 0);
+    for (int i = 1; i < 8; i++)
+        ck_assert_ptr_eq(serve(waiting, 0), &request[order[i]]);
+    ck_assert_ptr_null(serve(waiting, 0));
+    ck_assert_int_eq(waiting->count, 0);
+    free(request);
+    free(waiting);
+}
+END_TEST
+
+/* Of one client's requests the smallest is next, and of equal ones the oldest. */
+START_TEST(test_turns__small_requests_come_first)
+{
+    struct waiting *waiting = malloc(sizeof *waiting);
+    struct request *request = calloc(4, sizeof *request);
+    const size_t work[] = {70, 20, 20, 10};
+    const int order[] = {3, 1, 2, 0};
+    pen_http_waiting_init(waiting, true);
+    for (int i = 0; i < 4; i++)
+        add(waiting, &request[i], "", work[i]);
+    for (int i = 0; i < 4; i++)
+        ck_assert_ptr_eq(serve(waiting, 0), &request[order[i]]);
+    free(request);
+    free(waiting);
+}
+END_TEST
+
+/* A large request waits, while others come and go from more clients than are remembered: it gets
+ * its turn. */
+START_TEST(test_turns__none_is_overtaken_for_ever)
+{
+    enum { OTHERS = 20 };
+    struct waiting *waiting = malloc(sizeof *waiting);
+    struct request *request = calloc(OTHERS + 1, sizeof *request);
+    int before = 0;
+    pen_http_waiting_init(waiting, true);
+    add(waiting, &request[0], "192.0.2.1", 1000);
+    for (int i = 1; i <= 2; i++)
+        add(waiting, &request[i], "192.0.2.2", 1);
+    while (before < OTHERS) {
+        char client[20];
+        const struct request *next = serve(waiting, 1000);
+        if (next == &request[0])
+            break;
+        snprintf(client, sizeof client, "198.51.100.%d", before);
+        add(waiting, &request[next - request], client, 1);
+        before++;
+    }
+    ck_assert_int_le(before, 4);
+    free(request);
+    free(waiting);
+}
+END_TEST
+
+/* Without turns all are served as they came. */
+START_TEST(test_turns__a_plain_queue_keeps_the_order)
+{
+    struct waiting *waiting = malloc(sizeof *waiting);
+    struct request *request = calloc(4, sizeof *request);
+    pen_http_waiting_init(waiting, false);
+    for (int i = 0; i < 4; i++)
+        add(waiting, &request[i], i < 3 ? "192.0.2.1" : "192.0.2.2", (size_t)(10 - i));
+    for (int i = 0; i < 4; i++)
+        ck_assert_ptr_eq(serve(waiting, 0), &request[i]);
+    free(request);
+    free(waiting);
+}
+END_TEST
+
+/* A server whose list of jobs takes a while to make. */
+static void start_with_jobs(struct server *server, const struct server_options *options)
+{
+    enum { JOBS = 300 };
+    char path[80];
+    server_start(server, options);
+    for (int i = 0; i < JOBS; i++)
+        server_submit(server, path);
+}
+
+static int ask_list(const struct server *server)
+{
+    const int fd = server_connect(server);
+    ck_assert(client_send(fd, "GET /v1/jobs?limit=500 HTTP/1.1\r\nHost: localhost\r\n\r\n"));
+    return fd;
+}
+
+/* Seconds that a list takes, asked for on a new connection. */
+static double list_seconds(const struct server *server)
+{
+    const int64_t begun_ns = pen_clock_ns();
+    ck_assert_int_eq(server_status(server, "GET /v1/jobs?limit=500 HTTP/1.1", NULL), 200);
+    return (double)(pen_clock_ns() - begun_ns) * 1e-9;
+}
+
+/* Clients ask for lists and close at once: the lists are not made. */
+START_TEST(test_turns__nothing_is_read_for_clients_that_have_gone)
+{
+    enum { GONE = 200 };
+    struct server server;
+    start_with_jobs(&server, &(struct server_options){0});
+    list_seconds(&server);
+    double alone = list_seconds(&server);
+    for (int i = 0; i < GONE; i++)
+        close(ask_list(&server));
+    const double behind = list_seconds(&server);
+    printf("# a list %.4f s, behind %d that nobody waits for %.4f s\n", alone, GONE, behind);
+    ck_assert_double_lt(behind, 0.25 * GONE * alone);
+    for (int i = 0; i < 400 && atomic_load(&server.http->connections) > 0; i++)
+        client_pause(10 * client_patience());
+    ck_assert_int_eq(atomic_load(&server.http->connections), 0);
+    server_stop(&server);
+}
+END_TEST
+
+/* More lists are asked for than may wait: those beyond are refused at once, the others answered,
+ * and what is short is not held up by either. */
+START_TEST(test_turns__only_so_many_wait)
+{
+    enum { ASKED = 250, CONNECTIONS = 512 };
+    struct server server;
+    struct answer answer;
+    int *fd = malloc(ASKED * sizeof *fd), refused = 0, made = 0;
+    server_allow_many_files();
+    start_with_jobs(&server, &(struct server_options){.connections = CONNECTIONS});
+    const double alone = list_seconds(&server);
+    for (int i = 0; i < ASKED; i++)
+        fd[i] = ask_list(&server);
+    const int64_t begun_ns = pen_clock_ns();
+    ck_assert_int_eq(server_status(&server, "GET /readyz HTTP/1.1", NULL), 200);
+    const double ready = (double)(pen_clock_ns() - begun_ns) * 1e-9;
+    for (int i = 0; i < ASKED; i++) {
+        client_read(fd[i], false, &answer);
+        ck_assert_msg(answer.status == 200 || answer.status == 503, "%d", answer.status);
+        if (answer.status == 503) {
+            char after[20];
+            ck_assert_str_ne(answer_field(&answer, "Retry-After", after, sizeof after), "");
+            refused++;
+        }
+        made += answer.status == 200;
+        answer_release(&answer);
+        close(fd[i]);
+    }
+    printf("# a list %.4f s; of %d lists %d made, %d refused; /readyz meanwhile %.4f s\n", alone,
+           ASKED, made, refused, ready);
+    ck_assert_int_ge(made, CONNECTIONS / 8);
+    ck_assert_int_gt(refused, 0);
+    ck_assert_double_lt(ready, 0.25 * ASKED * alone);
+    free(fd);
+    server_stop(&server);
+}
+END_TEST
+
+/* A client asks for many large pictures, then another for one as large. */
+START_TEST(test_turns__large_pictures_of_two_clients)
+{
+    enum { PICTURES = 8 };
+    static const char body[] =
+        "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9], \"look_at\":"
+        " [0, 0, 0]}, \"objects\": [], \"render\": {\"width\": 2500, \"height\": 2500}}";
+    struct server server;
+    struct answer answer;
+    char path[80], head[200];
+    int fd[PICTURES], done = 0;
+    server_start(&server, &(struct server_options){0});
+    server_ask(&server, "POST /v1/jobs HTTP/1.1", body, &answer);
+    answer_field(&answer, "Location", path, sizeof path);
+    answer_release(&answer);
+    snprintf(head, sizeof head, "GET %s/preview HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
+    for (int i = 0; i < PICTURES; i++) {
+        fd[i] = server_connect(&server);
+        ck_assert(client_send(fd[i], head));
+    }
+    client_pause(50);
+    const int other = server_connect_from(&server, "127.0.0.2");
+    ck_assert(client_send(other, head));
+    client_read(other, false, &answer);
+    ck_assert_int_eq(answer.status, 200);
+    answer_release(&answer);
+    for (int i = 0; i < PICTURES; i++)
+        done += client_sees_answer(fd[i]);
+    printf("# %d of %d pictures of one client were before that of another\n", done, PICTURES);
+    ck_assert_int_le(done, PICTURES / 2);
+    close(other);
+    for (int i = 0; i < PICTURES; i++)
+        close(fd[i]);
+    server_stop(&server);
+}
+END_TEST
+
+PEN_SUITE("turns", test_turns__clients_take_turns, test_turns__small_requests_come_first,
+          test_turns__none_is_overtaken_for_ever, test_turns__a_plain_queue_keeps_the_order,
+          test_turns__nothing_is_read_for_clients_that_have_gone, test_turns__only_so_many_wait,
+          test_turns__large_pictures_of_two_clients)
