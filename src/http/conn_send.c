@@ -48,6 +48,7 @@ static const char *reason_of(int status)
                    {431, "Request Header Fields Too Large"},
                    {500, "Internal Server Error"},
                    {503, "Service Unavailable"},
+                   {504, "Gateway Timeout"},
                    {505, "HTTP Version Not Supported"},
                    {507, "Insufficient Storage"}};
     for (size_t i = 0; i < sizeof reasons / sizeof reasons[0]; i++) {

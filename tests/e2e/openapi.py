@@ -105,6 +105,8 @@ def compare(value, schema, at=""):
 
 def judge(operation, status, answer):
     """What is wrong with an answer to an operation that had to get this status."""
+    if answer.reason in ("", "Status"):
+        return f"{answer.status} without its reason phrase"
     if str(answer.status) != status:
         return f"{answer.status} {answer.content[:200]!r}"
     if status not in operation["responses"]:
