@@ -99,11 +99,11 @@ static void write_head(struct conn *conn)
 }
 
 /* Lets the kernel find out that the client of a stream has vanished: the next event, or a
- * heartbeat, is not acknowledged. Other answers go without: the kernel would also end a connection
- * whose client reads slowly, and so closes its window again and again. */
-static void watch_acknowledgements(const struct conn *conn)
+ * heartbeat, is not acknowledged for so long (0: as long as the kernel does by itself). Other
+ * answers go without, also those that follow a stream: the kernel would also end a connection whose
+ * client reads slowly, and so closes its window again and again. */
+static void limit_acknowledgements(const struct conn *conn, int ms)
 {
-    const int ms = UNANSWERED_MS;
     setsockopt(conn->fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &ms, sizeof ms);
 }
 
@@ -126,7 +126,7 @@ void pen_http_conn_answer(struct conn *conn)
     conn->stream_over = false;
     conn->state = streams ? CONN_STREAM : CONN_SEND;
     if (streams)
-        watch_acknowledgements(conn);
+        limit_acknowledgements(conn, UNANSWERED_MS);
     pen_http_loop_wait(conn, WAIT_READER);
     conn->reset = conn->reset || conn->out.failed;
 }
@@ -156,6 +156,8 @@ static bool send_parts(struct conn *conn, const unsigned char *body, size_t body
 static enum conn_step finish(struct conn *conn)
 {
     bool kept = !conn->request->close;
+    if (conn->state == CONN_STREAM)
+        limit_acknowledgements(conn, 0);
     pen_http_conn_end_request(conn, true);
     pen_buf_release(&conn->out);
     conn->scan = (struct pen_head_scan){0};

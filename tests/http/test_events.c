@@ -2,6 +2,8 @@
 /* Event streams: their events, resuming, their end, and clients that disconnect. The test itself
  * commits the batches, through the store. */
 #include <jansson.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -473,10 +475,61 @@ START_TEST(test_events__end_when_the_server_stops)
 }
 END_TEST
 
+/* The server's end of a client's connection; both are in this process. */
+static int find_other_end(int fd)
+{
+    struct sockaddr_in own, peer;
+    socklen_t bytes = sizeof own;
+    ck_assert_int_eq(getsockname(fd, (struct sockaddr *)&own, &bytes), 0);
+    for (int other = 0; other < 1024; other++) {
+        bytes = sizeof peer;
+        if (getpeername(other, (struct sockaddr *)&peer, &bytes) == 0 &&
+            peer.sin_family == AF_INET && peer.sin_port == own.sin_port)
+            return other;
+    }
+    ck_abort_msg("no socket");
+}
+
+/* After how many ms without an acknowledgement the server ends a connection; 0: the kernel's
+ * choice. */
+static int unanswered_ms(int fd)
+{
+    int ms = -1;
+    socklen_t bytes = sizeof ms;
+    ck_assert_int_eq(getsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &ms, &bytes), 0);
+    return ms;
+}
+
+/* What is asked of a stream's client is not asked of one that reads a later answer slowly. */
+START_TEST(test_events__leave_their_connection_as_it_was)
+{
+    struct client *client = malloc(sizeof *client);
+    struct answer answer;
+    char text[200];
+    set_up("{\"scene\": \"builtin:spheres\"}", 0);
+    open_stream(client, NULL);
+    client_first_answered(&client->fd, 1);
+    const int other = find_other_end(client->fd);
+    ck_assert_int_gt(unanswered_ms(other), 0);
+    snprintf(text, sizeof text, "POST %s/cancel HTTP/1.1", path);
+    ck_assert_int_eq(server_status(&server, text, NULL), 202);
+    read_to_end(client);
+    snprintf(text, sizeof text, "GET %s HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
+    ck_assert(client_send(client->fd, text));
+    client_read(client->fd, false, &answer);
+    ck_assert_int_eq(answer.status, 200);
+    answer_release(&answer);
+    ck_assert_int_eq(unanswered_ms(other), 0);
+    close_stream(client);
+    free(client);
+    tear_down();
+}
+END_TEST
+
 PEN_SUITE("events", test_events__follow_a_job_from_queue_to_end,
           test_events__cancelled_job_ends_its_streams, test_events__resume_after_any_id,
           test_events__unusable_ids_begin_anew_and_the_last_id_ends,
           test_events__many_missed_events_come_in_several_texts,
           test_events__silent_streams_get_heartbeats,
           test_events__have_a_limit_of_their_own_and_release_it, test_events__reach_all_clients,
-          test_events__end_when_the_server_stops)
+          test_events__end_when_the_server_stops, test_events__leave_their_connection_as_it_was)
