@@ -154,6 +154,16 @@ static void give_way(struct conn *conn)
     refuse_rest(conn, 503, &st);
 }
 
+/* What a client has sent behind a request is kept until that is answered, as far as there is memory
+ * for it; otherwise nothing that follows is answered. */
+static void limit_rest(struct conn *conn)
+{
+    if (!pen_http_conn_holds_much(conn))
+        return;
+    conn->request->close = true;
+    conn->bytes = 0;
+}
+
 /* The whole body was read, or is not wanted. */
 static void end_body(struct conn *conn)
 {
@@ -162,6 +172,7 @@ static void end_body(struct conn *conn)
         give_way(conn);
         return;
     }
+    limit_rest(conn);
     if (request->phase == PHASE_BODY) {
         conn->state = CONN_WORK;
         pen_http_exchange_dispatch(request);

@@ -187,6 +187,39 @@ START_TEST(test_server__unread_heads_in_memory_are_bounded)
 }
 END_TEST
 
+/* When the memory for unread bytes is used up, nothing is kept of what follows a request that
+ * waits, and the connection ends with its answer. */
+START_TEST(test_server__bytes_behind_a_request_are_bounded)
+{
+    enum { BEHIND = 60000, USED = 49 << 20 };
+    struct server server;
+    struct answer answer;
+    char path[80], value[20];
+    static char text[BEHIND + 200];
+    server_start(&server, &(struct server_options){0});
+    atomic_size_t *kept = &server.http->head_bytes;
+    server_submit(&server, path);
+    atomic_fetch_add(kept, USED);
+    const int fd = server_connect(&server);
+    const int head =
+        snprintf(text, sizeof text, "GET %s?wait=1 HTTP/1.1\r\nHost: localhost\r\n\r\nGET /", path);
+    memset(text + head, 'x', BEHIND);
+    ck_assert(client_send(fd, text));
+    for (int i = 0; i < 400 && atomic_load(&server.http->active) == 0; i++)
+        client_pause(5 * client_patience());
+    client_pause(100);
+    ck_assert_uint_eq(atomic_load(kept), USED);
+    client_read(fd, false, &answer);
+    ck_assert_int_eq(answer.status, 200);
+    ck_assert_str_eq(answer_field(&answer, "Connection", value, sizeof value), "close");
+    answer_release(&answer);
+    close(fd);
+    atomic_fetch_sub(kept, USED);
+    server_expect_alive(&server);
+    server_stop(&server);
+}
+END_TEST
+
 START_TEST(test_server__pipelined_requests_are_answered_in_order)
 {
     struct server server;
@@ -942,6 +975,7 @@ END_TEST
 PEN_SUITE(
     "server", test_server__partial_requests_are_ended, test_server__aborted_uploads_leave_nothing,
     test_server__bodies_in_memory_are_bounded, test_server__unread_heads_in_memory_are_bounded,
+    test_server__bytes_behind_a_request_are_bounded,
     test_server__pipelined_requests_are_answered_in_order,
     test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
     test_server__compressed_bodies_are_decoded_under_the_limit,

@@ -7,7 +7,8 @@
  *                                              └─ STREAM ────────┘
  *
  * Requests follow each other on a connection: nothing is read from it between the end of a request
- * and the end of its answer, so a client that sends many requests at once costs no memory.
+ * and the end of its answer. What was read with the request is kept until then, unless too much is
+ * kept of all clients; the connection is then closed behind the answer.
  *
  * WORK: another thread has the request. If the client closes the connection meanwhile, a request
  * that waits in the watcher is taken back and freed; any other goes on, and its answer is sent as
