@@ -109,7 +109,8 @@ static bool find_kept(const struct request *request, struct pen_jobs *jobs,
 struct making {
     struct request *request;
     struct picture_room room;
-    bool is_large; /* it is left to the thread for large work */
+    bool is_made_in_file; /* in the memory of its file, so the file's length is known */
+    bool is_large;        /* it is left to the thread for large work */
 };
 
 /* Large work goes to its thread before memory is set aside for it. */
@@ -121,9 +122,10 @@ static bool reserve(void *user, size_t bytes, struct pen_status *st)
         making->request->work_bytes = bytes;
         return pen_fail(st, PEN_UNAVAILABLE, "the picture is large");
     }
-    return pen_http_pictures_reserve(making->request->http->pictures, bytes,
-                                     making->request->is_large ? LARGE_WAIT_MS : 0, &making->room,
-                                     st);
+    making->room =
+        (struct picture_room){.bytes = bytes, .file_bytes = making->is_made_in_file ? bytes : 0};
+    return pen_http_pictures_reserve(making->request->http->pictures, &making->room,
+                                     making->request->is_large ? LARGE_WAIT_MS : 0, st);
 }
 
 static enum outcome answer_made(struct making *making, struct pen_jobs *jobs, bool made,
@@ -143,10 +145,17 @@ static enum outcome answer_made(struct making *making, struct pen_jobs *jobs, bo
     return OUTCOME_ANSWERED;
 }
 
+/* Such a picture is made in the memory of its file. */
+static bool is_pfm_of_a_view(const struct picture_key *key)
+{
+    return key->format && strcmp(key->format, "pfm") == 0 &&
+           (!key->view || strcmp(key->view, "all") != 0);
+}
+
 enum outcome pen_http_handle_image(struct request *request, struct pen_jobs *jobs)
 {
     const struct picture_key key = key_of(request);
-    struct making making = {.request = request};
+    struct making making = {.request = request, .is_made_in_file = is_pfm_of_a_view(&key)};
     const struct pen_image_query query = {.view = key.view,
                                           .layer = key.layer,
                                           .format = key.format,

@@ -17,7 +17,7 @@ enum {
     RESERVE_BYTES = 64 << 20, /* beyond the budget, for small pictures */
     PAUSE_MS = 20,            /* after which a thread that waits for memory looks again */
     SMALL_FILE = 1 << 20,     /* a picture is small up to so many bytes, */
-    SMALL_ROOM = 16 << 20     /* and while it is made */
+    SMALL_ROOM = 16 << 20     /* and while it is made, unless its file is known to be larger */
 };
 
 struct kept {
@@ -150,10 +150,11 @@ static atomic_size_t *total_of(struct pictures *pictures, bool alone)
 
 static bool try_reserve(struct pictures *pictures, const struct picture_room *room)
 {
+    const bool is_small = room->bytes <= SMALL_ROOM && room->file_bytes <= SMALL_FILE;
     pthread_mutex_lock(&pictures->lock);
     const bool ok = room->alone
                         ? atomic_load_explicit(&pictures->alone_bytes, memory_order_relaxed) == 0
-                        : make_room(pictures, room->bytes, room->bytes <= SMALL_ROOM);
+                        : make_room(pictures, room->bytes, is_small);
     if (ok)
         atomic_fetch_add_explicit(total_of(pictures, room->alone), room->bytes,
                                   memory_order_relaxed);
@@ -161,11 +162,11 @@ static bool try_reserve(struct pictures *pictures, const struct picture_room *ro
     return ok;
 }
 
-bool pen_http_pictures_reserve(struct pictures *pictures, size_t bytes, int wait_ms,
-                               struct picture_room *room, struct pen_status *st)
+bool pen_http_pictures_reserve(struct pictures *pictures, struct picture_room *room, int wait_ms,
+                               struct pen_status *st)
 {
     const struct timespec pause = {.tv_nsec = PAUSE_MS * 1000000L};
-    *room = (struct picture_room){.bytes = bytes, .alone = bytes > BUDGET_BYTES};
+    room->alone = room->bytes > BUDGET_BYTES;
     for (int ms = 0; !try_reserve(pictures, room); ms += PAUSE_MS) {
         if (ms >= wait_ms) {
             *room = (struct picture_room){0};

@@ -85,7 +85,8 @@ END_TEST
 static bool reserve(struct pictures *pictures, size_t bytes, struct picture_room *room)
 {
     struct pen_status st = {0};
-    const bool ok = pen_http_pictures_reserve(pictures, bytes, 0, room, &st);
+    *room = (struct picture_room){.bytes = bytes};
+    const bool ok = pen_http_pictures_reserve(pictures, room, 0, &st);
     ck_assert(ok || (st.code == PEN_UNAVAILABLE && room->bytes == 0));
     return ok;
 }
@@ -124,6 +125,25 @@ START_TEST(test_pictures__memory_is_reserved_before_they_are_made)
 }
 END_TEST
 
+/* Of a picture that is made in the memory of its file it is known that it will not be small. */
+START_TEST(test_pictures__that_will_not_be_small_have_no_reserve)
+{
+    struct pictures *pictures = pen_http_pictures_new();
+    struct picture_room large, small, file = {.bytes = 4 * MIB, .file_bytes = 4 * MIB};
+    struct pen_status st = {0};
+    ck_assert(reserve(pictures, 126 * MIB, &large));
+    ck_assert(!pen_http_pictures_reserve(pictures, &file, 0, &st));
+    ck_assert_int_eq(st.code, PEN_UNAVAILABLE);
+    ck_assert(reserve(pictures, 4 * MIB, &small));
+    pen_http_pictures_give_up(pictures, &small);
+    pen_http_pictures_give_up(pictures, &large);
+    file = (struct picture_room){.bytes = 4 * MIB, .file_bytes = 4 * MIB};
+    ck_assert(pen_http_pictures_reserve(pictures, &file, 0, &st));
+    pen_http_pictures_give_up(pictures, &file);
+    pen_http_pictures_free(pictures);
+}
+END_TEST
+
 START_TEST(test_pictures__beyond_the_budget_there_is_one_at_a_time)
 {
     struct pictures *pictures = pen_http_pictures_new();
@@ -156,4 +176,5 @@ END_TEST
 
 PEN_SUITE("pictures", test_pictures__readers_share_one_copy, test_pictures__have_a_budget,
           test_pictures__memory_is_reserved_before_they_are_made,
+          test_pictures__that_will_not_be_small_have_no_reserve,
           test_pictures__beyond_the_budget_there_is_one_at_a_time)

@@ -45,16 +45,17 @@ bool pen_http_pictures_find(struct pictures *pictures, const struct picture_key 
 
 /* Memory that is set aside for a picture; all zero: none. */
 struct picture_room {
-    size_t bytes;
-    bool alone; /* in the place beside the budget */
+    size_t bytes;      /* while it is made */
+    size_t file_bytes; /* of these, that will stay as long as it is read, if that is known; or 0 */
+    bool alone;        /* in the place beside the budget */
 };
 
-/* Sets memory aside; if need be, drops pictures that nobody reads, and waits for the readers of
- * others for wait_ms at most. Owns: give the room to
+/* Sets memory aside, as much as *room says; if need be, drops pictures that nobody reads, and waits
+ * for the readers of others for wait_ms at most. Owns: give the room to
  * pen_http_pictures_take or pen_http_pictures_give_up. Fails: PEN_UNAVAILABLE (the budget, or the
- * place beside it, is used up). */
-bool pen_http_pictures_reserve(struct pictures *pictures, size_t bytes, int wait_ms,
-                               struct picture_room *room, struct pen_status *st);
+ * place beside it, is used up); *room is all zero then. */
+bool pen_http_pictures_reserve(struct pictures *pictures, struct picture_room *room, int wait_ms,
+                               struct pen_status *st);
 void pen_http_pictures_give_up(struct pictures *pictures, struct picture_room *room);
 
 /* Takes a picture that was made in `room` (NULL: none was reserved), gives the room back, and
