@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "http/internal/admit.h"
+#include "http/internal/answers.h"
 #include "http/internal/exchange.h"
 #include "http/internal/http.h"
 #include "http/internal/intake.h"
@@ -99,8 +100,10 @@ void pen_http_conn_end_request(struct conn *conn, bool complete)
 {
     struct request *request = conn->request;
     conn->request = NULL;
-    if (request)
-        pen_http_exchange_end(request, complete);
+    if (!request)
+        return;
+    pen_http_answers_leave(request);
+    pen_http_exchange_end(request, complete);
 }
 
 void pen_http_conn_close(struct conn *conn)
@@ -456,6 +459,9 @@ void pen_http_conn_resume(struct conn *conn)
         return;
     } else if (conn->state == CONN_BODY && conn->request->phase == PHASE_BODY) {
         give_way(conn);
+    } else if (conn->state == CONN_SEND && pen_http_answers_gives_way(conn->request)) {
+        pen_http_conn_close(conn);
+        return;
     }
     pen_http_conn_run(conn);
 }

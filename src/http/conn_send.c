@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <sys/uio.h>
 
+#include "http/internal/answers.h"
 #include "http/internal/conn.h"
 #include "http/internal/http.h"
 #include "http/internal/loop.h"
@@ -173,7 +174,7 @@ static enum conn_step finish(struct conn *conn)
 
 enum conn_step pen_http_conn_send(struct conn *conn)
 {
-    const struct request *request = conn->request;
+    struct request *request = conn->request;
     const struct reply *reply = &request->reply;
     bool body = has_body(request) && reply->body && !reply->failed;
     size_t all = body ? reply->bytes : 0;
@@ -181,9 +182,11 @@ enum conn_step pen_http_conn_send(struct conn *conn)
     const unsigned char *from =
         body ? reply->body->content.data + reply->first + conn->body_sent : NULL;
     if (!send_parts(conn, from, left < BODY_BYTES ? left : BODY_BYTES))
-        return conn->reset ? STEP_END : STEP_WAIT;
+        return conn->reset || !pen_http_answers_wait(request, conn->body_sent) ? STEP_END
+                                                                               : STEP_WAIT;
     if (conn->out_sent == conn->out.bytes && conn->body_sent == all)
         return finish(conn);
+    pen_http_answers_took(request, conn->body_sent);
     pen_http_loop_wait(conn, WAIT_READER);
     return STEP_ON;
 }

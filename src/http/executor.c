@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "http/internal/answers.h"
 #include "http/internal/encoding.h"
 #include "http/internal/http.h"
 #include "http/internal/loop.h"
@@ -20,8 +21,6 @@ enum {
     QUEUES = QUEUE_LARGE + 1, /* that of QUEUE_NONE stays empty */
     THREADS_MAX = 64,
     LARGE_BYTES = 256 << 10,      /* from here on a body counts as large, see trim_memory */
-    LARGE_ANSWER = 64 << 10,      /* from here on an answer counts for ANSWER_BYTES */
-    ANSWER_BYTES = 96 << 20,      /* the most of such answers in memory, but pictures */
     ENCODED_ANYWHERE = 64 << 10,  /* answers up to here are compressed where they are made */
     ENCODED_BY_COMPUTE = 4 << 20, /* and these by a compute thread; it takes up to 0.1 s */
     GROWN_BYTES = 64 << 20,       /* bodies in memory, up to which decoded ones may wait again */
@@ -105,22 +104,6 @@ static bool is_unwanted(const struct request *request)
            atomic_load_explicit(&request->unwanted, memory_order_relaxed);
 }
 
-/* Answers 503 if the large answers in memory, which wait for their readers, are too many. */
-static void count_answer(struct request *request)
-{
-    struct blob *body = request->reply.body;
-    struct pen_status st;
-    if (!body || body->total || body->content.bytes < LARGE_ANSWER || atomic_load(&body->refs) > 1)
-        return;
-    pen_http_blob_count(body, &request->http->answer_bytes);
-    if (atomic_load_explicit(&request->http->answer_bytes, memory_order_relaxed) <= ANSWER_BYTES)
-        return;
-    pen_http_reply_release(&request->reply);
-    pen_fail(&st, PEN_UNAVAILABLE,
-             "too many large answers wait for their readers; try again later");
-    pen_http_request_fail(request, &st);
-}
-
 static void answer_unavailable(struct request *request, const char *why)
 {
     struct pen_status st;
@@ -164,7 +147,7 @@ static enum queue_id handle(struct request *request, struct thread *thread, enum
         return QUEUE_LARGE;
     }
     if (*outcome == OUTCOME_ANSWERED) {
-        count_answer(request);
+        pen_http_answers_count(request);
         pen_http_request_drop_body(request);
         request->is_handled = true;
         request->work_bytes = request->reply.bytes;

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* A list of kept pictures, the one used last in front. A kept picture that nobody reads goes when
- * the list is full, or when the budget is needed for another. The picture in the place beside the
- * budget is not in the list, and goes with its last reader. */
+ * the list is full, or when the budget is needed for another; so does one whose readers give way.
+ * The picture in the place beside the budget is not in the list, and goes with its last reader.
+ *
+ * Order of locks: that of the pictures, of a budget (answers.h), of a loop. */
 #include "http/internal/pictures.h"
 
 #include <pthread.h>
@@ -9,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+
+#include "http/internal/answers.h"
 
 enum {
     KEPT = 64,
@@ -26,8 +30,8 @@ struct kept {
 };
 
 struct pictures {
-    atomic_size_t bytes; /* within the budget, reserved or in memory. atomic: relaxed, a sum */
-    atomic_size_t alone_bytes; /* in the place beside it; 0: it is free. atomic: relaxed, a sum */
+    struct answer_memory budget; /* reserved, or of pictures */
+    struct answer_memory beside; /* the place beside it; 0 bytes: it is free */
     pthread_mutex_t lock;
     int count;               /* guarded by lock */
     struct kept *kept[KEPT]; /* guarded by lock */
@@ -37,8 +41,11 @@ struct pictures {
 struct pictures *pen_http_pictures_new(void)
 {
     struct pictures *pictures = calloc(1, sizeof *pictures);
-    if (pictures)
-        pthread_mutex_init(&pictures->lock, NULL);
+    if (!pictures)
+        return NULL;
+    pthread_mutex_init(&pictures->lock, NULL);
+    pen_http_answers_init(&pictures->budget);
+    pen_http_answers_init(&pictures->beside);
     return pictures;
 }
 
@@ -48,6 +55,7 @@ static void drop(struct pictures *pictures, int i)
     pictures->count--;
     memmove(&pictures->kept[i], &pictures->kept[i + 1],
             (size_t)(pictures->count - i) * sizeof(struct kept *));
+    kept->picture.blob->is_kept = false;
     pen_http_blob_unref(kept->picture.blob);
     free(kept);
 }
@@ -78,6 +86,8 @@ void pen_http_pictures_free(struct pictures *pictures)
     while (pictures->count > 0)
         drop(pictures, pictures->count - 1);
     drop_alone(pictures);
+    pen_http_answers_release(&pictures->beside);
+    pen_http_answers_release(&pictures->budget);
     pthread_mutex_destroy(&pictures->lock);
     free(pictures);
 }
@@ -95,7 +105,7 @@ static bool write_key(const struct picture_key *key, char text[KEY_BYTES])
 static bool find(struct pictures *pictures, const char *key, struct picture *out)
 {
     struct kept *found = pictures->alone;
-    if (!found || strcmp(found->key, key) != 0)
+    if (!found || strcmp(found->key, key) != 0 || found->picture.blob->readers.given_up)
         found = NULL;
     for (int i = 0; !found && i < pictures->count; i++) {
         struct kept *kept = pictures->kept[i];
@@ -123,18 +133,39 @@ bool pen_http_pictures_find(struct pictures *pictures, const struct picture_key 
     return found;
 }
 
-/* Whether so many bytes fit into the budget; if need be, drops pictures that nobody reads. Called
- * with the lock held. */
+/* Drops those whose readers were told to give way: nobody is to become another reader of them.
+ * Called with the lock held. */
+static void drop_given_up(struct pictures *pictures)
+{
+    for (int i = pictures->count - 1; i >= 0; i--) {
+        if (pictures->kept[i]->picture.blob->readers.given_up)
+            drop(pictures, i);
+    }
+}
+
+/* Whether so many bytes fit into the budget; if need be, drops pictures that nobody reads, then
+ * those that are read slowly. Called with the lock held. */
 static bool make_room(struct pictures *pictures, size_t bytes, bool is_small)
 {
-    size_t budget = BUDGET_BYTES + (is_small ? (size_t)RESERVE_BYTES : 0);
-    for (int i = pictures->count - 1; i >= 0; i--) {
-        if (atomic_load_explicit(&pictures->bytes, memory_order_relaxed) + bytes <= budget)
-            return true;
+    struct answer_memory *budget = &pictures->budget;
+    const size_t limit = BUDGET_BYTES + (is_small ? (size_t)RESERVE_BYTES : 0);
+    for (int i = pictures->count - 1; i >= 0 && !pen_http_answers_fit(budget, bytes, limit); i--) {
         if (atomic_load(&pictures->kept[i]->picture.blob->refs) == 1)
             drop(pictures, i);
     }
-    return atomic_load_explicit(&pictures->bytes, memory_order_relaxed) + bytes <= budget;
+    const bool fits = pen_http_answers_make_room(budget, bytes, limit);
+    drop_given_up(pictures);
+    return fits;
+}
+
+/* Whether the place beside the budget is free; if it is read slowly, its readers are told to give
+ * way. Called with the lock held. */
+static bool is_beside_free(struct pictures *pictures)
+{
+    if (atomic_load_explicit(&pictures->beside.bytes, memory_order_relaxed) == 0)
+        return true;
+    pen_http_answers_make_room(&pictures->beside, 1, 1);
+    return false;
 }
 
 static bool fail_full(struct pen_status *st)
@@ -143,20 +174,19 @@ static bool fail_full(struct pen_status *st)
                     "there is no memory for a large picture now; try again later");
 }
 
-static atomic_size_t *total_of(struct pictures *pictures, bool alone)
+static struct answer_memory *memory_of(struct pictures *pictures, bool alone)
 {
-    return alone ? &pictures->alone_bytes : &pictures->bytes;
+    return alone ? &pictures->beside : &pictures->budget;
 }
 
 static bool try_reserve(struct pictures *pictures, const struct picture_room *room)
 {
     const bool is_small = room->bytes <= SMALL_ROOM && room->file_bytes <= SMALL_FILE;
     pthread_mutex_lock(&pictures->lock);
-    const bool ok = room->alone
-                        ? atomic_load_explicit(&pictures->alone_bytes, memory_order_relaxed) == 0
-                        : make_room(pictures, room->bytes, is_small);
+    const bool ok =
+        room->alone ? is_beside_free(pictures) : make_room(pictures, room->bytes, is_small);
     if (ok)
-        atomic_fetch_add_explicit(total_of(pictures, room->alone), room->bytes,
+        atomic_fetch_add_explicit(&memory_of(pictures, room->alone)->bytes, room->bytes,
                                   memory_order_relaxed);
     pthread_mutex_unlock(&pictures->lock);
     return ok;
@@ -179,7 +209,8 @@ bool pen_http_pictures_reserve(struct pictures *pictures, struct picture_room *r
 
 void pen_http_pictures_give_up(struct pictures *pictures, struct picture_room *room)
 {
-    atomic_fetch_sub_explicit(total_of(pictures, room->alone), room->bytes, memory_order_relaxed);
+    atomic_fetch_sub_explicit(&memory_of(pictures, room->alone)->bytes, room->bytes,
+                              memory_order_relaxed);
     *room = (struct picture_room){0};
 }
 
@@ -192,6 +223,7 @@ static void keep(struct pictures *pictures, const char *key, const struct pictur
     memcpy(kept->key, key, KEY_BYTES);
     kept->picture = *picture;
     pen_http_blob_ref(picture->blob);
+    picture->blob->is_kept = true;
     if (alone) {
         picture->blob->idle = on_idle;
         picture->blob->idle_user = pictures;
@@ -222,7 +254,7 @@ static bool take(struct pictures *pictures, const char *key, struct pen_image *i
     out->blob = pen_http_blob_take(&image->bytes);
     if (!out->blob)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
-    pen_http_blob_count(out->blob, total_of(pictures, !fits));
+    pen_http_blob_count(out->blob, memory_of(pictures, !fits));
     if (key[0])
         keep(pictures, key, out, !fits);
     return true;

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "http/internal/answers.h"
 #include "http/internal/encoding.h"
 #include "http/message.h"
 
@@ -18,22 +19,29 @@ struct blob *pen_http_blob_take(struct pen_buf *content)
         pen_buf_release(content);
         return NULL;
     }
+    *blob = (struct blob){.content = *content};
     atomic_init(&blob->refs, 1);
-    blob->content = *content;
-    blob->total = NULL;
-    blob->idle = NULL;
-    blob->idle_user = NULL;
-    atomic_init(&blob->gzip, NULL);
     pen_buf_init(content);
     return blob;
 }
 
-void pen_http_blob_count(struct blob *blob, atomic_size_t *total)
+void pen_http_blob_count(struct blob *blob, struct answer_memory *memory)
 {
-    if (!blob || !total)
+    if (!blob || !memory)
         return;
-    blob->total = total;
-    atomic_fetch_add_explicit(total, blob->content.bytes, memory_order_relaxed);
+    blob->memory = memory;
+    atomic_fetch_add_explicit(&memory->bytes, blob->content.bytes, memory_order_relaxed);
+}
+
+/* The last reference to the blob has gone. */
+static void discount(const struct blob *blob)
+{
+    struct answer_memory *memory = blob->memory;
+    if (!memory)
+        return;
+    atomic_fetch_sub_explicit(&memory->bytes, blob->content.bytes, memory_order_relaxed);
+    if (blob->readers.given_up)
+        atomic_fetch_sub_explicit(&memory->leaving, blob->content.bytes, memory_order_relaxed);
 }
 
 struct blob *pen_http_blob_ref(struct blob *blob)
@@ -53,8 +61,7 @@ void pen_http_blob_unref(struct blob *blob)
         idle(user);
     if (refs != 1)
         return;
-    if (blob->total)
-        atomic_fetch_sub_explicit(blob->total, blob->content.bytes, memory_order_relaxed);
+    discount(blob);
     pen_http_blob_unref(atomic_load_explicit(&blob->gzip, memory_order_acquire));
     pen_buf_release(&blob->content);
     free(blob);
@@ -74,7 +81,7 @@ struct blob *pen_http_blob_gzip(struct blob *blob)
     if (!pen_http_gzip(blob->content.data, blob->content.bytes, &text) ||
         !(gzip = pen_http_blob_take(&text)))
         return NULL;
-    pen_http_blob_count(gzip, blob->total);
+    pen_http_blob_count(gzip, blob->memory);
     struct blob *other = NULL;
     if (atomic_compare_exchange_strong_explicit(&blob->gzip, &other, gzip, memory_order_acq_rel,
                                                 memory_order_acquire))

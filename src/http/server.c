@@ -44,6 +44,7 @@ static void release(struct pen_http *http)
     pen_http_static_files_free(http->static_files);
     pthread_mutex_destroy(&http->ready_lock);
     pthread_mutex_destroy(&http->intake_lock);
+    pen_http_answers_release(&http->answers);
     free(http);
 }
 
@@ -100,6 +101,7 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
     http->id_prefix = randombytes_random();
     pthread_mutex_init(&http->ready_lock, NULL);
     pthread_mutex_init(&http->intake_lock, NULL);
+    pen_http_answers_init(&http->answers);
     bool ok = prepare(http, options->heartbeat_ms, st) && start_threads(http, options, st) &&
               (http->listener = pen_http_listener_start(http, options, st)) &&
               pen_http_listener_accept(http->listener, st);

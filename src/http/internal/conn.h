@@ -10,6 +10,8 @@
  * and the end of its answer. What was read with the request is kept until then, unless too much is
  * kept of all clients; the connection is then closed behind the answer.
  *
+ * SEND: when memory is used up, the answer may be given up (answers.h). The connection is closed.
+ *
  * WORK: another thread has the request. If the client closes the connection meanwhile, a request
  * that waits in the watcher is taken back and freed; any other goes on, and its answer is sent as
  * far as that is possible. After a reset the descriptor is closed at once, and the connection is

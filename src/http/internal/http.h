@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "http/internal/answers.h"
 #include "http/server.h"
 
 struct request;
@@ -38,7 +39,6 @@ struct pen_http {
     atomic_int connections;        /* with the loops and not yet closed. atomic: relaxed, a bound */
     atomic_int reserved;           /* connections in reserved slots. atomic: relaxed, a bound */
     atomic_size_t head_bytes;      /* kept unread of heads. atomic: relaxed, a sum */
-    atomic_size_t answer_bytes;    /* large answers but pictures. atomic: relaxed, a sum */
 
     atomic_bool draining, stopping; /* atomic: relaxed, one request more may still be served */
     atomic_int active;              /* requests whose head was seen and that have not ended.
@@ -51,6 +51,8 @@ struct pen_http {
     struct request *intake_first, *intake_last; /* guarded by intake_lock: bodies that are being
                                                  * received, the slowest first */
     size_t intake_leaving_bytes; /* guarded by intake_lock: of bodies that were told to give way */
+
+    struct answer_memory answers; /* of large answers but pictures, which have their own */
 
     pthread_mutex_t ready_lock;
     int64_t ready_ns;        /* guarded by ready_lock: when the store was last probed; 0: never */

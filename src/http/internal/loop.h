@@ -7,7 +7,8 @@
  *   a first or next request  idle_ns
  *   the rest of a head       head_ns from its first byte, or from accepting
  *   the rest of a body       body_ns for each window: as much as comes in body_ns at BODY_RATE
- *   a client that reads      idle_ns until the kernel takes more of the answer
+ *   a client that reads      idle_ns until the kernel takes more of the answer; less where memory
+ *                            is used up (answers.h)
  *   the end of a client      2 s, or 10 s while it still sends
  *
  * A client that vanishes without a word is found by the kernel (listener.c sets keep-alive probes,
@@ -88,9 +89,9 @@ void pen_http_loop_again(struct conn *conn);
 /* Takes a closed connection out of the loop. Threads: the loop's. */
 void pen_http_loop_remove(struct conn *conn);
 
-/* Tells the loop of a request's connection that its answer is ready, or more of its stream. Unless
- * it is a stream, the caller must not touch the request afterwards. Locks: the loop's. Threads:
- * any. */
+/* Tells the loop of a request's connection that its answer is ready, or more of its stream, or that
+ * it has to give way (intake.h, answers.h). Unless it is a stream, or a lock keeps the loop from
+ * ending the request, the caller must not touch it afterwards. Locks: the loop's. Threads: any. */
 void pen_http_resume(struct request *request);
 
 /* The value of a Date field now. */

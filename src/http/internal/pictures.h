@@ -6,7 +6,8 @@
  * a picture is made; if there is none, nothing is made, and the client is told to come back. Small
  * pictures go on, from a reserve. What is larger than the whole budget has a place of its own
  * beside it, for one at a time: it is taken when the picture is reserved, and free once the picture
- * was made and is small enough for the budget, or all its readers have gone.
+ * was made and is small enough for the budget, or all its readers have gone. Slow readers give way
+ * when their pictures' memory is needed for another (answers.h).
  *
  * Only the pictures of jobs that have succeeded are kept: they never change. The caller looks
  * whether the job is still there.
@@ -50,10 +51,10 @@ struct picture_room {
     bool alone;        /* in the place beside the budget */
 };
 
-/* Sets memory aside, as much as *room says; if need be, drops pictures that nobody reads, and waits
- * for the readers of others for wait_ms at most. Owns: give the room to
- * pen_http_pictures_take or pen_http_pictures_give_up. Fails: PEN_UNAVAILABLE (the budget, or the
- * place beside it, is used up); *room is all zero then. */
+/* Sets memory aside, as much as *room says; if need be, drops pictures that nobody reads, makes
+ * slow readers of others give way (answers.h), and waits for the readers of others for wait_ms at
+ * most. Owns: give the room to pen_http_pictures_take or pen_http_pictures_give_up. Fails:
+ * PEN_UNAVAILABLE (the budget, or the place beside it, is used up); *room is all zero then. */
 bool pen_http_pictures_reserve(struct pictures *pictures, struct picture_room *room, int wait_ms,
                                struct pen_status *st);
 void pen_http_pictures_give_up(struct pictures *pictures, struct picture_room *room);

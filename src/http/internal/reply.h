@@ -10,15 +10,27 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "base/buf.h"
 #include "base/status.h"
+
+struct answer_memory;
+struct request;
 
 /* Reference-counted bytes: one cached body may be sent to many clients at once. Threads: any. */
 struct blob {
     atomic_int refs; /* atomic: acquire-release, so that the thread that frees sees all reads */
     struct pen_buf content;
-    atomic_size_t *total; /* a sum that includes these bytes while the blob exists; NULL: none */
+    struct answer_memory *memory; /* which counts these bytes while the blob exists; NULL: none */
+    bool is_kept; /* one reference is dropped when memory is needed. guarded by pictures' lock */
+    struct blob_readers {
+        struct request *first;        /* the clients that keep these bytes waiting; */
+        int count;                    /* as many */
+        struct blob *slower, *faster; /* in the list of the memory, if there are any */
+        int64_t since_ns;             /* when it came to the end of that list */
+        bool given_up;                /* the readers were told to give way; it is not in the list */
+    } readers;                        /* guarded by the memory's lock: see answers.h */
     /* Called without a lock when one reference is left, by the thread that gave up the other; more
      * may come meanwhile. Set before a second thread has the blob. NULL: nobody asks. */
     void (*idle)(void *user);
@@ -31,9 +43,9 @@ struct blob {
  * Fails: NULL when out of memory, or if the buffer has failed. */
 struct blob *pen_http_blob_take(struct pen_buf *content);
 
-/* Adds the blob's bytes to *total while the blob exists, and those of its compressed form, once
+/* Counts the blob's bytes in *memory while the blob exists, and those of its compressed form, once
  * there is one, while that exists. NULL is allowed for both. */
-void pen_http_blob_count(struct blob *blob, atomic_size_t *total);
+void pen_http_blob_count(struct blob *blob, struct answer_memory *memory);
 struct blob *pen_http_blob_ref(struct blob *blob);
 void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
 

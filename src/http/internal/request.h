@@ -79,6 +79,11 @@ struct request {
     bool is_large;   /* the thread of QUEUE_LARGE has it */
     bool is_handled; /* the reply is complete, but for compressing its body */
     struct reply reply;
+    struct reader_place {                /* see answers.h */
+        bool listed;                     /* the loop's: it is a reader of reply.body */
+        size_t window_bytes;             /* the loop's: of the body, sent when its window began */
+        struct request *previous, *next; /* guarded by the lock of reply.body's memory */
+    } reading;
     struct stream *stream; /* of an event stream; NULL: none */
 
     bool is_probed;       /* of the loop: see pen_http_exchange_probes */
