@@ -87,12 +87,31 @@ static bool read_label(const char *label, char key[LABEL_BYTES], struct pen_job_
     return true;
 }
 
-/* A page of at most `limit` jobs. The list holds one job more if another page follows. */
-static json_t *list_json(const struct pen_job_record *jobs, int count, int limit,
+/* Of the stored texts of a page. With the state of each job, some 700 bytes, 500 jobs come to 1 MiB
+ * of JSON. */
+enum { PAGE_TEXT_BYTES = 640 << 10 };
+
+/* How many of these jobs a page has: at most `limit`, and those whose texts are short enough, but
+ * the first one always. */
+static int page_count(const struct pen_job_record *jobs, int count, int limit)
+{
+    size_t bytes = 0;
+    int page = 0;
+    while (page < count && page < limit) {
+        bytes += pen_job_record_text_bytes(&jobs[page]);
+        if (page > 0 && bytes > PAGE_TEXT_BYTES)
+            break;
+        page++;
+    }
+    return page;
+}
+
+/* A page of the first `page` jobs. The list holds one job more if another page follows. */
+static json_t *list_json(const struct pen_job_record *jobs, int count, int page,
                          struct pen_status *st)
 {
     json_t *list = json_array(), *next = json_null();
-    for (int i = 0; list && i < count && i < limit; i++) {
+    for (int i = 0; list && i < page; i++) {
         json_t *job = pen_job_json(&jobs[i], st);
         if (!job) {
             json_decref(list);
@@ -100,14 +119,13 @@ static json_t *list_json(const struct pen_job_record *jobs, int count, int limit
         }
         json_array_append_new(list, job);
     }
-    if (count > limit) {
+    if (count > page) {
         char cursor[32];
-        snprintf(cursor, sizeof cursor, "j%" PRId64, jobs[limit - 1].number);
+        snprintf(cursor, sizeof cursor, "j%" PRId64, jobs[page - 1].number);
         next = json_string(cursor);
     }
     json_t *answer =
-        json_pack("{s:o, s:o}", "jobs", pen_json_all(list, (size_t)(count < limit ? count : limit)),
-                  "next", next);
+        json_pack("{s:o, s:o}", "jobs", pen_json_all(list, (size_t)page), "next", next);
     if (!answer)
         pen_fail(st, PEN_NO_MEMORY, "no memory for a list of jobs");
     return answer;
@@ -116,8 +134,11 @@ static json_t *list_json(const struct pen_job_record *jobs, int count, int limit
 json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
                       struct pen_status *st)
 {
-    struct pen_job_filter filter = {
-        .state = query->state, .kind = query->kind, .name = query->name, .limit = query->limit + 1};
+    struct pen_job_filter filter = {.state = query->state,
+                                    .kind = query->kind,
+                                    .name = query->name,
+                                    .limit = query->limit + 1,
+                                    .text_bytes = PAGE_TEXT_BYTES};
     struct pen_job_record *list;
     char key[LABEL_BYTES];
     int count;
@@ -129,7 +150,7 @@ json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
         !read_label(query->label, key, &filter, st) ||
         !pen_store_jobs(jobs->store, &filter, &list, &count, st))
         return NULL;
-    json_t *answer = list_json(list, count, query->limit, st);
+    json_t *answer = list_json(list, count, page_count(list, count, query->limit), st);
     pen_job_records_free(list, count);
     return answer;
 }

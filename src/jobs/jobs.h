@@ -80,7 +80,8 @@ struct pen_list_query {
     const char *cursor; /* `next` of an earlier list; NULL: from the newest job on */
 };
 
-/* A page of jobs, newest first: {jobs: […], next: cursor | null}. Owns: the caller. Fails:
+/* A page of jobs, newest first: {jobs: […], next: cursor | null}. It ends at the limit or at about
+ * 1 MiB of JSON, but not before its first job. Owns: the caller. Fails:
  * PEN_USAGE (limit, a label without a colon, or a cursor that no list has given). */
 json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
                       struct pen_status *st);

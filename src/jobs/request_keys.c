@@ -169,6 +169,24 @@ static void read_labels(struct pen_request *request, const json_t *value, struct
     request->labels = value;
 }
 
+/* The length of a value as JSON text; 0 without one. */
+static size_t text_bytes(const json_t *value)
+{
+    return value ? json_dumpb(value, NULL, 0, JSON_COMPACT | JSON_ENCODE_ANY) : 0;
+}
+
+/* Every reader of the job gets its texts again, and lists get those of many jobs. A name alone is
+ * never too long. */
+static void bound_texts(const struct pen_request *request, struct pen_errors *errors)
+{
+    const size_t bytes = text_bytes(request->name) + text_bytes(request->labels);
+    if (bytes > PEN_JOB_TEXT_BYTES)
+        pen_request_fail(errors, PEN_INVALID, "", "labels",
+                         "must have at most %d bytes as JSON text, together with the job's name; "
+                         "found %zu",
+                         (int)PEN_JOB_TEXT_BYTES, bytes);
+}
+
 static void read_layer(const json_t *list, size_t i, struct pen_errors *errors)
 {
     char position[POSITION_BYTES];
@@ -390,6 +408,8 @@ void pen_request_keys_read(struct pen_request *request, struct pen_errors *error
         if (i < KEY_COUNT && keys[i].read)
             keys[i].read(request, value, errors);
     }
+    if (request->labels)
+        bound_texts(request, errors);
     refuse_unknown_keys(request, errors);
     refuse_keys_of_other_kinds(request, errors);
 }

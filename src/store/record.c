@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Release of what a job's record owns. */
+/* What a job's record owns. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "store/store.h"
 
@@ -10,6 +11,11 @@ void pen_job_record_release(struct pen_job_record *job)
     free(job->request);
     free(job->error);
     job->kind = job->request = job->error = NULL;
+}
+
+size_t pen_job_record_text_bytes(const struct pen_job_record *job)
+{
+    return (job->request ? strlen(job->request) : 0) + (job->error ? strlen(job->error) : 0);
 }
 
 void pen_job_records_free(struct pen_job_record *jobs, int count)

@@ -246,6 +246,9 @@ struct pen_job_record {
 
 void pen_job_record_release(struct pen_job_record *job);
 
+/* The length of its request and error together. */
+size_t pen_job_record_text_bytes(const struct pen_job_record *job);
+
 /* Fails: PEN_NOT_FOUND; PEN_GONE (the job was removed), as every other call about a job. */
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
                    struct pen_status *st);
@@ -273,6 +276,9 @@ struct pen_job_filter {
     const char *name, *label_key, *label_value;
     int64_t below; /* the cursor: only jobs with smaller numbers; 0: all */
     int limit;
+    /* The list ends with the job whose texts, request and error, bring those of all to more than
+     * this, but not with the first one; 0: no bound. */
+    size_t text_bytes;
 };
 
 /* Lists jobs, newest first, at most filter->limit. Owns: *jobs are *count records; free them with

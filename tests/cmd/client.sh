@@ -141,6 +141,15 @@ for i in 1 2 3; do
 done
 exits "list all" 0 "$penumbra" list --limit 1000 --json
 expect "list continues beyond the first page" "$(jq '.jobs | length' stdout)" $((total + 3))
+
+# A page of the daemon's ends at 1 MiB, so that list reads several of jobs with long labels
+jq -n '{scene: {format: "penumbra-scene/1", camera: {position: [0, 0, 9], look_at: [0, 0, 0]}, objects: []},
+    render: {width: 1, height: 1}, labels: ([range(32) | {key: tostring, value: ("x" * 200)}] | from_entries)}' >labels.json
+curl -s -o /dev/null -H 'Content-Type: application/json' -d @labels.json "$url/v1/jobs#[1-120]"
+check "the daemon's page is shorter than asked for" \
+    test "$(curl -s "$url/v1/jobs?limit=120" | jq '.jobs | length')" -lt 120
+exits "list jobs with long labels" 0 "$penumbra" list --limit 120 --label "0:$(jq -r '.labels."0"' labels.json)" --json
+expect "list reads all pages" "$(jq '[.jobs[].id] | unique | length' stdout)" 120
 exits "list of jobs with control characters in their names" 0 "$penumbra" list
 expect "prints no control characters" "$(tr -d '[:print:]\n' <stdout | wc -c | tr -d ' ')" 0
 

@@ -65,6 +65,49 @@ START_TEST(test_list__pages_follow_one_another_without_gaps)
 }
 END_TEST
 
+/* The jobs of all pages are those of the store, and no page is empty or long. */
+START_TEST(test_list__a_page_ends_at_a_mebibyte)
+{
+    enum { JOBS = 150, VALUE = 200, LABELS = 32 };
+    struct pen_buf labels = {0};
+    char cursor[32] = "", last[PEN_ID_BYTES] = "";
+    int count = 0, pages = 0;
+    jobs_bed_open(&bed);
+    for (int i = 0; i < LABELS; i++)
+        pen_buf_printf(&labels, "%s\"%d\": \"%0*d\"", i ? ", " : "", i, VALUE, i);
+    for (int i = 0; i < JOBS; i++) {
+        struct pen_buf body = {0};
+        pen_buf_printf(&body, "{\"labels\": {%s}, \"scene\": %s}", (const char *)labels.data,
+                       jobs_scene(", \"render\": {\"width\": 1, \"height\": 1}"));
+        ck_assert(!body.failed);
+        jobs_submit(&bed, (const char *)body.data, id);
+        pen_buf_release(&body);
+    }
+    do {
+        struct pen_list_query query = {
+            .state = -1, .limit = 500, .cursor = cursor[0] ? cursor : NULL};
+        json_t *page = list(&query);
+        const json_t *jobs = json_object_get(page, "jobs");
+        ck_assert_uint_gt(json_array_size(jobs), 0);
+        ck_assert_uint_lt(json_dumpb(page, NULL, 0, JSON_COMPACT), 1 << 20);
+        for (size_t i = 0; i < json_array_size(jobs); i++) {
+            const char *here = json_string_value(json_object_get(json_array_get(jobs, i), "id"));
+            ck_assert_str_ne(here, last);
+            snprintf(last, sizeof last, "%s", here);
+        }
+        count += (int)json_array_size(jobs);
+        pages++;
+        const char *next = json_string_value(json_object_get(page, "next"));
+        snprintf(cursor, sizeof cursor, "%s", next ? next : "");
+        json_decref(page);
+    } while (cursor[0]);
+    ck_assert_int_eq(count, JOBS);
+    ck_assert_int_eq(pages, 2);
+    pen_buf_release(&labels);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_list__state_filters)
 {
     char names[16];
@@ -364,7 +407,8 @@ START_TEST(test_list__workers_are_shown_with_host_and_work)
 }
 END_TEST
 
-PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps, test_list__state_filters,
+PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps,
+          test_list__a_page_ends_at_a_mebibyte, test_list__state_filters,
           test_list__name_and_label_filter, test_list__wrong_cursors_and_limits_are_refused,
           test_list__cancel_and_delete_follow_the_state, test_list__progress_is_frozen_per_revision,
           test_list__first_eta_is_the_estimate_of_the_worker,

@@ -303,6 +303,45 @@ START_TEST(test_submit__too_many_bytes_and_labels_are_refused)
 }
 END_TEST
 
+/* A job whose labels are `count` control characters in all, a hundred in each; an even count. */
+static void write_labels(struct pen_buf *body, int count)
+{
+    pen_buf_printf(body, "{\"scene\": %s, \"labels\": {", jobs_scene(""));
+    for (int i = 0; i < count; i++)
+        pen_buf_printf(body,
+                       i % 100 ? "\\u0001"
+                       : i     ? "\", \"k%d\": \"\\u0001"
+                               : "\"k%d\": \"\\u0001",
+                       i / 100);
+    pen_buf_puts(body, "\"}, \"name\": \"n\"}");
+    ck_assert(!body->failed);
+}
+
+/* A control character is one for the client, and six bytes in every answer. */
+START_TEST(test_submit__name_and_labels_are_bounded_together)
+{
+    struct pen_submitted out;
+    struct pen_errors errors;
+    jobs_bed_open(&bed);
+    for (int many = 0; many < 2; many++) {
+        struct pen_buf body = {0};
+        write_labels(&body, many ? 1400 : 1300);
+        const bool ok = submit((const char *)body.data, NULL, &out, &errors);
+        ck_assert_msg(ok == !many, "%s", ok ? "" : errors.item[0].msg);
+        if (!ok) {
+            ck_assert_uint_eq(errors.count, 1);
+            ck_assert_str_eq(errors.item[0].at, "/labels");
+            /* {"k0":"…", … "k13":"…"} and "n" */
+            ck_assert_ptr_nonnull(strstr(errors.item[0].msg, "at most 8192 bytes"));
+            ck_assert_ptr_nonnull(strstr(errors.item[0].msg, "found 8520"));
+        }
+        pen_buf_release(&out.answer);
+        pen_buf_release(&body);
+    }
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 /* Writes text of `count` times U+00FC, of two bytes. */
 static int write_umlauts(char *out, int count)
 {
@@ -664,6 +703,7 @@ END_TEST
 PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
           test_submit__errors_of_job_and_scene_are_collected,
           test_submit__too_many_bytes_and_labels_are_refused,
+          test_submit__name_and_labels_are_bounded_together,
           test_submit__lengths_are_those_of_characters,
           test_submit__timeouts_are_those_that_the_operator_allows,
           test_submit__exploding_paths_count_as_work,

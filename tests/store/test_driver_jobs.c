@@ -115,6 +115,31 @@ START_TEST(test_driver_jobs__pages_are_newest_first_and_filtered)
 }
 END_TEST
 
+/* The job that brings them to more than the bound is the last one, unless it is the first. */
+START_TEST(test_driver_jobs__a_page_ends_where_its_texts_are_long)
+{
+    char request[1001];
+    driver_bed_open(&bed, _i);
+    for (int n = 0; n < 5; n++) {
+        struct store_job in;
+        store_job_init(&in, n, 1, 1);
+        snprintf(request, sizeof request, "{\"name\": \"%0*d\"}", 900, n);
+        in.job.request = request;
+        driver_submit(bed.driver, &in);
+    }
+    struct pen_job_filter filter = {.state = -1, .limit = 8, .text_bytes = 2000};
+    filter.below = page(&filter, "432");
+    page(&filter, "10");
+    filter = (struct pen_job_filter){.state = -1, .limit = 8, .text_bytes = 1};
+    page(&filter, "43");
+    filter.limit = 1;
+    page(&filter, "4");
+    filter = (struct pen_job_filter){.state = -1, .limit = 8};
+    page(&filter, "43210");
+    driver_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_driver_jobs__key_of_a_job_has_its_state_and_scene)
 {
     struct store_job in;
@@ -481,6 +506,7 @@ END_TEST
 
 DRIVER_SUITE("driver: jobs", test_driver_jobs__job_is_read_as_written,
              test_driver_jobs__pages_are_newest_first_and_filtered,
+             test_driver_jobs__a_page_ends_where_its_texts_are_long,
              test_driver_jobs__key_of_a_job_has_its_state_and_scene,
              test_driver_jobs__counts_are_by_state, test_driver_jobs__only_a_queued_job_is_started,
              test_driver_jobs__only_a_running_job_succeeds,

@@ -11,7 +11,12 @@
 #include "jobs/jobs.h"
 #include "scene/desc.h"
 
-enum { PEN_JOB_NAME_CHARACTERS = 200, PEN_JOB_LABELS = 32, PEN_BUDGET_SECONDS_MAX = 86400 };
+enum {
+    PEN_JOB_NAME_CHARACTERS = 200,
+    PEN_JOB_LABELS = 32,
+    PEN_JOB_TEXT_BYTES = 8192, /* of name and labels together, as JSON text */
+    PEN_BUDGET_SECONDS_MAX = 86400
+};
 
 struct pen_request {
     struct pen_arena *arena;      /* of desc */

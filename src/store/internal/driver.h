@@ -289,7 +289,8 @@ struct pen_driver_ops {
     /* Owns: the record's texts are the caller's; see pen_job_record_release. */
     bool (*job_get)(struct pen_driver *driver, const char *id, struct pen_job_row *job, bool *found,
                     struct pen_status *st);
-    /* Newest first; `rows` takes filter->limit rows. After a failure they hold nothing to release.
+    /* Newest first; `rows` takes filter->limit rows. What filter->text_bytes leaves out is not
+     * read. After a failure they hold nothing to release.
      */
     bool (*job_page)(struct pen_driver *driver, const struct pen_job_filter *filter,
                      struct pen_job_row *rows, int *count, struct pen_status *st);

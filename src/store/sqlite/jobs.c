@@ -175,6 +175,12 @@ static enum pen_sqlite_sql list_for(const struct pen_job_filter *filter)
                                 : SQL_JOB_LIST;
 }
 
+/* Whether the texts of so many jobs end the list. */
+static bool is_full(const struct pen_job_filter *filter, int count, size_t bytes)
+{
+    return filter->text_bytes > 0 && count > 1 && bytes > filter->text_bytes;
+}
+
 bool pen_sqlite_job_page(struct pen_driver *driver, const struct pen_job_filter *filter,
                          struct pen_job_row *rows, int *count, struct pen_status *st)
 {
@@ -188,11 +194,14 @@ bool pen_sqlite_job_page(struct pen_driver *driver, const struct pen_job_filter 
     if (filter->state >= 0)
         pen_sqlite_int(&query, filter->state);
     bool row = true, ok = true;
+    size_t bytes = 0;
     *count = 0;
-    while (ok && row && *count < filter->limit) {
+    while (ok && row && *count < filter->limit && !is_full(filter, *count, bytes)) {
         ok = pen_sqlite_next(&query, &row, st);
         if (ok && row)
             ok = fill_row(&query, &rows[*count], st) && ++*count;
+        if (ok && row)
+            bytes += pen_job_record_text_bytes(&rows[*count - 1].record);
     }
     pen_sqlite_end(&query);
     while (!ok && *count > 0)
