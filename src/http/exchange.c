@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "base/log.h"
+#include "http/internal/access_log.h"
 #include "http/internal/admit.h"
 #include "http/internal/conn.h"
 #include "http/internal/encoding.h"
@@ -93,30 +93,6 @@ bool pen_http_exchange_probes(struct request *request)
     return probes;
 }
 
-/* Logs a request. Requests that only read, are refused, or end without an answer are logged at
- * debug level, because they could fill a disk. */
-static void log_access(const struct request *request, uint64_t streamed, bool complete)
-{
-    const struct reply *reply = &request->reply;
-    bool reads = request->head || strcmp(request->method, "GET") == 0;
-    bool refused = reply->status == 0 || reply->status >= 400;
-    /* Others any client can provoke. */
-    bool failed = reply->status >= 500 && request->route &&
-                  !atomic_load_explicit(&request->unwanted, memory_order_relaxed);
-    enum pen_log_level level = failed             ? PEN_LOG_WARN
-                               : reads || refused ? PEN_LOG_DEBUG
-                                                  : PEN_LOG_INFO;
-    int64_t us = (pen_clock_ns() - request->begun_ns) / 1000;
-    bool sent = !request->head && reply->status != 304;
-    uint64_t bytes = streamed + (sent ? reply->bytes : 0);
-    const struct pen_log_about about = {.job = request->job_id, .request = request->id};
-    const char *trace = request->fields.traceparent;
-    pen_log_about(level, &about, "%s %.300s %d %llu bytes %lld.%03lld ms%s%s%s", request->method,
-                  request->raw_target, reply->status, (unsigned long long)bytes,
-                  (long long)(us / 1000), (long long)(us % 1000), complete ? "" : " (cut short)",
-                  trace ? " traceparent=" : "", trace ? trace : "");
-}
-
 void pen_http_exchange_end(struct request *request, bool complete)
 {
     struct pen_http *http = request->http;
@@ -125,7 +101,7 @@ void pen_http_exchange_end(struct request *request, bool complete)
         streamed = pen_http_stream_close(request->stream);
         pen_http_watch_remove_stream(http->watch, &request->conn->address);
     }
-    log_access(request, streamed, complete);
+    pen_http_access_log_add(http->access_log, request, streamed, complete);
     pen_http_request_free(request);
     atomic_fetch_sub_explicit(&http->active, 1, memory_order_relaxed);
 }

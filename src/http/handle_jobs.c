@@ -61,6 +61,7 @@ enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jo
         return answer_errors(request, &errors);
     }
     memcpy(request->job_id, out.id, sizeof request->job_id); /* for the log */
+    request->changed = !out.repeated;
     pen_http_reply_body(&request->reply, 202, pen_http_blob_take(&out.answer), "application/json");
     pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", out.id);
     pen_http_reply_field(&request->reply, "Retry-After", "1");
@@ -220,6 +221,7 @@ static bool submit_explanation(struct request *request, struct pen_jobs *jobs)
     const bool ok = pen_jobs_submit(jobs, &in, &out, &errors);
     if (ok) {
         memcpy(request->job_id, out.id, sizeof request->job_id);
+        request->changed = true;
     } else {
         expire_readiness(request->http, &errors);
         answer_errors(request, &errors);
@@ -306,6 +308,7 @@ enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jo
     struct pen_status st;
     if (!pen_jobs_cancel(jobs, request->job_id, &job, &st))
         return answer_status(request, &st);
+    request->changed = job.cancelled_now;
     pen_http_reply_json(&request->reply, 202, job.json);
     return OUTCOME_ANSWERED;
 }
@@ -317,6 +320,7 @@ enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jo
     bool keep_stats = !stats || strcmp(stats, "true") != 0;
     if (!pen_jobs_delete(jobs, request->job_id, keep_stats, &st))
         return answer_status(request, &st);
+    request->changed = true;
     request->reply.status = 204;
     return OUTCOME_ANSWERED;
 }

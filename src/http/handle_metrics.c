@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* GET /metrics: the state of the queue, of the store and of this process in Prometheus' text format
- * 0.0.4, with base units. Counters are those of all processes of the store (pen_tally); they begin
- * again at 0 when its -wake file is made anew, which Prometheus takes for a restart. */
+ * 0.0.4, with base units. Counters of work and of the store are those of all its processes
+ * (pen_tally); they begin again at 0 when its -wake file is made anew, which Prometheus takes for a
+ * restart. */
 #include <math.h>
 #include <stdio.h>
 #include <unistd.h>
 
+#include "http/internal/access_log.h"
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/listener.h"
@@ -123,6 +125,20 @@ static void add_connections(struct pen_buf *out, struct pen_http *http)
         pen_buf_printf(out, "%s{state=\"%s\"} %d\n", name, states[wait], counts[wait]);
 }
 
+/* Of this process alone, since it started. */
+static void add_refusals(struct pen_buf *out, struct pen_http *http)
+{
+    const struct access_counts counts = pen_http_access_log_counts(http->access_log);
+    const char *const refused = "penumbra_http_refused_requests_total";
+    head(out, refused, "counter", "Requests that this api process refused for load, by status.");
+    pen_buf_printf(out, "%s{code=\"429\"} %llu\n%s{code=\"503\"} %llu\n", refused,
+                   (unsigned long long)counts.refused_429, refused,
+                   (unsigned long long)counts.refused_503);
+    counter(out, "penumbra_http_failed_requests_total",
+            "Requests that this api process answered with another status from 500 on.",
+            counts.failed);
+}
+
 static void add_process(struct pen_buf *out, struct pen_http *http)
 {
     int polls, streams;
@@ -154,6 +170,7 @@ enum outcome pen_http_handle_metrics(struct request *request, struct pen_jobs *j
     add_work(&out, store);
     add_store(&out, store, counts.bytes);
     add_connections(&out, request->http);
+    add_refusals(&out, request->http);
     add_process(&out, request->http);
     pen_http_reply_body(&request->reply, 200, out.failed ? NULL : pen_http_blob_take(&out),
                         "text/plain; version=0.0.4; charset=utf-8");

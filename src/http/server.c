@@ -13,6 +13,7 @@
 
 #include "base/clock.h"
 #include "base/utf8.h"
+#include "http/internal/access_log.h"
 #include "http/internal/executor.h"
 #include "http/internal/http.h"
 #include "http/internal/listener.h"
@@ -42,6 +43,7 @@ static void release(struct pen_http *http)
     pen_http_streams_free(http->streams);
     pen_http_pictures_free(http->pictures);
     pen_http_static_files_free(http->static_files);
+    pen_http_access_log_free(http->access_log);
     pthread_mutex_destroy(&http->ready_lock);
     pthread_mutex_destroy(&http->intake_lock);
     pen_http_answers_release(&http->answers);
@@ -80,11 +82,12 @@ static void stop_threads(struct pen_http *http)
 
 static bool prepare(struct pen_http *http, int heartbeat_ms, struct pen_status *st)
 {
+    http->access_log = pen_http_access_log_new();
     http->snapshot_cache = pen_http_snapshot_cache_new();
     http->streams =
         pen_http_streams_new(http->snapshot_cache, heartbeat_ms > 0 ? heartbeat_ms : HEARTBEAT_MS);
     http->pictures = pen_http_pictures_new();
-    if (!http->snapshot_cache || !http->streams || !http->pictures)
+    if (!http->access_log || !http->snapshot_cache || !http->streams || !http->pictures)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");
     http->static_files = pen_http_static_files_new(st);
     return http->static_files != NULL;

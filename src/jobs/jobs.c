@@ -42,16 +42,21 @@ struct pen_store *pen_jobs_store(struct pen_jobs *jobs)
     return jobs->store;
 }
 
+/* Takes the record. */
+static bool make_snapshot(struct pen_job_record *job, struct pen_job_snapshot *out,
+                          struct pen_status *st)
+{
+    *out = (struct pen_job_snapshot){
+        .json = pen_job_json(job, st), .state = job->state, .revision = job->revision};
+    pen_job_record_release(job);
+    return out->json != NULL;
+}
+
 bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
                   struct pen_status *st)
 {
     struct pen_job_record job;
-    if (!pen_store_job(jobs->store, id, &job, st))
-        return false;
-    *out = (struct pen_job_snapshot){
-        .json = pen_job_json(&job, st), .state = job.state, .revision = job.revision};
-    pen_job_record_release(&job);
-    return out->json != NULL;
+    return pen_store_job(jobs->store, id, &job, st) && make_snapshot(&job, out, st);
 }
 
 /* A cursor is the letter j and the number of the last job on its page. The letter keeps clients
@@ -158,7 +163,16 @@ json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
 bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
                      struct pen_status *st)
 {
-    return pen_store_cancel(jobs->store, id, st) && pen_jobs_get(jobs, id, out, st);
+    struct pen_job_record job;
+    if (!pen_store_job(jobs->store, id, &job, st))
+        return false;
+    if (pen_job_state_ended(job.state))
+        return make_snapshot(&job, out, st);
+    pen_job_record_release(&job);
+    if (!pen_store_cancel(jobs->store, id, st) || !pen_jobs_get(jobs, id, out, st))
+        return false;
+    out->cancelled_now = out->state == PEN_JOB_CANCELLED;
+    return true;
 }
 
 bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, bool keep_stats, struct pen_status *st)

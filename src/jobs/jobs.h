@@ -47,6 +47,7 @@ struct pen_submission {
 struct pen_submitted {
     char id[PEN_ID_BYTES];
     struct pen_buf answer; /* the job as JSON; release it */
+    bool repeated;         /* it is the job, and the answer, of an earlier submit with its key */
 };
 
 /* Accepts a job (an object with `scene`), or a bare scene (an object with `format`, or XML). When
@@ -65,6 +66,7 @@ struct pen_job_snapshot {
     json_t *json; /* the job object (api/http-api.md); the caller json_decref()s it */
     enum pen_job_state state;
     int64_t revision;
+    bool cancelled_now; /* by this call */
 };
 
 /* Reads a job. Fails: PEN_NOT_FOUND; PEN_GONE (it was removed), as every other call about a job. */

@@ -280,7 +280,8 @@ static bool store_job(struct pen_jobs *jobs, const struct prepared *job, struct 
     if (result == PEN_SUBMIT_REUSED)
         return pen_fail(st, PEN_INVALID,
                         "this Idempotency-Key was used with another body; take a new key");
-    if (result == PEN_SUBMIT_REPEATED)
+    out->repeated = result == PEN_SUBMIT_REPEATED;
+    if (out->repeated)
         return repeat_answer(jobs, out, st);
     memcpy(out->id, job->id, sizeof out->id);
     return pen_buf_puts(&out->answer, job->answer) ||

@@ -25,6 +25,7 @@ enum { RUSH_ACCEPT_NS = 500000, RUSH_LOOP_NS = 250000 };
 struct pen_http {
     struct pen_limits limits;
     struct listener *listener;
+    struct access_log *access_log;
     struct executor *executor;
     struct watch *watch;
     struct snapshot_cache *snapshot_cache;

@@ -78,6 +78,7 @@ struct request {
     } intake;
     bool is_large;   /* the thread of QUEUE_LARGE has it */
     bool is_handled; /* the reply is complete, but for compressing its body */
+    bool changed;    /* it has changed the store */
     struct reply reply;
     struct reader_place {                /* see answers.h */
         bool listed;                     /* the loop's: it is a reader of reply.body */

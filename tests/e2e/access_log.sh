@@ -1,0 +1,46 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# What the log says of requests: those that change the store, and of others little, so that no client
+# can fill a disk with it; and the counters that tell how many there were.
+. "$(dirname "$0")/lib.sh"
+
+metric() { # SERIES: its value
+    curl -s "$url/metrics" | awk -v series="$1" '$1 == series { print $2 }'
+}
+lines() { # PATTERN: the number of lines of the log that match
+    grep -c "$1" "$work/log"
+}
+repeat() { # COUNT PATH [CURL-ARGUMENT...]: makes a request so many times on one connection
+    many=$1 path=$2
+    shift 2
+    curl -s -o /dev/null "$@" "$url$path#[1-$many]"
+}
+
+daemon_start --max-queue 1
+submit "$long" -H 'Idempotency-Key: once'
+expect submitted "$status" 202
+expect submit-is-logged "$(lines 'POST /v1/jobs 202')" 1
+
+# An earlier submit's answer, a check, and a full queue change nothing.
+repeat 20 /v1/jobs -H 'Content-Type: application/json' -H 'Idempotency-Key: once' -d "$long"
+expect repeated-submits-are-not "$(lines 'POST /v1/jobs 202')" 1
+repeat 20 /v1/validate -H 'Content-Type: application/json' -d "$small"
+expect validations-are-not "$(lines /v1/validate)" 0
+repeat 30 /v1/jobs -H 'Content-Type: application/json' -d "$small"
+expect refusals-are-counted "$(metric 'penumbra_http_refused_requests_total{code="429"}')" 30
+expect others-are-not "$(metric 'penumbra_http_refused_requests_total{code="503"}') $(metric penumbra_http_failed_requests_total)" "0 0"
+expect few-refusals-are-logged "$([ "$(lines 'POST /v1/jobs 429')" -le 5 ] && echo yes)" yes
+
+# One cancel of many cancels, and one delete deletes.
+repeat 20 "$job/cancel" -X POST
+expect cancel-is-logged-once "$(lines "POST $job/cancel 202")" 1
+repeat 20 "$job" -X DELETE
+expect delete-is-logged-once "$(lines "DELETE $job 204") $(lines "DELETE $job")" "1 1"
+
+# With the end at the latest the log tells how many were refused.
+daemon_stop
+told=$(lines 'POST /v1/jobs 429')
+more=$(sed -n 's/.* \([0-9]*\) more requests were refused (429, 503) since 2.*/\1/p' "$work/log" | awk '{ sum += $1 } END { print sum + 0 }')
+expect all-refusals-are-told "$((told + more))" 30
+
+finish
