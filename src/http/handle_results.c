@@ -113,10 +113,12 @@ struct making {
     bool is_large;        /* it is left to the thread for large work */
 };
 
-/* Large work goes to its thread before memory is set aside for it. */
+/* Large work goes to its thread before memory is set aside for it. What was set aside before is not
+ * needed. */
 static bool reserve(void *user, size_t bytes, struct pen_status *st)
 {
     struct making *making = user;
+    pen_http_pictures_give_up(making->request->http->pictures, &making->room);
     making->is_large = bytes > LARGE_WORK && !making->request->is_large;
     if (making->is_large) {
         making->request->work_bytes = bytes;

@@ -105,9 +105,11 @@ struct pen_image_query {
     const char *view;   /* "all": a contact sheet of all views; NULL: the first view */
     const char *layer;  /* NULL: beauty */
     const char *format; /* one of pen_image_formats; NULL: the first */
-    /* Called once with the memory that reading or making the picture takes, at most: pixels and
-     * file, computed from the job's settings, before any of it is used. What the store reads of one
-     * batch at a time is not in it. NULL: nobody is asked. */
+    /* Called with the memory that the picture takes at most, before any of it is used: of a stored
+     * one its file, of one that has to be made pixels and file, computed from the job's settings.
+     * What the store reads of one batch at a time is not in it. If a stored picture is dropped
+     * before it is read, it is called again; the first memory is not used then. NULL: nobody is
+     * asked. */
     pen_reserve_fn *reserve;
     void *user;
 };

@@ -215,8 +215,8 @@ static size_t sheet_memory(const struct wanted *want)
     return width * height * FILM_BYTES + (loaded > file ? loaded : file);
 }
 
-/* The memory that a picture takes at most: the file that is stored or is made of the film, PFM in
- * its place; or else the film, beside it what that is read from, and then the file. */
+/* The memory that making a picture takes at most: the film, beside it what that is read from, and
+ * then the file; PFM is made in the film's place. */
 static size_t picture_memory(const struct wanted *want)
 {
     const struct pen_settings *s = &want->request.settings;
@@ -227,8 +227,6 @@ static size_t picture_memory(const struct wanted *want)
         return sheet_memory(want);
     if (want->format == FORMAT_PFM)
         return film + 4096;
-    if (want->format == FORMAT_PNG && beauty)
-        return png_bytes(width, height, 3);
     return film + (beauty ? png_bytes(width, height, 6) : film + 4096);
 }
 
@@ -274,20 +272,36 @@ static bool make_picture(struct pen_jobs *jobs, const struct wanted *want, struc
     return ok;
 }
 
-/* Gets the stored picture, or makes it and stores it. If it cannot be stored, because the disk is
- * full or the job was just deleted, the answer is the same. */
-static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
-                        struct pen_status *st)
+/* Makes the picture and stores it. If it cannot be stored, because the disk is full or the job was
+ * just deleted, the answer is the same. */
+static bool make_and_store(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
+                           struct pen_status *st)
 {
     struct pen_status ignored;
-    const char *format = pen_image_formats[want->format], *layer = pen_layer_name(want->layer);
-    if (pen_store_artefact(jobs->store, want->id, want->view, layer, format, out, st))
-        return true;
-    if (st->code != PEN_NOT_FOUND || !make_picture(jobs, want, out, st))
+    if (!make_picture(jobs, want, out, st))
         return false;
-    pen_store_cache_put(jobs->store, want->id, want->view, layer, format, out->data, out->bytes,
-                        &ignored);
+    pen_store_cache_put(jobs->store, want->id, want->view, pen_layer_name(want->layer),
+                        pen_image_formats[want->format], out->data, out->bytes, &ignored);
     return true;
+}
+
+/* Gets the stored picture, or makes it. A stored one takes the memory of its file, which may be
+ * much less than making it takes. It may be dropped between the two calls of the store, and is made
+ * then. */
+static bool get_picture(struct pen_jobs *jobs, const struct wanted *want,
+                        const struct pen_image_query *query, struct pen_buf *out,
+                        struct pen_status *st)
+{
+    const char *format = pen_image_formats[want->format], *layer = pen_layer_name(want->layer);
+    size_t bytes;
+    if (pen_store_artefact_bytes(jobs->store, want->id, want->view, layer, format, &bytes, st)) {
+        if (!reserve(query, bytes, st))
+            return false;
+        if (pen_store_artefact(jobs->store, want->id, want->view, layer, format, out, st))
+            return true;
+    }
+    return st->code == PEN_NOT_FOUND && reserve(query, picture_memory(want), st) &&
+           make_and_store(jobs, want, out, st);
 }
 
 static bool fill_image(struct pen_image *image, const char *type)
@@ -315,10 +329,10 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
     *out = (struct pen_image){0};
     if (!resolve_format(&want, query->format, st) || !read_job(jobs, id, &want.request, &state, st))
         return false;
-    bool ok =
-        resolve_layer(&want, query->layer, st) && resolve_view(&want, query->view, true, st) &&
-        check_succeeded(id, state, st) && reserve(query, picture_memory(&want), st) &&
-        get_picture(jobs, &want, &out->bytes, st) && fill_image(out, media_types[want.format]);
+    bool ok = resolve_layer(&want, query->layer, st) &&
+              resolve_view(&want, query->view, true, st) && check_succeeded(id, state, st) &&
+              get_picture(jobs, &want, query, &out->bytes, st) &&
+              fill_image(out, media_types[want.format]);
     pen_stored_request_release(&want.request);
     if (!ok)
         pen_buf_release(&out->bytes);

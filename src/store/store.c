@@ -536,6 +536,13 @@ bool pen_store_artefact(struct pen_store *store, const char *id, int view, const
            leave(store, NULL, pen_policy_artefact(store, id, view, layer, format, out, st));
 }
 
+bool pen_store_artefact_bytes(struct pen_store *store, const char *id, int view, const char *layer,
+                              const char *format, size_t *bytes, struct pen_status *st)
+{
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, pen_policy_artefact_bytes(store, id, view, layer, format, bytes, st));
+}
+
 bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
                             const char *format, const void *data, size_t bytes,
                             struct pen_status *st)

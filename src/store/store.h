@@ -502,10 +502,13 @@ typedef bool pen_stats_fn(void *user, const struct pen_batch_stats *batch);
 bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
                      struct pen_status *st);
 
-/* Reads and stores an artefact of a job; view -1: made from all views. Reading appends to *out. An
+/* Reads, measures and stores an artefact of a job; view -1: made from all views. Reading appends to
+ * *out, and an empty *out is then as large as the artefact; measuring reads none of its bytes. An
  * artefact that exists is replaced. Fails: PEN_NOT_FOUND; reading: PEN_STORAGE (damaged). */
 bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                         const char *format, struct pen_buf *out, struct pen_status *st);
+bool pen_store_artefact_bytes(struct pen_store *store, const char *id, int view, const char *layer,
+                              const char *format, size_t *bytes, struct pen_status *st);
 bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
                             const char *format, const void *data, size_t bytes,
                             struct pen_status *st);

@@ -256,7 +256,8 @@ static bool note_memory(void *user, size_t bytes, struct pen_status *st)
 }
 
 /* The memory is asked for once, is enough for the film and the file where both are there at a time,
- * and without it there is no picture. */
+ * and without it there is no picture. A picture that is stored, now at the latest, takes its file.
+ */
 static void check_memory(const struct pen_image_query *what, bool preview, size_t film_bytes)
 {
     struct asked asked = {0};
@@ -271,6 +272,12 @@ static void check_memory(const struct pen_image_query *what, bool preview, size_
     ck_assert_int_eq(asked.calls, 1);
     ck_assert_uint_ge(asked.bytes, film_bytes + image.bytes.bytes);
     pen_buf_release(&image.bytes);
+    if (!preview) {
+        store_must(pen_jobs_image(bed.jobs, id, &query, &image, &st), &st, "stored picture");
+        ck_assert_uint_eq(asked.bytes, image.bytes.bytes);
+        pen_buf_release(&image.bytes);
+    }
+    asked.calls = 1;
     asked.refuse = true;
     ck_assert(!(preview ? pen_jobs_preview(bed.jobs, id, &query, &image, &st)
                         : pen_jobs_image(bed.jobs, id, &query, &image, &st)));
