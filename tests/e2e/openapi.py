@@ -113,8 +113,11 @@ def judge(operation, status, answer):
         return "status not documented"
     response = resolve(operation["responses"][status])
     for name, header in response.get("headers", {}).items():
-        if resolve(header).get("required") and answer.getheader(name) is None:
+        header, value = resolve(header), answer.getheader(name)
+        if header.get("required") and value is None:
             return f"no {name}"
+        if value is not None and value != header.get("schema", {}).get("const", value):
+            return f"{name} is {value!r}"
     content = response.get("content", {})
     if not content:
         return "a body" if answer.content else None
