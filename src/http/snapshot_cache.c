@@ -139,6 +139,19 @@ bool pen_http_snapshot_is_due(const struct snapshot *snapshot, const struct requ
     return pen_job_state_ended(snapshot->state) || (known && !pen_etag_known(known, etag));
 }
 
+bool pen_http_snapshot_cache_check(struct snapshot_cache *cache, uint32_t changes,
+                                   struct pen_jobs *jobs, const struct request *request, bool *due,
+                                   struct pen_status *st)
+{
+    struct snapshot snapshot = {0};
+    if (!pen_http_snapshot_cache_peek(cache, changes, request->job_id, &snapshot) &&
+        !pen_jobs_state(jobs, request->job_id, &snapshot.state, &snapshot.revision, st))
+        return false;
+    *due = pen_http_snapshot_is_due(&snapshot, request);
+    pen_http_snapshot_release(&snapshot);
+    return true;
+}
+
 void pen_http_snapshot_reply(const struct snapshot *snapshot, struct request *request)
 {
     char etag[ETAG_BYTES];

@@ -53,21 +53,26 @@ uint32_t pen_http_watch_changes(struct watch *watch)
 }
 
 /* Answers a request if the change that it waits for has come, or in any case if `now` is set.
- * Returns whether its wait is over; otherwise it waits on. */
+ * Returns whether its wait is over; otherwise it waits on. The text of a job is made only for an
+ * answer: most changes are those of other jobs. */
 static bool answer(struct watch *watch, struct request *request, uint32_t changes, bool now)
 {
+    struct snapshot_cache *cache = watch->http->snapshot_cache;
     struct snapshot snapshot;
     struct pen_status st;
-    if (!pen_http_snapshot_cache_read(watch->http->snapshot_cache, changes, watch->jobs,
-                                      request->job_id, &snapshot, &st)) {
+    bool due = now;
+    if ((!due && !pen_http_snapshot_cache_check(cache, changes, watch->jobs, request, &due, &st)) ||
+        (due && !pen_http_snapshot_cache_read(cache, changes, watch->jobs, request->job_id,
+                                              &snapshot, &st))) {
         pen_http_request_fail(request, &st);
         return true;
     }
-    bool due = now || pen_http_snapshot_is_due(&snapshot, request);
-    if (due && !request->route->handle_again)
+    if (!due)
+        return false;
+    if (!request->route->handle_again)
         pen_http_snapshot_reply(&snapshot, request);
     pen_http_snapshot_release(&snapshot);
-    return due;
+    return true;
 }
 
 /* Takes requests out of the list: all of them, or those past their deadline. */

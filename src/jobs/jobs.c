@@ -59,6 +59,18 @@ bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot
     return pen_store_job(jobs->store, id, &job, st) && make_snapshot(&job, out, st);
 }
 
+bool pen_jobs_state(struct pen_jobs *jobs, const char *id, enum pen_job_state *state,
+                    int64_t *revision, struct pen_status *st)
+{
+    struct pen_job_record job;
+    if (!pen_store_job(jobs->store, id, &job, st))
+        return false;
+    *state = job.state;
+    *revision = job.revision;
+    pen_job_record_release(&job);
+    return true;
+}
+
 /* A cursor is the letter j and the number of the last job on its page. The letter keeps clients
  * from taking a cursor for a number that they may compute. */
 static bool read_cursor(const char *cursor, int64_t *below, struct pen_status *st)

@@ -73,6 +73,10 @@ struct pen_job_snapshot {
 bool pen_jobs_get(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
                   struct pen_status *st);
 
+/* The state and revision of a job alone, without its JSON. Fails: as pen_jobs_get. */
+bool pen_jobs_state(struct pen_jobs *jobs, const char *id, enum pen_job_state *state,
+                    int64_t *revision, struct pen_status *st);
+
 struct pen_list_query {
     int state;          /* enum pen_job_state; -1: all */
     const char *kind;   /* NULL: all */

@@ -5,11 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/clock.h"
 #include "http/internal/encoding.h"
 #include "http/internal/http.h"
+#include "store/store.h"
 #include "support/server.h"
 #include "support/suite.h"
 
@@ -227,6 +229,68 @@ START_TEST(test_large__pictures_do_not_hold_up_small_ones)
 }
 END_TEST
 
+static int64_t cpu_ns(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return time.tv_sec * second_ns + time.tv_nsec;
+}
+
+/* The processor time of changes that concern none of the polls that wait, each for a job of its own
+ * with so many control characters in its labels. */
+static int64_t cost_of_changes(int characters)
+{
+    enum { JOBS = 100, CHANGES = 20 };
+    struct server server;
+    struct pen_status st;
+    struct pen_buf body = {0};
+    int fds[JOBS];
+    server_start(&server, &(struct server_options){0});
+    pen_buf_puts(&body, "{\"scene\": \"builtin:spheres\", \"labels\": {\"0\": \"");
+    for (int i = 1; i <= characters; i++)
+        pen_buf_printf(&body, i % 100 ? "\\u0001" : "\", \"%d\": \"", i);
+    pen_buf_puts(&body, "\"}}");
+    ck_assert(!body.failed);
+    for (int i = 0; i < JOBS; i++) {
+        struct answer answer;
+        char path[100];
+        server_ask(&server, "POST /v1/jobs HTTP/1.1", (const char *)body.data, &answer);
+        ck_assert_msg(answer.status == 202, "%s", answer.body);
+        server_open_polls(&server, answer_field(&answer, "Location", path, sizeof path), "",
+                          &fds[i], 1);
+        answer_release(&answer);
+    }
+    struct pen_store *store = pen_store_open(server.store, &st);
+    ck_assert_msg(store != NULL, "%s", st.msg);
+    client_pause(300 * client_patience());
+    const int64_t begun_ns = cpu_ns();
+    for (int i = 0; i < CHANGES; i++) {
+        pen_store_wake(store, PEN_SIGNAL_CHANGES);
+        client_pause(50 * client_patience());
+    }
+    const int64_t cost_ns = cpu_ns() - begun_ns;
+    for (int i = 0; i < JOBS; i++) {
+        ck_assert(!is_answered(fds[i]));
+        close(fds[i]);
+    }
+    pen_store_close(store);
+    pen_buf_release(&body);
+    server_stop(&server);
+    return cost_ns;
+}
+
+/* Polls that wait for jobs with long labels hold up others no more than any do: the watcher reads
+ * the text of a job only for its answer. */
+START_TEST(test_large__labels_of_jobs_that_are_waited_for_cost_little)
+{
+    server_allow_many_files();
+    const int64_t without_ns = cost_of_changes(0), with_ns = cost_of_changes(1200);
+    printf("# %.1f ms without labels, %.1f ms with\n", (double)without_ns * 1e-6,
+           (double)with_ns * 1e-6);
+    ck_assert_int_le(2 * with_ns, 5 * without_ns); /* it was 3.7 times as much */
+}
+END_TEST
+
 /* Clients that read nothing of a large scene share its bytes, plain and compressed. */
 START_TEST(test_large__readers_of_a_scene_share_one_copy)
 {
@@ -289,4 +353,5 @@ PEN_SUITE("large", test_large__bodies_do_not_hold_up_a_small_one,
           test_large__bodies_of_clients_that_have_gone_are_dropped,
           test_large__a_client_that_ends_its_side_is_answered,
           test_large__pictures_do_not_hold_up_small_ones,
+          test_large__labels_of_jobs_that_are_waited_for_cost_little,
           test_large__readers_of_a_scene_share_one_copy)

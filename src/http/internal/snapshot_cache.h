@@ -43,6 +43,12 @@ bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes
                                   struct pen_jobs *jobs, const char *id, struct snapshot *out,
                                   struct pen_status *st);
 
+/* Whether a GET that waits for its job can be answered, as pen_http_snapshot_is_due tells. What is
+ * not in the cache is read from the store, but for the job's text. Fails: as pen_jobs_state. */
+bool pen_http_snapshot_cache_check(struct snapshot_cache *cache, uint32_t changes,
+                                   struct pen_jobs *jobs, const struct request *request, bool *due,
+                                   struct pen_status *st);
+
 /* Whether a GET that waits for this job can be answered: the job has ended, or the client has
  * another revision. */
 bool pen_http_snapshot_is_due(const struct snapshot *snapshot, const struct request *request);
