@@ -2,6 +2,8 @@
 /* Leases: claim, heartbeat, progress, estimate, release, fail. A lease is (batch, attempt). The
  * attempt grows with every claim, and every call of a holder names both (README.md, "Leases and
  * fencing"). */
+#include <stdlib.h>
+
 #include "store/internal/policy.h"
 
 /* What a worker may claim, given what it holds. */
@@ -156,20 +158,35 @@ bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int
 struct keep {
     const struct pen_claim *claim;
     const struct pen_kept *kept;
+    struct pen_value *values; /* the state, then the parts that come with it */
     bool outranked;
 };
 
-/* Stores the state and the parts that come with it. */
+/* Stores the values, so far as they are too large for one transaction. */
+static bool store_values(struct pen_store *store, struct keep *keep, struct pen_status *st)
+{
+    const struct pen_kept *kept = keep->kept;
+    keep->values = calloc((size_t)kept->part_count + 1, sizeof *keep->values);
+    if (!keep->values)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory to keep what a batch has");
+    bool ok = pen_value_store(store, keep->claim, kept->data, kept->bytes, keep->values, st);
+    for (int i = 0; ok && i < kept->part_count; i++)
+        ok = pen_value_store(store, keep->claim, kept->parts[i].data, kept->parts[i].bytes,
+                             &keep->values[i + 1], st);
+    return ok;
+}
+
+/* Makes the values those that the batch keeps. */
 static bool put_kept(struct pen_store *store, const struct pen_batch_row *batch,
-                     const struct pen_kept *kept, struct pen_status *st)
+                     const struct keep *keep, struct pen_status *st)
 {
     struct pen_artefact_key key = {
         .job = batch->job, .view = batch->view, .layer = PEN_KEPT_LAYER, .format = PEN_KEPT_STATE};
     int64_t number;
-    bool ok = pen_put_artefact(store, &key, kept->data, kept->bytes, &number, st);
-    for (int i = 0; ok && i < kept->part_count; i++) {
-        key.format = kept->parts[i].name;
-        ok = pen_put_artefact(store, &key, kept->parts[i].data, kept->parts[i].bytes, &number, st);
+    bool ok = pen_put_artefact(store, &key, keep->values, &number, st);
+    for (int i = 0; ok && i < keep->kept->part_count; i++) {
+        key.format = keep->kept->parts[i].name;
+        ok = pen_put_artefact(store, &key, &keep->values[i + 1], &number, st);
     }
     return ok;
 }
@@ -190,7 +207,7 @@ static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st
     progress.raise = batch.kind == PEN_BATCH_RENDER;
     store->changed = true;
     return (keep->kept->done < 0 || driver->ops->job_progress(driver, &progress, st)) &&
-           put_kept(store, &batch, keep->kept, st) &&
+           put_kept(store, &batch, keep, st) &&
            pen_outranked(driver, keep->claim, progress.now_ms, &keep->outranked, st);
 }
 
@@ -198,11 +215,12 @@ bool pen_policy_keep(struct pen_store *store, const struct pen_claim *claim,
                      const struct pen_kept *kept, bool *outranked, struct pen_status *st)
 {
     struct keep keep = {.claim = claim, .kept = kept};
-    *outranked = false;
-    if (!pen_store_write(store, write_kept, &keep, st))
-        return false;
-    *outranked = keep.outranked;
-    return true;
+    const bool ok = store_values(store, &keep, st) && pen_store_write(store, write_kept, &keep, st);
+    for (int i = 0; !ok && keep.values && i <= kept->part_count; i++)
+        pen_value_drop(store, &keep.values[i]);
+    free(keep.values);
+    *outranked = ok && keep.outranked;
+    return ok;
 }
 
 bool pen_policy_estimate(struct pen_store *store, const struct pen_claim *claim,

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* The commit of a batch (README.md, "Commit"): fenced by the attempt, idempotent, with pixels and
- * state in one transaction. Assemble batches make pictures from committed pixels. */
+/* The commit of a batch (README.md, "Commit"): fenced by the attempt, idempotent; pixels and state
+ * become visible in one transaction. Assemble batches make pictures from committed pixels. */
 #include "store/internal/policy.h"
 
 struct commit {
     const struct pen_claim *claim;
     const struct pen_result *result;
-    struct pen_bytes pixels; /* encoded */
-    struct pen_next *next;   /* NULL: none wanted */
-    bool duplicate;          /* out */
+    struct pen_value pixels, artefact; /* the pixels are encoded */
+    struct pen_next *next;             /* NULL: none wanted */
+    bool duplicate;                    /* out */
     struct pen_batch_row batch;
     int64_t now_ms;
 };
@@ -32,11 +32,10 @@ static bool add_progress(struct pen_driver *driver, const struct commit *commit,
 
 static bool add_pixels(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
-    const struct pen_bytes *pixels = &commit->pixels;
-    struct pen_blob_start start = pen_blob_begin(pixels->data, pixels->bytes);
+    struct pen_blob_start start = pen_value_begin(&commit->pixels);
     int64_t batch = commit->claim->batch;
     return store->driver->ops->pixels_add(store->driver, batch, &start, st) &&
-           pen_blob_finish(store, PEN_BLOB_PIXELS, batch, pixels->data, pixels->bytes, st);
+           pen_value_finish(store, PEN_BLOB_PIXELS, batch, &commit->pixels, st);
 }
 
 static bool add_artefact(struct pen_store *store, const struct commit *commit,
@@ -48,7 +47,7 @@ static bool add_artefact(struct pen_store *store, const struct commit *commit,
                                    .layer = result->layer,
                                    .format = result->format};
     int64_t number;
-    return pen_put_artefact(store, &key, result->artefact, result->artefact_bytes, &number, st);
+    return pen_put_artefact(store, &key, &commit->artefact, &number, st);
 }
 
 /* If the view has an assemble batch already, the unique index on these leaves it the only one. */
@@ -188,8 +187,21 @@ static bool encode_result(struct pen_store *store, struct commit *commit, struct
     if (pen_pixels_count(encoded) != result->pixels)
         return pen_fail(st, PEN_INTERNAL, "%lld encoded pixels in a result of %lld",
                         (long long)pen_pixels_count(encoded), (long long)result->pixels);
-    commit->pixels = pen_pixels_encoded(encoded);
+    const struct pen_bytes bytes = pen_pixels_encoded(encoded);
+    commit->pixels = (struct pen_value){.data = bytes.data, .bytes = bytes.bytes};
     return true;
+}
+
+/* Stores what is too large for the transaction. That of a claim that does not hold is not stored:
+ * the transaction tells whether it was committed before. */
+static bool store_values(struct pen_store *store, struct commit *commit, struct pen_status *st)
+{
+    const struct pen_result *result = commit->result;
+    const bool ok = pen_value_store(store, commit->claim, commit->pixels.data, commit->pixels.bytes,
+                                    &commit->pixels, st) &&
+                    pen_value_store(store, commit->claim, result->artefact, result->artefact_bytes,
+                                    &commit->artefact, st);
+    return ok || st->code == PEN_STALE;
 }
 
 bool pen_policy_commit(struct pen_store *store, const struct pen_claim *claim,
@@ -199,8 +211,12 @@ bool pen_policy_commit(struct pen_store *store, const struct pen_claim *claim,
     struct commit commit = {.claim = claim, .result = result, .next = next};
     if (next)
         next->found = false;
-    const bool ok =
-        encode_result(store, &commit, st) && pen_store_write(store, write_commit, &commit, st);
+    const bool ok = encode_result(store, &commit, st) && store_values(store, &commit, st) &&
+                    pen_store_write(store, write_commit, &commit, st);
+    if (!ok || commit.duplicate) {
+        pen_value_drop(store, &commit.pixels);
+        pen_value_drop(store, &commit.artefact);
+    }
     if (ok)
         pen_store_tally_add(store,
                             commit.duplicate ? PEN_TALLY_COMMIT_DUPLICATE : PEN_TALLY_COMMIT_OK, 1);

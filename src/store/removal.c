@@ -98,7 +98,10 @@ bool pen_policy_purge_slice(struct pen_store *store, bool *more, struct pen_stat
 {
     struct pen_driver *driver = store->driver;
     struct pen_job_key job;
-    *more = false;
+    if (!pen_values_shrink(store, more, st))
+        return false;
+    if (*more)
+        return driver->ops->keep_log_short(driver, st);
     if (!driver->ops->removed_next(driver, &job, more, st))
         return false;
     if (*more && !pen_store_write(store, write_slice, NULL, st))

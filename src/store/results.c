@@ -182,8 +182,7 @@ struct artefact {
     const char *id, *layer, *format;
     int view;
     struct pen_artefact_row row;
-    const void *data;
-    size_t bytes;
+    struct pen_value value;
 };
 
 static bool artefact_key(struct pen_store *store, const struct artefact *artefact,
@@ -262,13 +261,13 @@ bool pen_policy_artefact(struct pen_store *store, const char *id, int view, cons
     return true;
 }
 
-bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key, const void *data,
-                      size_t bytes, int64_t *number, struct pen_status *st)
+bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key,
+                      const struct pen_value *value, int64_t *number, struct pen_status *st)
 {
-    struct pen_blob_start start = pen_blob_begin(data, bytes);
-    return store->driver->ops->artefact_put(store->driver, key, pen_checksum(data, bytes), &start,
-                                            number, st) &&
-           pen_blob_finish(store, PEN_BLOB_ARTEFACT, *number, data, bytes, st);
+    struct pen_blob_start start = pen_value_begin(value);
+    return store->driver->ops->artefact_put(store->driver, key, value->checksum, &start, number,
+                                            st) &&
+           pen_value_finish(store, PEN_BLOB_ARTEFACT, *number, value, st);
 }
 
 static bool write_artefact(struct pen_store *store, void *arg, struct pen_status *st)
@@ -277,16 +276,20 @@ static bool write_artefact(struct pen_store *store, void *arg, struct pen_status
     struct pen_artefact_key key;
     int64_t number;
     return artefact_key(store, artefact, &key, st) &&
-           pen_put_artefact(store, &key, artefact->data, artefact->bytes, &number, st);
+           pen_put_artefact(store, &key, &artefact->value, &number, st);
 }
 
 bool pen_policy_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
                              const char *format, const void *data, size_t bytes,
                              struct pen_status *st)
 {
-    struct artefact artefact = {
-        .id = id, .view = view, .layer = layer, .format = format, .data = data, .bytes = bytes};
-    return pen_store_write(store, write_artefact, &artefact, st);
+    struct artefact artefact = {.id = id, .view = view, .layer = layer, .format = format};
+    if (!pen_value_store(store, NULL, data, bytes, &artefact.value, st))
+        return false;
+    const bool ok = pen_store_write(store, write_artefact, &artefact, st);
+    if (!ok)
+        pen_value_drop(store, &artefact.value);
+    return ok;
 }
 
 bool pen_policy_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,

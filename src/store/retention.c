@@ -93,22 +93,24 @@ bool pen_policy_intake(struct pen_store *store, struct pen_status *st)
                     name, (long long)(room.used_bytes >> 10), (long long)(keep_bytes >> 10));
 }
 
-/* Whether the store holds more than retention allows. What was removed already, and is still to go,
- * does not count. */
+/* Whether the store holds more than retention allows. That is not told while something is still to
+ * go that was removed already, or is on its way into the store and may replace something. */
 static bool has_too_many_bytes(struct pen_store *store, int64_t keep_bytes, bool *too_many,
                                struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     struct pen_job_key removed;
     struct pen_room room;
-    bool pending;
+    int64_t object;
+    bool pending, unused;
     *too_many = false;
     if (keep_bytes == 0)
         return true;
     if (!driver->ops->removed_next(driver, &removed, &pending, st) ||
+        !driver->ops->object_unused(driver, INT64_MAX, &object, &unused, st) ||
         !driver->ops->room(driver, &room, st))
         return false;
-    *too_many = !pending && room.used_bytes > keep_bytes - keep_bytes / SLACK_PART;
+    *too_many = !pending && !unused && room.used_bytes > keep_bytes - keep_bytes / SLACK_PART;
     return true;
 }
 
@@ -174,8 +176,7 @@ static bool evict(struct pen_store *store, int64_t limit, struct pen_status *st)
 struct cached {
     const struct pen_artefact_key *key;
     const char *id;
-    const void *data;
-    size_t bytes;
+    struct pen_value value;
     int64_t limit;
 };
 
@@ -186,22 +187,29 @@ static bool write_cached(struct pen_store *store, void *arg, struct pen_status *
     struct pen_artefact_key key = *in->key;
     struct pen_job_key job;
     int64_t number, now_ms;
-    if (!evict(store, in->limit - (int64_t)in->bytes, st) ||
+    if (!evict(store, in->limit - (int64_t)in->value.bytes, st) ||
         !pen_find_job(store, in->id, &job, st) || !driver->ops->now(driver, &now_ms, st))
         return false;
     key.job = job.number;
-    return pen_put_artefact(store, &key, in->data, in->bytes, &number, st) &&
-           driver->ops->cached_put(driver, number, (int64_t)in->bytes, now_ms, st);
+    return pen_put_artefact(store, &key, &in->value, &number, st) &&
+           driver->ops->cached_put(driver, number, (int64_t)in->value.bytes, now_ms, st);
 }
 
 bool pen_policy_cache_put(struct pen_store *store, const char *id,
                           const struct pen_artefact_key *key, const void *data, size_t bytes,
                           struct pen_status *st)
 {
-    struct cached in = {.key = key, .id = id, .data = data, .bytes = bytes};
+    struct cached in = {.key = key, .id = id};
     if (!cache_limit(store, &in.limit, st))
         return false;
-    return (int64_t)bytes > in.limit || pen_store_write(store, write_cached, &in, st);
+    if ((int64_t)bytes > in.limit)
+        return true;
+    if (!pen_value_store(store, NULL, data, bytes, &in.value, st))
+        return false;
+    const bool ok = pen_store_write(store, write_cached, &in, st);
+    if (!ok)
+        pen_value_drop(store, &in.value);
+    return ok;
 }
 
 static bool write_evict(struct pen_store *store, void *arg, struct pen_status *st)

@@ -545,9 +545,10 @@ bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats_
                      struct pen_status *st);
 
 /* Does a little of what deletes have left to do, in one short transaction: removes some megabytes
- * of a removed job, or returns a megabyte of free space to the file system. *more is false if there
- * was nothing to do, or nothing to remove where it fails: then the reserve is not used for it. A
- * caller that repeats it should pause between, so that other writers get their turn. */
+ * of a removed job, or of a value that was replaced or not finished, or returns a megabyte of free
+ * space to the file system. *more is false if there was nothing to do, or nothing to remove where
+ * it fails: then the reserve is not used for it. A caller that repeats it should pause between, so
+ * that other writers get their turn. */
 bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_status *st);
 
 /* The background check of stored scene documents, pixels, pictures and reports, which the check at

@@ -26,7 +26,8 @@ static void fill(uint64_t seed)
 
 static struct pen_blob_start start_of(size_t bytes)
 {
-    return (struct pen_blob_start){bytes, sent, bytes < RANGE ? bytes : RANGE};
+    return (struct pen_blob_start){
+        .total = bytes, .data = sent, .bytes = bytes < RANGE ? bytes : RANGE};
 }
 
 static void write_rest(enum pen_blob_kind kind, int64_t number, size_t bytes)
@@ -232,6 +233,103 @@ START_TEST(test_driver_blobs__artefact_is_replaced_by_another_of_its_key)
 }
 END_TEST
 
+/* A large object of so many bytes of what was sent, in a transaction of its own. */
+static int64_t store_object(size_t bytes)
+{
+    int64_t object;
+    bool there;
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, object_add, bytes, &object);
+    for (size_t at = 0; at < bytes; at += RANGE) {
+        const size_t left = bytes - at;
+        DRIVER_DO(bed.driver, object_write, object, at, sent + at, left < RANGE ? left : RANGE,
+                  1000, &there);
+        ck_assert(there);
+    }
+    DRIVER_RUN(bed.driver, commit);
+    return object;
+}
+
+static int64_t put_object(const struct pen_artefact_key *key, int64_t object, size_t bytes)
+{
+    const struct pen_blob_start start = {.total = bytes, .object = object};
+    int64_t number = 0;
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, artefact_put, key, 5, &start, &number);
+    DRIVER_RUN(bed.driver, commit);
+    return number;
+}
+
+static bool is_unused(int64_t before_ms, int64_t object)
+{
+    int64_t number = 0;
+    bool found = false;
+    DRIVER_DO(bed.driver, object_unused, before_ms, &number, &found);
+    ck_assert(!found || number == object);
+    return found;
+}
+
+/* Removes it; returns in how many slices of a range. */
+static int shrink(int64_t object)
+{
+    int slices = 0;
+    for (; is_unused(1, object); slices++) {
+        DRIVER_RUN(bed.driver, begin_write);
+        DRIVER_DO(bed.driver, object_shrink, object, RANGE);
+        DRIVER_RUN(bed.driver, commit);
+    }
+    return slices;
+}
+
+START_TEST(test_driver_blobs__large_object_is_the_value_of_its_row_and_goes_with_it)
+{
+    driver_bed_open(&bed, _i);
+    fill(17);
+    const int64_t job = driver_submit_new(bed.driver, 1, 2, 1, 0).number;
+    const struct pen_artefact_key key = {job, 0, "beauty", "pfm"}, layer = key;
+    const int64_t object = store_object(LARGEST);
+    ck_assert(is_unused(1001, object) && !is_unused(1000, object));
+    const int64_t number = put_object(&key, object, LARGEST);
+    expect_artefact(&key, number, 5, LARGEST);
+    ck_assert(!is_unused(INT64_MAX, object));
+    const int64_t other = store_object(2 * RANGE);
+    ck_assert_int_eq(put_object(&key, other, 2 * RANGE), number);
+    expect_artefact(&key, number, 5, 2 * RANGE);
+    ck_assert_int_gt(shrink(object), LARGEST / RANGE);
+    expect_artefact(&key, number, 5, 2 * RANGE);
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, artefacts_drop, &layer);
+    DRIVER_RUN(bed.driver, commit);
+    ck_assert_int_gt(shrink(other), 1);
+    driver_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_driver_blobs__large_object_that_was_removed_takes_no_more)
+{
+    struct pen_blob_start removed = {.total = RANGE};
+    struct pen_status st;
+    int64_t number;
+    bool there = true;
+    driver_bed_open(&bed, _i);
+    const struct driver_job job = driver_submit_new(bed.driver, 1, 1, 1, 0);
+    const struct pen_artefact_key key = {job.number, 0, "beauty", "pfm"};
+    removed.object = store_object(RANGE);
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, object_release, removed.object);
+    DRIVER_DO(bed.driver, object_write, removed.object, RANGE, sent, RANGE, 1000, &there);
+    ck_assert(!there);
+    ck_assert(!bed.driver->ops->artefact_put(bed.driver, &key, 5, &removed, &number, &st));
+    ck_assert_int_eq(st.code, PEN_UNAVAILABLE);
+    bed.driver->ops->rollback(bed.driver);
+    DRIVER_RUN(bed.driver, begin_write);
+    ck_assert(!bed.driver->ops->pixels_add(
+        bed.driver, job.batch[0], &(struct pen_blob_start){.total = 1, .object = 99}, &st));
+    bed.driver->ops->rollback(bed.driver);
+    driver_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_driver_blobs__artefacts_of_a_layer_are_dropped_together)
 {
     driver_bed_open(&bed, _i);
@@ -393,6 +491,8 @@ DRIVER_SUITE("driver: blobs", test_driver_blobs__scenes_are_read_as_written,
              test_driver_blobs__range_beyond_the_end_is_not_written,
              test_driver_blobs__unfinished_blob_is_rolled_back,
              test_driver_blobs__artefact_is_replaced_by_another_of_its_key,
+             test_driver_blobs__large_object_is_the_value_of_its_row_and_goes_with_it,
+             test_driver_blobs__large_object_that_was_removed_takes_no_more,
              test_driver_blobs__artefacts_of_a_layer_are_dropped_together,
              test_driver_blobs__scene_of_a_job_is_found,
              test_driver_blobs__pixels_of_a_view_are_listed_in_order,

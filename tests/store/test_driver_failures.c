@@ -193,7 +193,7 @@ START_TEST(test_driver_failures__row_without_its_owner_is_refused)
 {
     struct store_job in;
     struct pen_status st = {0};
-    struct pen_blob_start data = {1, "x", 1};
+    struct pen_blob_start data = {.total = 1, .data = "x", .bytes = 1};
     int64_t number;
     bool added;
     driver_bed_open(&bed, _i);

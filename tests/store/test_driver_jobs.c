@@ -451,7 +451,7 @@ END_TEST
 /* Stores pixels of a batch, statistics and a picture of a job. */
 static int64_t store_results(const struct driver_job *job)
 {
-    struct pen_blob_start data = {4, "data", 4};
+    struct pen_blob_start data = {.total = 4, .data = "data", .bytes = 4};
     struct pen_artefact_key key = {job->number, 0, "beauty", "png"};
     int64_t artefact;
     bool changed;

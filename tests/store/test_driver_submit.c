@@ -92,7 +92,7 @@ static bool insert_key(struct pen_driver *driver, struct insertion *in, struct p
 static bool insert_scene(struct pen_driver *driver, struct insertion *in, struct pen_status *st)
 {
     unsigned char hash[32] = {100, (unsigned char)in->number};
-    struct pen_blob_start document = {5, "scene", 5};
+    struct pen_blob_start document = {.total = 5, .data = "scene", .bytes = 5};
     return driver->ops->scene_add(driver, hash, &document, &in->id, &in->added, st) &&
            driver->ops->scene_find(driver, hash, &in->id, &in->found, st);
 }

@@ -17,7 +17,7 @@
 #include "support/suite.h"
 
 enum {
-    SCHEMAS = 12,
+    SCHEMAS = 13,
     FIRST_WITH_BENCHMARKS = 6,
     FIRST_WITH_LOCK_FILES = 9,
     FIRST_WITH_SHARES = 12,

@@ -149,7 +149,8 @@ struct submission {
 static bool add_scene(struct pen_driver *driver, const struct pen_job_new *job, int64_t *number,
                       struct pen_status *st)
 {
-    struct pen_blob_start document = {job->scene_bytes, job->scene, job->scene_bytes};
+    struct pen_blob_start document = {
+        .total = job->scene_bytes, .data = job->scene, .bytes = job->scene_bytes};
     bool found, added;
     if (!driver->ops->scene_find(driver, job->scene_sha256, number, &found, st))
         return false;

@@ -43,6 +43,10 @@ static const char *const undo[] = {
     "DROP TABLE meta; DROP TABLE removed; DROP TABLE cached; DROP INDEX job_removed;"
     "DROP INDEX job_by_end; ALTER TABLE job DROP COLUMN removed_ms",
     "DROP TABLE attribute; DROP INDEX job_by_kind",
+    "DROP TRIGGER artefact_removed; DROP TRIGGER artefact_replaced; DROP TRIGGER pixels_removed;"
+    "DROP INDEX artefact_object; DROP INDEX pixels_object;"
+    "ALTER TABLE artefact DROP COLUMN object; ALTER TABLE pixels DROP COLUMN object;"
+    "DROP TABLE large_object_part; DROP TABLE large_object",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

@@ -95,7 +95,8 @@ struct pen_blob_row {
 struct pen_blob_start {
     size_t total;
     const void *data;
-    size_t bytes; /* of data: min(total, PEN_BLOB_RANGE_BYTES) */
+    size_t bytes;   /* of data: min(total, PEN_BLOB_RANGE_BYTES) */
+    int64_t object; /* above 0: the large object that has it all instead; not of a scene */
 };
 
 struct pen_key_row {
@@ -445,6 +446,22 @@ struct pen_driver_ops {
      * is one to which it belongs ("": none). */
     bool (*blob_next)(struct pen_driver *driver, enum pen_blob_kind kind, int64_t after,
                       struct pen_blob_row *row, bool *found, struct pen_status *st);
+    /* Large objects: values that are written before their row, in several transactions. object_add
+     * makes one, of no parts yet. object_write adds one range of it, in order, and keeps the object
+     * until expires_ms; *there = false: it was removed meanwhile. pixels_add and artefact_put give
+     * it to their row, and fail with PEN_UNAVAILABLE if it was removed; it is released with that
+     * row, or when that gets another value. object_release gives up one that no row has got. */
+    bool (*object_add)(struct pen_driver *driver, size_t bytes, int64_t *number,
+                       struct pen_status *st);
+    bool (*object_write)(struct pen_driver *driver, int64_t number, size_t offset, const void *data,
+                         size_t bytes, int64_t expires_ms, bool *there, struct pen_status *st);
+    bool (*object_release)(struct pen_driver *driver, int64_t number, struct pen_status *st);
+    /* Finds one that was released, or that was kept until before_ms at most and that no row has. */
+    bool (*object_unused)(struct pen_driver *driver, int64_t before_ms, int64_t *number,
+                          bool *found, struct pen_status *st);
+    /* Removes about so many bytes of such an object, with the last of them the object. */
+    bool (*object_shrink)(struct pen_driver *driver, int64_t number, int64_t bytes,
+                          struct pen_status *st);
     bool (*pixels_add)(struct pen_driver *driver, int64_t batch,
                        const struct pen_blob_start *pixels, struct pen_status *st);
     bool (*pixels_page)(struct pen_driver *driver, int64_t job, int view, int64_t after,

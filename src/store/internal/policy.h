@@ -80,6 +80,29 @@ bool pen_blob_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t n
 bool pen_blob_load(struct pen_store *store, enum pen_blob_kind kind, int64_t number, size_t bytes,
                    struct pen_status *st);
 
+/* Values on their way into the store (values.c). One of PEN_BLOB_RANGE_BYTES goes into its row; a
+ * larger one is stored before as a large object, which the row then gets. */
+struct pen_value {
+    const void *data; /* Owns: the caller, until the row is written */
+    size_t bytes;
+    int64_t checksum; /* pen_checksum of it */
+    int64_t object;   /* 0: none */
+};
+
+/* Begins to store a value, outside any transaction: a large one in ranges, each in a transaction,
+ * between which others write. fence: a claim that must hold all the time; NULL:
+ * none. Fails: PEN_STALE (the claim is lost), and as any write; nothing is left then. */
+bool pen_value_store(struct pen_store *store, const struct pen_claim *fence, const void *data,
+                     size_t bytes, struct pen_value *value, struct pen_status *st);
+/* As pen_blob_begin and pen_blob_finish, in the transaction that writes the row. */
+struct pen_blob_start pen_value_begin(const struct pen_value *value);
+bool pen_value_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t number,
+                      const struct pen_value *value, struct pen_status *st);
+/* Gives up a value whose row was not written: its space is freed soon, not only in a minute. */
+void pen_value_drop(struct pen_store *store, const struct pen_value *value);
+/* Removes a slice of a large object that no row has any more. *more: there was one. */
+bool pen_values_shrink(struct pen_store *store, bool *more, struct pen_status *st);
+
 /* What a batch keeps are artefacts of its view, in this layer; each part's name is its format. */
 #define PEN_KEPT_LAYER "kept"
 
@@ -87,8 +110,8 @@ bool pen_blob_load(struct pen_store *store, enum pen_blob_kind kind, int64_t num
 void pen_note_use(struct pen_store *store, const struct pen_artefact_row *artefact);
 
 /* Stores an artefact, whose number is *number; inside a transaction. */
-bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key, const void *data,
-                      size_t bytes, int64_t *number, struct pen_status *st);
+bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key,
+                      const struct pen_value *value, int64_t *number, struct pen_status *st);
 
 /* The calls of store.h, see there. */
 bool pen_policy_submit(struct pen_store *store, const struct pen_job_new *job,

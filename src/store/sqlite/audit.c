@@ -117,8 +117,14 @@ static const struct rule rules[] = {
     {"a removed job of which it is not noted that it was removed, or the other way round",
      "SELECT id FROM main.job WHERE (removed_ms > 0) <> (id IN (SELECT id FROM removed))"},
     {"a form of a picture that is not stored with its length",
-     "SELECT c.artefact FROM cached c JOIN artefact a ON a.id = c.artefact"
-     " WHERE c.bytes <> length(a.data)"},
+     "SELECT c.artefact FROM cached c JOIN artefact a ON a.id = c.artefact WHERE c.bytes <>"
+     " coalesce((SELECT bytes FROM large_object WHERE id = a.object), length(a.data))"},
+    {"a large object that no row has, and that is kept, or the other way round",
+     "SELECT id FROM large_object WHERE (expires_ms IS NULL) <>"
+     " (id IN (SELECT object FROM artefact UNION ALL SELECT object FROM pixels))"},
+    {"a large object that is not as long as it should be",
+     "SELECT id FROM large_object o WHERE expires_ms IS NULL AND bytes <>"
+     " (SELECT coalesce(sum(length(data)), 0) FROM large_object_part WHERE object = o.id)"},
 };
 
 /* Jobs that were removed and their batches are not audited: their rows go one after the other. */

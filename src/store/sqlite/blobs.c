@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* Blobs in ranges, by SQLite's incremental input and output; a blob of one range is written with
- * its row. Source: https://www.sqlite.org/c3ref/blob_open.html */
+ * its row. Those in large objects are read from their parts (objects.c). Source:
+ * https://www.sqlite.org/c3ref/blob_open.html */
 #include <stdio.h>
 
 #include "store/sqlite/sqlite.h"
 
 static const struct {
     const char *table, *column;
+    enum pen_sqlite_sql part; /* reads a part of its large object; SQL_COUNT: it never has one */
 } places[] = {
     /* where the blobs of each kind are stored */
-    [PEN_BLOB_SCENE] = {.table = "scene", .column = "document"},
-    [PEN_BLOB_PIXELS] = {.table = "pixels", .column = "data"},
-    [PEN_BLOB_ARTEFACT] = {.table = "artefact", .column = "data"},
+    [PEN_BLOB_SCENE] = {.table = "scene", .column = "document", .part = SQL_COUNT},
+    [PEN_BLOB_PIXELS] = {.table = "pixels", .column = "data", .part = SQL_PIXELS_PART},
+    [PEN_BLOB_ARTEFACT] = {.table = "artefact", .column = "data", .part = SQL_ARTEFACT_PART},
 };
 
 /* Opens a blob for one range of it. */
@@ -49,20 +51,31 @@ bool pen_sqlite_blob_write(struct pen_driver *driver, enum pen_blob_kind kind, i
     return ok;
 }
 
+static bool is_shorter(enum pen_blob_kind kind, int64_t number, size_t bytes, struct pen_status *st)
+{
+    return pen_fail(st, PEN_NOT_FOUND, "%s %lld is shorter than %zu bytes", places[kind].table,
+                    (long long)number, bytes);
+}
+
 bool pen_sqlite_blob_read(struct pen_driver *driver, enum pen_blob_kind kind, int64_t number,
                           size_t offset, void *to, size_t bytes, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     sqlite3_blob *blob = NULL;
+    size_t got = 0;
     bool ok;
+    if (places[kind].part != SQL_COUNT &&
+        !pen_sqlite_object_read(store, places[kind].part, number, offset, to, bytes, &got, st))
+        return false;
+    if (got > 0)
+        return got == bytes || is_shorter(kind, number, offset + bytes, st);
     if (!open_blob(store, kind, number, false, &blob, st))
         return false;
     if (is_within(blob, offset, bytes)) {
         int rc = sqlite3_blob_read(blob, to, (int)bytes, (int)offset);
         ok = rc == SQLITE_OK || pen_sqlite_error(store, rc, st);
     } else {
-        ok = pen_fail(st, PEN_NOT_FOUND, "%s %lld is shorter than %zu bytes", places[kind].table,
-                      (long long)number, offset + bytes);
+        ok = is_shorter(kind, number, offset + bytes, st);
     }
     sqlite3_blob_close(blob);
     return ok;
@@ -94,30 +107,46 @@ bool pen_sqlite_blob_next(struct pen_driver *driver, enum pen_blob_kind kind, in
     return true;
 }
 
-/* Binds a new blob. One of several ranges is bound as zeros, which the ranges then replace. */
+/* Binds a new blob. One of several ranges is bound as zeros, which the ranges then replace; nothing
+ * is bound for one in a large object. */
 static void bind_start(struct pen_sqlite_query *query, const struct pen_blob_start *start)
 {
-    if (start->bytes == start->total)
+    if (start->object > 0)
+        pen_sqlite_blob(query, "", 0);
+    else if (start->bytes == start->total)
         pen_sqlite_blob(query, start->data, start->bytes);
     else if (query->rc == SQLITE_OK)
         query->rc = sqlite3_bind_zeroblob64(query->stmt, ++query->bound, start->total);
 }
 
-/* A blob is written to the log and copied from there, so there must be space for it twice: else it
+static void bind_object(struct pen_sqlite_query *query, const struct pen_blob_start *start)
+{
+    if (start->object > 0)
+        pen_sqlite_int(query, start->object);
+    else
+        pen_sqlite_text(query, NULL);
+}
+
+/* A blob is written to the log and copied from there, so there must be space for both: else it
  * could fill the disk with a log that can never be copied. */
-static bool has_space(const struct pen_sqlite_store *store, int64_t bytes)
+bool pen_sqlite_has_space(const struct pen_sqlite_store *store, int64_t bytes, int64_t log_bytes,
+                          struct pen_status *st)
 {
     enum { SMALL_BYTES = 1 << 20 };
     return bytes <= SMALL_BYTES ||
-           2 * bytes <= pen_sqlite_free_bytes(store) + pen_sqlite_reserve_bytes(store);
+           bytes + log_bytes <= pen_sqlite_free_bytes(store) + pen_sqlite_reserve_bytes(store) ||
+           pen_fail(st, PEN_STORAGE_FULL, "the store has no space left for %lld bytes",
+                    (long long)bytes);
 }
 
 static bool write_start(struct pen_driver *driver, enum pen_blob_kind kind, int64_t number,
                         const struct pen_blob_start *start, struct pen_status *st)
 {
-    if (!has_space(pen_sqlite_of(driver), (int64_t)start->total))
-        return pen_fail(st, PEN_STORAGE_FULL, "the store has no space left for %zu bytes",
-                        start->total);
+    const int64_t total = (int64_t)start->total;
+    if (start->object > 0)
+        return pen_sqlite_object_use(pen_sqlite_of(driver), start->object, st);
+    if (!pen_sqlite_has_space(pen_sqlite_of(driver), total, total, st))
+        return false;
     if (start->bytes == start->total)
         return true;
     return pen_sqlite_blob_write(driver, kind, number, 0, start->data, start->bytes, st);
@@ -160,6 +189,7 @@ bool pen_sqlite_pixels_add(struct pen_driver *driver, int64_t batch,
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_PIXELS_ADD);
     pen_sqlite_int(&query, batch);
     bind_start(&query, pixels);
+    bind_object(&query, pixels);
     return pen_sqlite_run(&query, st) && write_start(driver, PEN_BLOB_PIXELS, batch, pixels, st);
 }
 
@@ -207,6 +237,7 @@ bool pen_sqlite_artefact_put(struct pen_driver *driver, const struct pen_artefac
     bind_artefact(&query, key);
     bind_start(&query, data);
     pen_sqlite_int(&query, checksum);
+    bind_object(&query, data);
     if (!pen_sqlite_next(&query, &row, st))
         return false;
     if (!row)

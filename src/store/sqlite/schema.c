@@ -12,6 +12,8 @@
  *                   the empty key belongs to the trial writes
  * meta              what the store knows about itself (meta.c)
  * removed           jobs that were removed, with their statistics, which stay
+ * large_object      a value of an artefact or of pixels that is written in several transactions, in
+ *                   parts; its row then has no data of its own
  * cached            artefacts that may be dropped, because they can be made again; when each was
  *                   last used
  * peer, lane        shares: what an address was served at a priority; the labels of its jobs. A
@@ -23,6 +25,8 @@
  * Numbers of jobs and batches are never reused (AUTOINCREMENT): a claim names a batch by number and
  * attempt, and must not fit another batch after a delete.
  *
+ * large_object.expires_ms  NULL: a row has it. 0: none has it any more. Else it is being written,
+ *                      and may be removed from then on, unless more of it comes before
  * view.open_batches    commits count these two down, so that a commit costs the same in a job of
  * job.open_views       many batches as in a job of few
  * job.deaths           workers lost over the job since its last commit
@@ -275,8 +279,34 @@ static const char step_13[] =
     "INSERT OR IGNORE INTO attribute SELECT 'label:' || l.key, l.value, number FROM job,"
     " json_each(iif(json_valid(request), request, '{}'), '$.labels') l WHERE l.type = 'text';";
 
-static const char *const steps[] = {step_1, step_2, step_3,  step_4,  step_5,  step_6, step_7,
-                                    step_8, step_9, step_10, step_11, step_12, step_13};
+/* Large objects, which a row has, or none any more. */
+static const char step_14[] =
+    "CREATE TABLE large_object ("
+    " id INTEGER PRIMARY KEY AUTOINCREMENT,"
+    " bytes INTEGER NOT NULL,"
+    " expires_ms INTEGER"
+    ") STRICT;"
+    "CREATE INDEX large_object_unused ON large_object(expires_ms) WHERE expires_ms IS NOT NULL;"
+    "CREATE TABLE large_object_part ("
+    " object INTEGER NOT NULL REFERENCES large_object(id),"
+    " part INTEGER NOT NULL,"
+    " data BLOB NOT NULL,"
+    " PRIMARY KEY (object, part)"
+    ") STRICT;"
+    "ALTER TABLE artefact ADD COLUMN object INTEGER REFERENCES large_object(id);"
+    "CREATE UNIQUE INDEX artefact_object ON artefact(object) WHERE object IS NOT NULL;"
+    "ALTER TABLE pixels ADD COLUMN object INTEGER REFERENCES large_object(id);"
+    "CREATE UNIQUE INDEX pixels_object ON pixels(object) WHERE object IS NOT NULL;"
+    "CREATE TRIGGER artefact_removed AFTER DELETE ON artefact WHEN OLD.object IS NOT NULL BEGIN"
+    " UPDATE large_object SET expires_ms = 0 WHERE id = OLD.object; END;"
+    "CREATE TRIGGER artefact_replaced AFTER UPDATE OF object ON artefact"
+    " WHEN OLD.object IS NOT NULL AND OLD.object IS NOT NEW.object BEGIN"
+    " UPDATE large_object SET expires_ms = 0 WHERE id = OLD.object; END;"
+    "CREATE TRIGGER pixels_removed AFTER DELETE ON pixels WHEN OLD.object IS NOT NULL BEGIN"
+    " UPDATE large_object SET expires_ms = 0 WHERE id = OLD.object; END;";
+
+static const char *const steps[] = {step_1, step_2, step_3,  step_4,  step_5,  step_6,  step_7,
+                                    step_8, step_9, step_10, step_11, step_12, step_13, step_14};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 /* Reads the schema's version by SQL, because the header of the file can be older than its log. */

@@ -68,6 +68,11 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 #define WITH_ATTRIBUTE "attribute f CROSS JOIN job ON number = f.job"
 #define NEWEST_ATTRIBUTE_FIRST " AND f.job < ?1 ORDER BY f.job DESC LIMIT ?3"
 
+/* The length of a value that may be a large object: of row `row`, an artefact or pixels. */
+#define LENGTH(row)                                                                                \
+    "coalesce((SELECT o.bytes FROM large_object o WHERE o.id = " row ".object), length(" row       \
+    ".data))"
+
 /* The lane of a priority, an address and a label. */
 #define LANE_OF                                                                                    \
     " WHERE label = ?3 AND peer = (SELECT id FROM peer WHERE priority = ?1 AND address = ?2)"
@@ -311,12 +316,14 @@ static const char *const sql_text[] = {
     [SQL_NEXT_SCENE] = "SELECT s.id, length(s.document), 0, NULL, (SELECT min(j.id) FROM job j"
                        " WHERE j.scene = s.id AND j.removed_ms = 0), ''"
                        " FROM scene s WHERE s.id > ? ORDER BY s.id LIMIT 1",
-    [SQL_NEXT_PIXELS] = "SELECT p.batch, length(p.data), b.pixels, NULL, j.id, '' FROM pixels p"
-                        " JOIN batch b ON b.id = p.batch JOIN job j ON j.number = b.job"
-                        " WHERE p.batch > ? ORDER BY p.batch LIMIT 1",
-    [SQL_NEXT_ARTEFACT] = "SELECT a.id, length(a.data), 0, a.checksum, j.id,"
-                          " a.layer || ' ' || a.format FROM artefact a"
-                          " JOIN job j ON j.number = a.job WHERE a.id > ? ORDER BY a.id LIMIT 1",
+    [SQL_NEXT_PIXELS] = "SELECT p.batch, " LENGTH(
+        "p") ", b.pixels, NULL, j.id, '' FROM pixels p"
+             " JOIN batch b ON b.id = p.batch JOIN job j ON j.number = b.job"
+             " WHERE p.batch > ? ORDER BY p.batch LIMIT 1",
+    [SQL_NEXT_ARTEFACT] = "SELECT a.id, " LENGTH(
+        "a") ", 0, a.checksum, j.id,"
+             " a.layer || ' ' || a.format FROM artefact a"
+             " JOIN job j ON j.number = a.job WHERE a.id > ? ORDER BY a.id LIMIT 1",
     [SQL_VIEW_BATCH_DONE] = "UPDATE view SET open_batches = open_batches - 1"
                             " WHERE job = ? AND view = ? RETURNING batches, open_batches",
 
@@ -329,19 +336,35 @@ static const char *const sql_text[] = {
     [SQL_JOB_SET_CHARGES] = "UPDATE job SET charges = ?2, updated_ms = ?3,"
                             " revision = revision + 1 WHERE number = ?1",
 
-    [SQL_PIXELS_ADD] = "INSERT INTO pixels (batch, data) VALUES (?, ?)",
-    [SQL_PIXELS_PAGE] = "SELECT b.id, b.pixels, b.first_tile, b.tile_count, length(p.data)"
-                        " FROM batch b JOIN pixels p ON p.batch = b.id"
-                        " WHERE b.job = ? AND b.view = ? AND b.kind = 0 AND b.id > ?"
-                        " ORDER BY b.id LIMIT ?",
-    [SQL_ARTEFACT_PUT] = "INSERT INTO artefact (job, view, layer, format, data, checksum)"
-                         " VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (job, view, layer, format)"
-                         " DO UPDATE SET data = excluded.data, checksum = excluded.checksum"
-                         " RETURNING id",
-    [SQL_ARTEFACT_FIND] = "SELECT a.id, a.checksum, length(a.data), c.used_ms FROM artefact a"
-                          " LEFT JOIN cached c ON c.artefact = a.id WHERE job = ? AND view = ? AND "
-                          "layer = ? AND format = ?",
+    [SQL_PIXELS_ADD] = "INSERT INTO pixels (batch, data, object) VALUES (?, ?, ?)",
+    [SQL_PIXELS_PAGE] = "SELECT b.id, b.pixels, b.first_tile, b.tile_count, " LENGTH(
+        "p") " FROM batch b JOIN pixels p ON p.batch = b.id"
+             " WHERE b.job = ? AND b.view = ? AND b.kind = 0 AND b.id > ?"
+             " ORDER BY b.id LIMIT ?",
+    [SQL_ARTEFACT_PUT] =
+        "INSERT INTO artefact (job, view, layer, format, data, checksum,"
+        " object) VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (job, view, layer, format)"
+        " DO UPDATE SET data = excluded.data, checksum = excluded.checksum,"
+        " object = excluded.object RETURNING id",
+    [SQL_ARTEFACT_FIND] = "SELECT a.id, a.checksum, " LENGTH(
+        "a") ", c.used_ms FROM artefact a"
+             " LEFT JOIN cached c ON c.artefact = a.id WHERE job = ? AND view = ? AND "
+             "layer = ? AND format = ?",
     [SQL_ARTEFACTS_DROP] = "DELETE FROM artefact WHERE job = ? AND view = ? AND layer = ?",
+    [SQL_PIXELS_PART] = "SELECT p.data FROM pixels r JOIN large_object_part p"
+                        " ON p.object = r.object WHERE r.batch = ? AND p.part = ?",
+    [SQL_ARTEFACT_PART] = "SELECT p.data FROM artefact r JOIN large_object_part p"
+                          " ON p.object = r.object WHERE r.id = ? AND p.part = ?",
+    [SQL_OBJECT_ADD] = "INSERT INTO large_object (bytes, expires_ms) VALUES (?, 1)",
+    [SQL_OBJECT_TOUCH] = "UPDATE large_object SET expires_ms = ?2 WHERE id = ?1 AND expires_ms > 0",
+    [SQL_OBJECT_PART_ADD] = "INSERT INTO large_object_part (object, part, data) VALUES (?, ?, ?)",
+    [SQL_OBJECT_USE] = "UPDATE large_object SET expires_ms = NULL WHERE id = ? AND expires_ms > 0",
+    [SQL_OBJECT_RELEASE] = "UPDATE large_object SET expires_ms = 0 WHERE id = ?",
+    [SQL_OBJECT_UNUSED] = "SELECT id FROM large_object WHERE expires_ms < ?"
+                          " ORDER BY expires_ms LIMIT 1",
+    [SQL_OBJECT_PARTS_REMOVE] = "DELETE FROM large_object_part WHERE rowid IN (SELECT rowid"
+                                " FROM large_object_part WHERE object = ? LIMIT ?)",
+    [SQL_OBJECT_REMOVE] = "DELETE FROM large_object WHERE id = ?",
     [SQL_CACHED_PUT] = "INSERT INTO cached (artefact, bytes, used_ms) VALUES (?1, ?2, ?3)"
                        " ON CONFLICT (artefact) DO UPDATE SET bytes = ?2, used_ms = ?3",
     [SQL_CACHED_TOUCH] = "UPDATE cached SET used_ms = ?2 WHERE artefact = ?1",

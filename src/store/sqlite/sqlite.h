@@ -118,6 +118,16 @@ enum pen_sqlite_sql {
     SQL_ARTEFACT_PUT,
     SQL_ARTEFACT_FIND,
     SQL_ARTEFACTS_DROP,
+    SQL_PIXELS_PART,
+    SQL_ARTEFACT_PART,
+    SQL_OBJECT_ADD,
+    SQL_OBJECT_TOUCH,
+    SQL_OBJECT_PART_ADD,
+    SQL_OBJECT_USE,
+    SQL_OBJECT_RELEASE,
+    SQL_OBJECT_UNUSED,
+    SQL_OBJECT_PARTS_REMOVE,
+    SQL_OBJECT_REMOVE,
     SQL_CACHED_PUT,
     SQL_CACHED_TOUCH,
     SQL_CACHED_BYTES,
@@ -281,6 +291,21 @@ int64_t pen_sqlite_reserve_bytes(const struct pen_sqlite_store *store);
 int64_t pen_sqlite_free_bytes(const struct pen_sqlite_store *store);
 bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
                                  struct pen_status *st);
+
+/* blobs.c: fails unless the disk has space for so many bytes of a blob, and of the log beside it.
+ */
+bool pen_sqlite_has_space(const struct pen_sqlite_store *store, int64_t bytes, int64_t log_bytes,
+                          struct pen_status *st);
+
+/* objects.c: notes that a row has the large object from now on. Fails: PEN_UNAVAILABLE, if it was
+ * removed meanwhile. */
+bool pen_sqlite_object_use(struct pen_sqlite_store *store, int64_t number, struct pen_status *st);
+
+/* objects.c: reads a range from the large object of row `number`, whose parts the statement reads;
+ * *got is how many bytes of it there are, 0 if the row has no large object. */
+bool pen_sqlite_object_read(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t number,
+                            size_t offset, void *to, size_t bytes, size_t *got,
+                            struct pen_status *st);
 
 /* checkpoint.c: sets the lengths of the log by the size of the disk, when opening; keeps them,
  * after a commit. */
@@ -448,6 +473,11 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(artefact_put)                                                                               \
     OP(artefact_find)                                                                              \
     OP(artefacts_drop)                                                                             \
+    OP(object_add)                                                                                 \
+    OP(object_write)                                                                               \
+    OP(object_release)                                                                             \
+    OP(object_unused)                                                                              \
+    OP(object_shrink)                                                                              \
     OP(cached_put)                                                                                 \
     OP(cached_touch)                                                                               \
     OP(cached_bytes)                                                                               \
