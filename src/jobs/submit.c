@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Accepting and checking submissions. The answer is stored with the job, so that a repeated submit
- * with the same Idempotency-Key gets the same bytes; therefore the answer is made first.
+/* Accepting and checking submissions. A repeated submit with the same Idempotency-Key gets the
+ * first answer again, with the same bytes. It is the job in its first revision, which is made from
+ * the stored job; so with the key only the job's id is stored, which outlives the job.
  *
- * A submission is parsed once. The scene is stored as the text that was sent, and the answer is
- * made from the JSON of the request, not from its stored text. */
+ * A submission is parsed once. The scene is stored as the text that was sent, and the first answer
+ * is made from the JSON of the request, not from its stored text. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +19,7 @@
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/problems.h"
 #include "jobs/internal/request.h"
+#include "jobs/internal/stored_request.h"
 #include "render/layers.h"
 #include "scene/scene.h"
 
@@ -112,6 +115,7 @@ static json_t *request_json(const struct pen_request *request)
 struct prepared {
     struct pen_job_new new;
     char id[PEN_ID_BYTES];
+    char key_answer[PEN_ID_BYTES + 16]; /* {"id": …}, which is stored with the key */
     char *request, *answer, *scene, *label;
     unsigned char scene_sha256[32], body_sha256[32];
     struct pen_view_new *views;
@@ -139,22 +143,32 @@ static bool prepare_scene(struct prepared *job, const struct pen_request *reques
     return true;
 }
 
-/* The answer to the client: the job object in its first revision. */
-static char *make_answer(const struct prepared *job, json_t *request, struct pen_status *st)
+/* The answer to the client: the job object in its first revision. Of the job, the id, the kind, the
+ * time and the pixels are read, which never change. */
+static char *make_answer(const struct pen_job_record *job, json_t *request, struct pen_status *st)
 {
-    struct pen_job_record record = {.state = PEN_JOB_QUEUED,
-                                    .revision = 1,
-                                    .kind = (char *)(uintptr_t)job->new.kind,
-                                    .created_ms = job->new.created_ms};
-    memcpy(record.id, job->id, sizeof record.id);
-    for (int i = 0; i < job->new.batch_count; i++)
-        record.total_pixels += job->new.batches[i].pixels;
-    json_t *json = pen_job_json_with(&record, request, st);
+    struct pen_job_record first = {.state = PEN_JOB_QUEUED,
+                                   .revision = 1,
+                                   .kind = job->kind,
+                                   .created_ms = job->created_ms,
+                                   .total_pixels = job->total_pixels};
+    memcpy(first.id, job->id, sizeof first.id);
+    json_t *json = pen_job_json_with(&first, request, st);
     char *text = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
     if (json && !text)
         pen_fail(st, PEN_NO_MEMORY, "no memory for an answer");
     json_decref(json);
     return text;
+}
+
+static char *make_first_answer(const struct prepared *job, json_t *request, struct pen_status *st)
+{
+    struct pen_job_record record = {.kind = (char *)(uintptr_t)job->new.kind,
+                                    .created_ms = job->new.created_ms};
+    memcpy(record.id, job->id, sizeof record.id);
+    for (int i = 0; i < job->new.batch_count; i++)
+        record.total_pixels += job->new.batches[i].pixels;
+    return make_answer(&record, request, st);
 }
 
 static bool prepare_views(struct prepared *job, const struct pen_request *request,
@@ -222,17 +236,18 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
     pen_id_make(job->new.created_ms, job->id);
     bool ok = (job->request && (job->label || !labelled) && prepare_scene(job, request)) ||
               pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
-    ok = ok && prepare_views(job, request, st) && (job->answer = make_answer(job, json, st));
+    ok = ok && prepare_views(job, request, st) && (job->answer = make_first_answer(job, json, st));
     json_decref(json);
     if (!ok)
         return false;
     hash(job, in);
-    job->new.answer = job->answer;
+    snprintf(job->key_answer, sizeof job->key_answer, "{\"id\":\"%s\"}", job->id);
+    job->new.answer = job->key_answer;
     return true;
 }
 
-/* Takes the id out of the answer to an earlier submit with the same key. */
-static bool take_first_answer(struct pen_submitted *out, struct pen_status *st)
+/* Takes the id out of what is stored with the key. */
+static bool take_id(struct pen_submitted *out, struct pen_status *st)
 {
     json_t *json = json_loadb((const char *)out->answer.data, out->answer.bytes, 0, NULL);
     const char *id = json_string_value(json_object_get(json, "id"));
@@ -240,7 +255,7 @@ static bool take_first_answer(struct pen_submitted *out, struct pen_status *st)
     if (ok)
         memcpy(out->id, id, PEN_ID_BYTES);
     json_decref(json);
-    return ok || pen_fail(st, PEN_STORAGE, "the answer stored with the key is damaged");
+    return ok || pen_fail(st, PEN_STORAGE, "what is stored with the key is damaged");
 }
 
 /* A submit whose outcome is unknown is repeated once: the store recognises the job by its id. */
@@ -253,15 +268,30 @@ static bool try_submit(struct pen_store *store, const struct pen_job_new *job,
             pen_store_submit(store, job, result, first_answer, st));
 }
 
+/* Makes the first answer again. */
+static bool make_again(const struct pen_job_record *job, struct pen_submitted *out,
+                       struct pen_status *st)
+{
+    json_t *request = pen_stored_json(job->request, st);
+    char *text = request ? make_answer(job, request, st) : NULL;
+    json_decref(request);
+    out->answer.bytes = 0;
+    const bool ok = text && (pen_buf_puts(&out->answer, text) ||
+                             pen_fail(st, PEN_NO_MEMORY, "no memory for an answer"));
+    free(text);
+    return ok;
+}
+
 /* The answer to an earlier submit holds as long as its job does. */
 static bool repeat_answer(struct pen_jobs *jobs, struct pen_submitted *out, struct pen_status *st)
 {
     struct pen_job_record job;
-    if (!take_first_answer(out, st))
+    if (!take_id(out, st))
         return false;
     if (pen_store_job(jobs->store, out->id, &job, st)) {
+        const bool ok = make_again(&job, out, st);
         pen_job_record_release(&job);
-        return true;
+        return ok;
     }
     if (st->code != PEN_GONE && st->code != PEN_NOT_FOUND)
         return false;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "support/jobs.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 static struct jobs_bed bed;
@@ -618,6 +619,41 @@ START_TEST(test_submit__key_repeats_the_answer_and_refuses_another_body)
 }
 END_TEST
 
+/* Of a job of many kinds of members, after it has ended; and the key costs the store little. */
+START_TEST(test_submit__first_answer_is_made_again_from_the_job)
+{
+    struct pen_submitted first, again;
+    struct pen_errors errors;
+    struct pen_status st;
+    char body[16384];
+    jobs_bed_open(&bed);
+    int n =
+        snprintf(body, sizeof body,
+                 "{\"scene\": %s, \"name\": \"\\u00fc\", \"timeout_seconds\": 12.1, \"layers\":"
+                 " [\"beauty\", \"cost\"], \"audit\": {\"pixels\": 9}, \"render\": {\"width\": 9,"
+                 " \"height\": 7, \"target_error\": 0.0123}, \"labels\": {\"k\": \"\"",
+                 jobs_scene(""));
+    for (int i = 1; i < 32; i++)
+        n += snprintf(body + n, sizeof body - (size_t)n, ", \"k%d\": \"%0*d\"", i, 200, i);
+    snprintf(body + n, sizeof body - (size_t)n, "}}");
+    ck_assert_msg(submit(body, "key-1", &first, &errors), "%s: %s", errors.item[0].at,
+                  errors.item[0].msg);
+    ck_assert_uint_gt(first.answer.bytes, 32 * 200);
+    ck_assert(pen_store_cancel(bed.bed.store, first.id, &st));
+    ck_assert(submit(body, "key-1", &again, &errors));
+    ck_assert_str_eq(again.id, first.id);
+    ck_assert_uint_eq(again.answer.bytes, first.answer.bytes);
+    ck_assert_mem_eq(again.answer.data, first.answer.data, first.answer.bytes);
+    pen_buf_release(&again.answer);
+    pen_buf_release(&first.answer);
+    store_run_sql(&bed.bed, "SELECT key FROM idempotency WHERE length(answer) > 100", NULL, 0);
+    ck_assert(pen_jobs_delete(bed.jobs, first.id, true, &st));
+    ck_assert(!submit(body, "key-1", &again, &errors));
+    ck_assert_int_eq(errors.item[0].code, PEN_GONE);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_submit__ids_are_uuids_of_their_time_in_order)
 {
     char last[PEN_ID_BYTES] = "";
@@ -713,6 +749,7 @@ PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
           test_submit__effective_settings_read_back_as_themselves,
           test_submit__answer_is_the_stored_job, test_submit__scene_is_returned_as_sent,
           test_submit__key_repeats_the_answer_and_refuses_another_body,
+          test_submit__first_answer_is_made_again_from_the_job,
           test_submit__ids_are_uuids_of_their_time_in_order,
           test_submit__batches_cover_every_tile_once,
           test_submit__validate_gives_the_same_errors_and_stores_nothing)
