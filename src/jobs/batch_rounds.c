@@ -4,8 +4,8 @@
  * and no more; and there the view gives way to a batch of higher priority, and goes on after it.
  * The picture gets the same bytes.
  *
- * A state has 65 bytes for each pixel. So it is kept at most every ten seconds, and not for more
- * than a twentieth of the time.
+ * A state has 65 bytes for each pixel, of views of any size. So it is kept at most every ten
+ * seconds, and not for more than a twentieth of the time.
  *
  * A budget of time begins with the claim. Who goes on with what is kept has what is left of it: the
  * rounds that are kept have used up their time, and the time of waiting does not count.
@@ -31,13 +31,10 @@
 
 enum { KEEP_MS = 10000, ASK_MS = 500 };
 
-static const size_t keep_bytes_max = (size_t)1 << 30; /* a row of the store */
-
 /* Used by the worker's thread, and by render threads while that one waits for them. */
 struct rounds {
     struct pen_keeper keeper;
     json_t *host;
-    bool keeps;     /* a state fits into the store */
     bool outranked; /* the reason for which the render threads were last stopped */
 };
 
@@ -45,11 +42,6 @@ static const char *build_of(const struct rounds *r)
 {
     const char *build = json_string_value(json_object_get(r->host, "build"));
     return build ? build : "";
-}
-
-static bool can_keep(const struct pen_batch_context *context)
-{
-    return pen_adaptive_state_bytes(&context->request.settings) <= keep_bytes_max;
 }
 
 /* Whether the job has taken longer than the operator allows. A budget is bounded already. */
@@ -66,7 +58,7 @@ static bool pause_round(void *user)
     struct rounds *r = user;
     if (is_overdue(r))
         return true;
-    return r->keeps && pen_keeper_is_due(&r->keeper, &r->outranked);
+    return pen_keeper_is_due(&r->keeper, &r->outranked);
 }
 
 /* The share of the view that is done. */
@@ -87,7 +79,7 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
     bool outranked;
     if (is_overdue(r))
         return false;
-    if (!r->keeps || (!pen_keeper_is_due(&r->keeper, &outranked) && !r->outranked))
+    if (!pen_keeper_is_due(&r->keeper, &outranked) && !r->outranked)
         return true;
     const int64_t begun_ns = pen_clock_ns();
     const double share = share_of(r, stats);
@@ -126,15 +118,14 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
                       const struct pen_render_task *task, struct pen_render_stats *stats,
                       struct pen_status *st)
 {
-    struct rounds r = {.keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS),
-                       .keeps = can_keep(context)};
+    struct rounds r = {.keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS)};
     struct pen_render_stats earlier = {0};
     struct pen_render_task rounds = *task;
     context->adaptive = pen_adaptive_new(task->settings, st);
     if (!context->adaptive)
         return false;
     r.host = pen_host_json();
-    if (r.keeps && read_kept(&r, task, context->adaptive, &earlier))
+    if (read_kept(&r, task, context->adaptive, &earlier))
         rounds.earlier = &earlier;
     rounds.pause = pause_round;
     rounds.paused = keep;

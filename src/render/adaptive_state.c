@@ -26,10 +26,15 @@ static size_t tiles_of(const struct pen_settings *s)
     return (size_t)pen_tile_count(s->width, s->height, s->tile);
 }
 
-size_t pen_adaptive_state_bytes(const struct pen_settings *settings)
+/* A state may have gigabytes, and a buffer that grows takes up to twice as much. */
+static void reserve(const struct pen_settings *settings, struct pen_buf *out)
 {
-    return sizeof(struct header) + 256 + tiles_of(settings) * sizeof(double) +
-           pixels_of(settings) * (sizeof(struct pen_pixel_sums) + 1);
+    const size_t capacity = sizeof(struct header) + 256 + tiles_of(settings) * sizeof(double) +
+                            pixels_of(settings) * (sizeof(struct pen_pixel_sums) + 1);
+    if (out->data)
+        return;
+    out->data = malloc(capacity);
+    out->capacity = out->data ? capacity : 0;
 }
 
 void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_render_stats *stats,
@@ -49,6 +54,7 @@ void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_ren
     h.cpu_ms = stats->cpu_ms;
     h.rays = stats->rays;
     h.adaptive = stats->adaptive;
+    reserve(s, out);
     pen_buf_add(out, &h, sizeof h);
     pen_buf_add(out, build, h.build_bytes);
     if (h.tiles > 0)

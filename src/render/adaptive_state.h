@@ -15,10 +15,8 @@
 #include "base/buf.h"
 #include "render/render.h"
 
-/* The size of a state. Units: bytes. */
-size_t pen_adaptive_state_bytes(const struct pen_settings *settings);
-
-/* Appends the state; out->failed tells that memory ran out. `build` has at most 255 bytes. */
+/* Appends the state, to an empty buffer without taking more memory than it needs; out->failed tells
+ * that memory ran out. `build` has at most 255 bytes. */
 void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_render_stats *stats,
                        const char *build, struct pen_buf *out);
 
