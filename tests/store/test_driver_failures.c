@@ -26,7 +26,8 @@ static bool begin_submit(struct pen_driver *driver, int n, struct pen_status *st
     int64_t scene, number;
     bool found, added;
     store_job_init(&in, n, 1, 1);
-    struct pen_blob_start document = {in.job.scene_bytes, in.job.scene, in.job.scene_bytes};
+    struct pen_blob_start document = {
+        .total = in.job.scene_bytes, .data = in.job.scene, .bytes = in.job.scene_bytes};
     const struct pen_driver_ops *ops = driver->ops;
     return ops->begin_write(driver, st) && ops->scene_find(driver, in.sha256, &scene, &found, st) &&
            (found || ops->scene_add(driver, in.sha256, &document, &scene, &added, st)) &&

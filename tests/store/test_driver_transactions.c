@@ -40,7 +40,8 @@ static void write_rows(struct pen_driver *driver)
     int64_t scene, number;
     bool added;
     store_job_init(&in, 1, 1, 1);
-    struct pen_blob_start document = {in.job.scene_bytes, in.job.scene, in.job.scene_bytes};
+    struct pen_blob_start document = {
+        .total = in.job.scene_bytes, .data = in.job.scene, .bytes = in.job.scene_bytes};
     struct pen_batch_add batch = {.batch = in.batch[0]};
     DRIVER_RUN(driver, begin_write);
     DRIVER_DO(driver, key_add, &key, &added);
