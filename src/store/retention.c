@@ -5,6 +5,8 @@
  *  - Retention removes ended jobs, those that ended first before others, never a live one, and none
  *    in the minute after its end, in which its client fetches the results. Its limits are the
  *    store's: they are stored, so that all processes follow the same.
+ *  - By bytes it removes nothing unless all that it could remove would be enough: below keep_bytes,
+ *    or where it begins, if the store is below keep_bytes.
  *  - By bytes it begins an eighth below keep_bytes. New jobs are refused at keep_bytes itself, so
  *    that what running jobs still have to store finds space in between.
  *  - New jobs are also refused while the disk has less free space than INTAKE_PART of it. So
@@ -13,12 +15,14 @@
  *    CACHE_BYTES at most, and go first when the disk runs short. */
 #include <string.h>
 
+#include "base/log.h"
 #include "store/internal/policy.h"
 
 enum {
     INTAKE_PART = 32, /* new jobs: a 32nd of the disk must be free, … */
     STATS_ROWS = 100, /* statistics of removed jobs that go at once, if nothing else is left */
     TOUCH_MS = 60000, /* a use is noted once a minute */
+    TELL_MS = 600000, /* between log lines about a store that is too large */
     GRACE_MS = 60000, /* how long a job is kept at least after its end */
     SLACK_PART = 8,   /* retention by bytes begins an eighth below the limit */
     CACHE_PART = 8    /* cached forms: an eighth of keep_bytes at most */
@@ -93,15 +97,34 @@ bool pen_policy_intake(struct pen_store *store, struct pen_status *st)
                     name, (long long)(room.used_bytes >> 10), (long long)(keep_bytes >> 10));
 }
 
-/* Whether the store holds more than retention allows. That is not told while something is still to
- * go that was removed already, or is on its way into the store and may replace something. */
+/* Logs, now and then, that the store is too large by what retention does not remove. */
+static bool tell_that_it_stays(struct pen_store *store, int64_t bytes, struct pen_status *st)
+{
+    int64_t now_ms;
+    if (!store->driver->ops->now(store->driver, &now_ms, st))
+        return false;
+    if (now_ms - store->told_ms >= TELL_MS || now_ms < store->told_ms) {
+        store->told_ms = now_ms;
+        pen_log(PEN_LOG_WARN,
+                "the store %s is too large, by %lld KiB even without all ended jobs and "
+                "statistics, which therefore stay: unfinished jobs and idempotency keys need more "
+                "than --keep-bytes allows",
+                store->driver->name, (long long)((bytes + 1023) >> 10));
+    }
+    return true;
+}
+
+/* Whether the store holds more than retention allows, and ended jobs and statistics are the reason:
+ * if all of them are too little, they would go for nothing, and stay. That is not told while
+ * something is still to go that was removed already, or is on its way into the store and may
+ * replace something. */
 static bool has_too_many_bytes(struct pen_store *store, int64_t keep_bytes, bool *too_many,
                                struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     struct pen_job_key removed;
     struct pen_room room;
-    int64_t object;
+    int64_t object, bytes;
     bool pending, unused;
     *too_many = false;
     if (keep_bytes == 0)
@@ -110,8 +133,15 @@ static bool has_too_many_bytes(struct pen_store *store, int64_t keep_bytes, bool
         !driver->ops->object_unused(driver, INT64_MAX, &object, &unused, st) ||
         !driver->ops->room(driver, &room, st))
         return false;
-    *too_many = !pending && !unused && room.used_bytes > keep_bytes - keep_bytes / SLACK_PART;
-    return true;
+    const int64_t begin_bytes = keep_bytes - keep_bytes / SLACK_PART,
+                  most = room.used_bytes < keep_bytes ? begin_bytes : keep_bytes - 1,
+                  excess = room.used_bytes - most;
+    if (pending || unused || excess <= 0)
+        return true;
+    if (!driver->ops->ended_bytes(driver, excess, &bytes, st))
+        return false;
+    *too_many = bytes >= excess;
+    return *too_many || tell_that_it_stays(store, excess - bytes, st);
 }
 
 static bool write_drop_stats(struct pen_store *store, void *arg, struct pen_status *st)

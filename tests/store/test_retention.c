@@ -6,6 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/log.h"
 #include "support/random.h"
 #include "support/store.h"
 #include "support/suite.h"
@@ -260,6 +261,52 @@ START_TEST(test_retention__statistics_are_within_the_bytes_too)
 }
 END_TEST
 
+/* What is too large are other things: here keys, as stores of earlier versions have them. */
+START_TEST(test_retention__nothing_goes_for_nothing)
+{
+    enum { MIB = 1 << 20, KEYS = 5 };
+    static char answer[MIB];
+    static const unsigned char body[32];
+    struct store_job in;
+    struct pen_status st;
+    struct pen_buf out = {0};
+    pen_log_set_level(PEN_LOG_ERROR);
+    open_bed(&(struct pen_retention){.keep_bytes = 4 * MIB});
+    add_job(1, 1 << 16);
+    add_job(2, 0);
+    store_job_init(&in, 2, 1, 1);
+    store_must(pen_store_delete(bed.store, in.id, "{}", &st), &st, "delete");
+    memset(answer, 'x', sizeof answer - 1);
+    for (int n = 0; n < KEYS; n++) {
+        char key[8];
+        snprintf(key, sizeof key, "key %d", n);
+        store_job_init(&in, 10 + n, 1, 1);
+        in.job.idempotency_key = key;
+        in.job.body_sha256 = body;
+        in.job.answer = answer;
+        if (!pen_store_submit(bed.store, &in.job, &result, &out, &st)) {
+            ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+            break;
+        }
+        store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+        store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    }
+    time_ms += 2 * 60000;
+    ck_assert_int_eq(keep_house(), 0);
+    ck_assert(is_kept(1));
+    store_job_init(&in, 2, 1, 1);
+    store_must(pen_store_removed_stats(bed.store, in.id, &out, &st), &st, "statistics");
+    ck_assert(!pen_store_intake(bed.store, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+    time_ms += 25 * hour_ms;
+    store_must(pen_store_purge(bed.store, 24 * hour_ms, 1827 * 24 * hour_ms, &st), &st, "purge");
+    ck_assert_int_eq(keep_house(), 0);
+    store_must(pen_store_intake(bed.store, &st), &st, "intake");
+    pen_buf_release(&out);
+    store_bed_close(&bed);
+}
+END_TEST
+
 static bool has_form(const char *id, int view)
 {
     struct pen_buf out = {0};
@@ -314,4 +361,5 @@ PEN_SUITE("what a store keeps", test_retention__without_limits_nothing_is_remove
           test_retention__a_week_of_load_stays_within_the_bytes,
           test_retention__intake_is_refused_at_the_limit_and_returns_by_itself,
           test_retention__statistics_are_within_the_bytes_too,
+          test_retention__nothing_goes_for_nothing,
           test_retention__cached_forms_are_bounded_and_the_least_used_go)

@@ -334,6 +334,10 @@ struct pen_driver_ops {
     /* Counts the ended jobs, and finds the one that ended first. */
     bool (*first_ended)(struct pen_driver *driver, char id[PEN_ID_BYTES], int64_t *ended_ms,
                         int64_t *count, bool *found, struct pen_status *st);
+    /* How much would become free if all ended jobs and the statistics of removed ones went, about
+     * and rather too much; counted until it is `enough`. */
+    bool (*ended_bytes)(struct pen_driver *driver, int64_t enough, int64_t *bytes,
+                        struct pen_status *st);
     /* What stays of a removed job: its id, when it was removed, and its statistics (NULL: none).
      * removed_get appends the statistics to `stats`, unless that is NULL. */
     bool (*removed_add)(struct pen_driver *driver, const char *id, int64_t now_ms,

@@ -18,6 +18,7 @@ struct pen_store {
     size_t rgb_pixels;         /* capacity of rgb */
     bool work;                 /* this call made a batch claimable: give PEN_SIGNAL_WORK */
     bool changed;              /* this call changed a job: give PEN_SIGNAL_CHANGES */
+    int64_t told_ms;           /* when retention.c last logged that the store is too large */
     bool outcome_unknown;      /* the last call failed, and its changes may be stored */
     const struct pen_store_observer *observer; /* NULL: none */
     /* Used by health.c: */

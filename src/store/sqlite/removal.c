@@ -110,6 +110,29 @@ bool pen_sqlite_removed_purge(struct pen_driver *driver, int64_t bare_before_ms,
     return pen_sqlite_run_limited(&query, limit, more, st);
 }
 
+/* Adds the lengths that a query gives, and so much for the row of each, until it is enough. */
+static bool add_lengths(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t row_bytes,
+                        int64_t enough, int64_t *bytes, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, sql);
+    bool ok = true;
+    while (*bytes < enough && pen_sqlite_next_row(&query, &ok, st))
+        *bytes += pen_sqlite_column_int(&query, 0) + row_bytes;
+    if (*bytes >= enough)
+        pen_sqlite_end(&query);
+    return ok;
+}
+
+bool pen_sqlite_ended_bytes(struct pen_driver *driver, int64_t enough, int64_t *bytes,
+                            struct pen_status *st)
+{
+    enum { STATS_ROW_BYTES = 512 };
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    *bytes = 0;
+    return add_lengths(store, SQL_BYTES_OF_ENDED, 4 * ROW_BYTES, enough, bytes, st) &&
+           add_lengths(store, SQL_BYTES_OF_STATS, STATS_ROW_BYTES, enough, bytes, st);
+}
+
 bool pen_sqlite_first_ended(struct pen_driver *driver, char id[PEN_ID_BYTES], int64_t *ended_ms,
                             int64_t *count, bool *found, struct pen_status *st)
 {

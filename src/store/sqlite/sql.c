@@ -164,6 +164,19 @@ static const char *const sql_text[] = {
     [SQL_FIRST_ENDED] = "SELECT id, finished_ms FROM job WHERE finished_ms > 0 AND removed_ms = 0"
                         " ORDER BY finished_ms, number LIMIT 1",
     [SQL_COUNT_ENDED] = "SELECT count(*) FROM job WHERE finished_ms > 0 AND removed_ms = 0",
+    [SQL_BYTES_OF_ENDED] = "SELECT length(s.document) + length(CAST(j.request AS BLOB))"
+                           " + (SELECT coalesce(sum(" LENGTH(
+                               "a") "), 0) FROM artefact a WHERE a.job = j.number)"
+                                    " + (SELECT coalesce(sum(coalesce(" LENGTH(
+                                        "p") ", 0)"
+                                             " + coalesce(length(CAST(b.stats AS BLOB)), 0)), 0)"
+                                             " FROM batch b LEFT JOIN pixels p ON p.batch = b.id "
+                                             "WHERE b.job = j.number)"
+                                             " FROM job j JOIN scene s ON s.id = j.scene WHERE "
+                                             "j.finished_ms > 0 AND j.removed_ms = 0"
+                                             " ORDER BY j.finished_ms, j.number",
+    [SQL_BYTES_OF_STATS] = "SELECT length(CAST(stats AS BLOB)) FROM removed"
+                           " WHERE stats IS NOT NULL ORDER BY removed_ms",
     [SQL_REMOVED_ADD] = "INSERT INTO removed (id, removed_ms, stats) VALUES (?, ?, ?)",
     [SQL_REMOVED_GET] = "SELECT stats FROM removed WHERE id = ?",
     [SQL_REMOVED_DROP_STATS] = "UPDATE removed SET stats = NULL WHERE id = ?",

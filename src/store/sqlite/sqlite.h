@@ -62,6 +62,8 @@ enum pen_sqlite_sql {
     SQL_BATCH_REMOVE,
     SQL_FIRST_ENDED,
     SQL_COUNT_ENDED,
+    SQL_BYTES_OF_ENDED,
+    SQL_BYTES_OF_STATS,
     SQL_REMOVED_ADD,
     SQL_REMOVED_GET,
     SQL_REMOVED_DROP_STATS,
@@ -435,6 +437,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(job_mark_removed)                                                                           \
     OP(job_shrink)                                                                                 \
     OP(removed_next)                                                                               \
+    OP(ended_bytes)                                                                                \
     OP(first_ended)                                                                                \
     OP(removed_add)                                                                                \
     OP(removed_get)                                                                                \
