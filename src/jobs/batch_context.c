@@ -48,6 +48,32 @@ void pen_batch_context_release(struct pen_batch_context *context)
     free(context->image);
 }
 
+/* Less than the ten seconds for which an explanation is waited for (http/handle_jobs.c). */
+enum { FORECAST_S = 8 };
+
+int64_t pen_batch_forecast_end(const struct pen_batch_context *context)
+{
+    const int64_t most = context->max_seconds;
+    return pen_clock_ns() + (most > 0 && most < FORECAST_S ? most : FORECAST_S) * 1000000000;
+}
+
+bool pen_batch_is_overdue(const struct pen_batch_context *context, const struct pen_claim *claim,
+                          int64_t begun_ns)
+{
+    const double spent_s =
+        (double)claim->job_spent_us * 1e-6 + (double)(pen_clock_ns() - begun_ns) * 1e-9;
+    return context->max_seconds > 0 && spent_s > context->max_seconds;
+}
+
+bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_status *st)
+{
+    return pen_fail(st, PEN_TOO_LARGE,
+                    "the job is not done after the %d s that this daemon allows: take a larger "
+                    "target_error, fewer pixels, samples or lights, or ask its operator for more "
+                    "(--max-seconds)",
+                    context->max_seconds);
+}
+
 bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,
                            struct pen_batch_output *output, struct pen_status *st)
 {

@@ -44,6 +44,15 @@ static bool is_wanted(const struct pen_batch_context *context, const struct pen_
     return first && batches > LONG_BATCHES && share * batches < LONG_BATCHES;
 }
 
+bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_forecast *forecast,
+                       int views, struct pen_status *st)
+{
+    const int most_s = context->max_seconds;
+    return most_s == 0 || views * forecast->time_ms.low <= 1000.0 * most_s ||
+           fail_expected(views * forecast->time_ms.expected / 1000, "from some of its pixels",
+                         most_s, st);
+}
+
 bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
                         const struct pen_scene *scene, struct pen_status *st)
 {
@@ -53,6 +62,7 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
                                            .view = name ? pen_scene_find_view(scene, name) : -1,
                                            .settings = &request->settings,
                                            .quick = true,
+                                           .deadline_ns = pen_batch_forecast_end(context),
                                            .cancel = pen_heartbeat_cancel_flag(context->heart),
                                            .pixel_begins = pen_batch_pixel_hook(context),
                                            .pixel_user = context};
@@ -67,15 +77,14 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
         return true;
     if (!pen_batch_hook_done(context, pen_forecast_make(context->pool, &task, &forecast, st), st))
         return false;
-    const double all_ms = forecast.time_ms.expected * request->view_count,
-                 least_ms = forecast.time_ms.low * request->view_count;
+    const double all_ms = forecast.time_ms.expected * request->view_count;
+    const bool allowed = pen_batch_allowed(context, &forecast, request->view_count, st);
     const struct pen_log_about about = pen_claim_about(claim);
     pen_log_about(PEN_LOG_DEBUG, &about, "expected to take %.1f s", all_ms / 1000);
     pen_forecast_release(&forecast);
-    if (context->max_seconds > 0 && least_ms > 1000.0 * context->max_seconds)
-        return fail_expected(all_ms / 1000, "from some of its pixels", context->max_seconds, st);
-    pen_store_estimate(context->store, claim, (int64_t)ceil(all_ms), &ignored);
-    return true;
+    if (allowed)
+        pen_store_estimate(context->store, claim, (int64_t)ceil(all_ms), &ignored);
+    return allowed;
 }
 
 bool pen_batch_expected(struct pen_batch_context *context, const struct pen_claim *claim,

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* An explanation in the worker, so that the api process traces no ray. */
+/* An explanation in the worker, so that the api process traces no ray. Its forecast comes before
+ * other jobs, may be of a scene that no job could have, and is not interrupted for others: so it
+ * ends after some seconds, with what it knows by then. A render that is asked for with it fails,
+ * like a job, if it is expected to take longer than the operator allows, or does. */
 #include <stdlib.h>
 
 #include "base/clock.h"
@@ -8,6 +11,7 @@
 
 struct explain {
     struct pen_study study;
+    int64_t begun_ns;
     struct pen_scene *scene;
     double build_ms;
     struct pen_forecast forecast;
@@ -32,6 +36,7 @@ static bool forecast(struct explain *e, struct pen_status *st)
     const struct pen_forecast_task task = {.scene = e->scene,
                                            .view = e->study.views[0],
                                            .settings = &context->request.settings,
+                                           .deadline_ns = pen_batch_forecast_end(context),
                                            .cancel = pen_heartbeat_cancel_flag(context->heart),
                                            .pixel_begins = pen_batch_pixel_hook(context),
                                            .pixel_user = context};
@@ -41,12 +46,38 @@ static bool forecast(struct explain *e, struct pen_status *st)
     return pen_batch_hook_done(context, ok, st);
 }
 
+static bool is_overdue(void *user)
+{
+    const struct explain *e = user;
+    return pen_batch_is_overdue(e->study.context, e->study.claim, e->begun_ns);
+}
+
+static bool goes_on(void *user, const struct pen_adaptive *adaptive,
+                    const struct pen_render_stats *stats)
+{
+    (void)adaptive;
+    (void)stats;
+    return !is_overdue(user);
+}
+
+/* Fails after a render that had no time for all tiles, or did not begin the next round. */
+static bool check_whole(const struct explain *e, bool ok, struct pen_status *st)
+{
+    const struct pen_batch_context *context = e->study.context;
+    const struct pen_settings *s = &context->request.settings;
+    const bool cut = ok ? (int)e->stats.tile_count < pen_tile_count(s->width, s->height, s->tile)
+                        : st->code == PEN_UNAVAILABLE;
+    return cut ? pen_batch_fail_overdue(context, st) : ok;
+}
+
 static bool render(struct explain *e, struct pen_status *st)
 {
     struct pen_batch_context *context = e->study.context;
     const struct pen_settings *settings = &context->request.settings;
     if (!pen_stored_request_analyze(&context->request))
         return true;
+    if (!pen_batch_allowed(context, &e->forecast, 1, st))
+        return false;
     if (!(e->film = pen_film_new(settings->width, settings->height, st)))
         return false;
     const struct pen_render_task task = {.scene = e->scene,
@@ -57,8 +88,12 @@ static bool render(struct explain *e, struct pen_status *st)
                                          .cancel = pen_heartbeat_cancel_flag(context->heart),
                                          .pixel_begins = pen_batch_pixel_hook(context),
                                          .pixel_user = context,
+                                         .pause = is_overdue,
+                                         .paused = goes_on,
+                                         .pause_user = e,
                                          .keep_tile_ms = true};
-    return pen_batch_hook_done(context, pen_render_run(context->pool, &task, &e->stats, st), st);
+    const bool ok = pen_render_run(context->pool, &task, &e->stats, st);
+    return pen_batch_hook_done(context, check_whole(e, ok, st), st);
 }
 
 /* The statistics are those of the render; without one they are empty. */
@@ -88,7 +123,7 @@ static bool write(struct explain *e, struct pen_batch_output *output, struct pen
 bool pen_batch_explain(struct pen_batch_context *context, const struct pen_claim *claim,
                        struct pen_batch_output *output, struct pen_status *st)
 {
-    struct explain e = {.scene = NULL};
+    struct explain e = {.begun_ns = pen_clock_ns()};
     const bool ok = pen_study_begin(&e.study, context, claim, st) && freeze(&e, st) &&
                     forecast(&e, st) && render(&e, st) && write(&e, output, st);
     pen_forecast_release(&e.forecast);

@@ -48,9 +48,8 @@ static const char *build_of(const struct rounds *r)
 static bool is_overdue(const struct rounds *r)
 {
     const struct pen_batch_context *context = r->keeper.context;
-    const double spent_s = (double)r->keeper.claim->job_spent_us * 1e-6 +
-                           (double)(pen_clock_ns() - context->begun_ns) * 1e-9;
-    return context->max_seconds > 0 && context->budget_ns == 0 && spent_s > context->max_seconds;
+    return context->budget_ns == 0 &&
+           pen_batch_is_overdue(context, r->keeper.claim, context->begun_ns);
 }
 
 static bool pause_round(void *user)
@@ -135,11 +134,7 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
             context->begun_ns + context->budget_ns - (int64_t)(earlier.render_ms * 1e6);
     bool ok = pen_render_rounds(context->pool, &rounds, context->adaptive, stats, st);
     if (!ok && st->code == PEN_UNAVAILABLE && is_overdue(&r))
-        ok = pen_fail(st, PEN_TOO_LARGE,
-                      "the job is not done after the %d s that this daemon allows: take a larger "
-                      "target_error, fewer pixels, samples or lights, or ask its operator for more "
-                      "(--max-seconds)",
-                      context->max_seconds);
+        ok = pen_batch_fail_overdue(context, st);
     free(earlier.tile_ms);
     json_decref(r.host);
     return ok;

@@ -3,7 +3,10 @@
  * of the cell's number. A cell's pixels are alike more often than not, so the sum over cells is
  * known better than from as many independent pixels: its variance is estimated from the differences
  * of neighbouring cells (the successive-difference estimator of stratified sampling; Wolter,
- * "Introduction to Variance Estimation", 2007, 8.2). */
+ * "Introduction to Variance Estimation", 2007, 8.2).
+ *
+ * Where there is a deadline, cells and blocks are taken in scattered order, so that those that are
+ * done by then are of all parts of the image. */
 #include "render/forecast.h"
 
 #include <math.h>
@@ -13,11 +16,22 @@
 #include "base/clock.h"
 #include "math/sample.h"
 #include "render/internal/forecast_adaptive.h"
+#include "render/internal/forecast_samples.h"
 #include "render/internal/kernel_input.h"
 #include "render/render.h"
 #include "shade/first_hit.h"
 
 enum { BLOCKS = 96, KINDS = 4 };
+
+/* Of a pre-render with a deadline: some ten seconds of two threads. Pixels take at most their share
+ * of it, as far as the numbers of samples tell. */
+static const double RAYS_MAX = 4e7;
+
+/* Steps of scattered orders: of the blocks, which has no divisor in common with their number, and
+ * of the cells as a part of theirs. */
+enum { BLOCK_STEP = 59 };
+static const double CELL_STEP = 0.618;
+
 _Static_assert(PEN_FORECAST_CELLS + BLOCKS * PEN_BLOCK_SIDE * PEN_BLOCK_SIDE ==
                    PEN_FORECAST_QUICK_PIXELS,
                "all pixels of a quick forecast");
@@ -29,9 +43,13 @@ struct forecast {
     const struct pen_kernel *kernel;
     struct pen_kernel_scratch **scratch; /* by thread */
     int threads, columns, rows;          /* of cells */
-    double (*rays)[KINDS];               /* by cell */
-    double block_ns[BLOCKS], block_rays[BLOCKS];
-    atomic_bool *seen; /* as in pen_forecast; relaxed */
+    int cell_step, block_step;           /* from one cell or block to the one that comes next */
+    int side;                            /* of a block, in pixels */
+    int64_t until_ns;                    /* when no more cells or blocks are begun; 0: none */
+    struct pen_forecast_samples samples;
+    double (*rays)[KINDS];                       /* by cell; 0 where it is not done */
+    double block_ns[BLOCKS], block_rays[BLOCKS]; /* the same */
+    atomic_bool *seen;                           /* as in pen_forecast; relaxed */
     atomic_int next;
 };
 
@@ -50,6 +68,12 @@ static int part_of(int length, int i, int n)
 static bool is_cancelled(const struct forecast *f)
 {
     return f->task->cancel && atomic_load_explicit(f->task->cancel, memory_order_relaxed);
+}
+
+/* Whether to begin no more cells or blocks, of which so many are begun. */
+static bool is_over(const struct forecast *f, int begun)
+{
+    return is_cancelled(f) || (begun > 0 && f->until_ns != 0 && pen_clock_ns() >= f->until_ns);
 }
 
 static void begin_pixel(const struct forecast *f, int thread, int x, int y)
@@ -89,10 +113,10 @@ static void count_cells(void *user, int thread)
 {
     struct forecast *f = user;
     const int cells = f->columns * f->rows;
-    int cell;
-    while ((cell = atomic_fetch_add_explicit(&f->next, 1, memory_order_relaxed)) < cells &&
-           !is_cancelled(f))
-        count_cell(f, thread, cell);
+    int i;
+    while ((i = atomic_fetch_add_explicit(&f->next, 1, memory_order_relaxed)) < cells &&
+           !is_over(f, i))
+        count_cell(f, thread, (int)((int64_t)i * f->cell_step % cells));
 }
 
 /* Times a block somewhere in part n of the image's blocks. */
@@ -102,7 +126,9 @@ static void time_block(struct forecast *f, int thread, int n)
     const int all = pen_tile_count(s->width, s->height, PEN_BLOCK_SIDE);
     const int at =
         drawn(pen_mix64((uint64_t)n + 77), part_of(all, n, BLOCKS), part_of(all, n + 1, BLOCKS));
-    const struct pen_rect rect = pen_tile_rect(s->width, s->height, PEN_BLOCK_SIDE, at);
+    struct pen_rect rect = pen_tile_rect(s->width, s->height, PEN_BLOCK_SIDE, at);
+    rect.width = rect.width < f->side ? rect.width : f->side;
+    rect.height = rect.height < f->side ? rect.height : f->side;
     double rgb[PEN_BLOCK_SIDE * PEN_BLOCK_SIDE][3];
     struct pen_ray_counts rays = {.primary = 0};
     begin_pixel(f, thread, rect.x, rect.y);
@@ -115,53 +141,86 @@ static void time_block(struct forecast *f, int thread, int n)
 static void time_blocks(void *user, int thread)
 {
     struct forecast *f = user;
-    int n;
-    while ((n = atomic_fetch_add_explicit(&f->next, 1, memory_order_relaxed)) < BLOCKS &&
-           !is_cancelled(f))
-        time_block(f, thread, n);
+    int i;
+    while ((i = atomic_fetch_add_explicit(&f->next, 1, memory_order_relaxed)) < BLOCKS &&
+           !is_over(f, i))
+        time_block(f, thread, i * f->block_step % BLOCKS);
 }
 
-/* The sum over the image, from the sum over the cells: `kind` KINDS is all of them. */
+/* How many rays of a kind stand for one of the pre-render; `kind` KINDS is all of them. With fewer
+ * points on lights or rays of cones, those that follow from them may all be left out. */
+static double times(const struct forecast *f, int kind)
+{
+    const double blur = f->samples.blur, by_kind[] = {1, f->samples.light * blur, blur, blur};
+    return f->samples.camera * by_kind[kind];
+}
+
+/* By how much that may be too many. */
+static double excess(const struct forecast *f, int kind)
+{
+    return (kind < KINDS ? times(f, kind) : times(f, 1)) / f->samples.camera;
+}
+
+static int done_cells(const struct forecast *f)
+{
+    int done = 0;
+    for (int i = 0; i < f->columns * f->rows; i++)
+        done += f->rays[i][0] > 0;
+    return done;
+}
+
+/* The sum over the image, from the sum over the cells that are done. */
 static struct pen_estimate estimate(const struct forecast *f, int kind)
 {
-    const int cells = f->columns * f->rows;
+    const int cells = f->columns * f->rows, done = done_cells(f);
     const double pixels = (double)f->settings->width * f->settings->height;
     double sum = 0, squares = 0, before = 0;
-    for (int i = 0; i < cells; i++) {
+    for (int i = 0, seen = 0; i < cells; i++) {
         const double *r = f->rays[i];
-        const double v = kind < KINDS ? r[kind] : r[0] + r[1] + r[2] + r[3];
+        double v = 0;
+        if (r[0] == 0)
+            continue;
+        for (int k = 0; k < KINDS; k++)
+            v += k == kind || kind == KINDS ? r[k] * times(f, k) : 0;
         sum += v;
-        if (i > 0)
+        if (seen++ > 0)
             squares += (v - before) * (v - before);
         before = v;
     }
     /* A part of the pixels that is not small is known, and adds no error. */
-    const double unknown = 1 - cells / pixels;
-    const double variance = cells > 1 ? squares / (2.0 * (cells - 1)) / cells * unknown : 0;
-    const double mean = sum / cells, off = 1.96 * sqrt(variance > 0 ? variance : 0);
-    return (struct pen_estimate){mean * pixels, (mean - off > 0 ? mean - off : 0) * pixels,
+    const bool known = f->samples.camera * f->samples.light * f->samples.blur == 1;
+    const double unknown = known ? 1 - done / pixels : 1, mean = sum / done;
+    const double alone = cells > 1 ? mean * mean : 0; /* of one cell of several, nothing is known */
+    const double variance = done > 1 ? squares / (2.0 * (done - 1)) / done * unknown : alone;
+    const double off = 1.96 * sqrt(variance > 0 ? variance : 0);
+    const double low = mean - off > 0 ? mean - off : 0;
+    return (struct pen_estimate){mean * pixels, low * pixels / excess(f, kind),
                                  (mean + off) * pixels};
 }
 
 /* The time of a ray is that of all blocks together; the spread of that ratio gives its interval. */
 static struct pen_estimate estimate_time(const struct forecast *f, const struct pen_estimate *total)
 {
-    double ns = 0, rays = 0, squares = 0;
+    double ns = 0, rays = 0, squares = 0, done = 0;
     for (int i = 0; i < BLOCKS; i++) {
         ns += f->block_ns[i];
         rays += f->block_rays[i];
+        done += f->block_rays[i] > 0;
     }
     const double each = rays > 0 ? ns / rays : 0;
     for (int i = 0; i < BLOCKS; i++) {
         const double off = f->block_ns[i] - each * f->block_rays[i];
         squares += off * off;
     }
+    if (done < BLOCKS)
+        squares = done > 1 ? squares * done / (done - 1) : ns * ns;
     const double relative = ns > 0 ? 1.96 * sqrt(squares) / ns : 0;
     const double share =
         total->expected > 0 ? (total->high - total->expected) / total->expected : 0;
     const double ms = total->expected * each * 1e-6 / f->threads,
-                 off = sqrt(relative * relative + share * share);
-    return (struct pen_estimate){ms, off < 1 ? ms * (1 - off) : 0, ms * (1 + off)};
+                 off = sqrt(relative * relative + share * share),
+                 low = off < 1 ? ms * (1 - off) : 0;
+    return (struct pen_estimate){ms, low / excess(f, KINDS), ms * (1 + off)};
 }
 
 /* As many cells as asked for, nearly square, but no more than pixels. */
@@ -177,6 +236,11 @@ static void cut(struct forecast *f)
         f->columns = f->settings->width;
     if (f->rows > f->settings->height)
         f->rows = f->settings->height;
+}
+
+static int common_divisor(int a, int b)
+{
+    return b == 0 ? a : common_divisor(b, a % b);
 }
 
 static bool make_scratch(struct forecast *f)
@@ -199,12 +263,62 @@ static void release(struct forecast *f)
     free(f->seen);
 }
 
+static double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/* Takes cells and blocks in scattered order, and fewer samples of a pixel that has very many. */
+static void bound(struct forecast *f, struct pen_settings *sampling)
+{
+    const double pixels = (double)sampling->width * sampling->height,
+                 block = PEN_BLOCK_SIDE * PEN_BLOCK_SIDE;
+    const double taken = least(pixels, PEN_FORECAST_CELLS) + BLOCKS * least(pixels, block);
+    const int cells = f->columns * f->rows;
+    f->samples =
+        pen_forecast_samples_cut(f->task->scene, f->task->view, RAYS_MAX / taken, sampling);
+    f->block_step = BLOCK_STEP;
+    f->cell_step = (int)(CELL_STEP * cells) + 1;
+    while (common_divisor(f->cell_step, cells) > 1)
+        f->cell_step++;
+}
+
+/* The part of the time that is left. */
+static int64_t part_of_time(const struct forecast *f, double part)
+{
+    const int64_t now_ns = pen_clock_ns(), deadline_ns = f->task->deadline_ns;
+    return deadline_ns == 0 ? 0 : now_ns + (int64_t)(part * (double)(deadline_ns - now_ns));
+}
+
+/* Makes blocks smaller where a thread would not end two of them in time, if a pixel takes as long
+ * as those of the cells, which `ns` of all threads went to. */
+static void choose_side(struct forecast *f, int64_t ns)
+{
+    const double pixel_ns = (double)ns * f->threads / done_cells(f),
+                 left_ns = (double)(f->until_ns - pen_clock_ns());
+    while (f->until_ns != 0 && f->side > 1 && 2 * f->side * f->side * pixel_ns > left_ns)
+        f->side /= 2;
+}
+
+/* Cells take half of the time, and blocks the other; rounds, if there are any, half of all. */
+static void pre_render(struct pen_thread_pool *pool, struct forecast *f)
+{
+    const double part = pen_settings_adaptive(f->task->settings) ? 0.25 : 0.5;
+    const int64_t begun_ns = pen_clock_ns();
+    const int64_t blocks_until_ns = part_of_time(f, 2 * part);
+    f->until_ns = part_of_time(f, part);
+    pen_thread_pool_run(pool, f->threads, count_cells, f);
+    f->until_ns = blocks_until_ns;
+    if (!is_cancelled(f))
+        choose_side(f, pen_clock_ns() - begun_ns);
+    atomic_store(&f->next, 0);
+    pen_thread_pool_run(pool, f->threads, time_blocks, f);
+}
+
 static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_forecast *out)
 {
     const double film = 3.0 * sizeof(float) * f->settings->width * f->settings->height;
-    pen_thread_pool_run(pool, f->threads, count_cells, f);
-    atomic_store(&f->next, 0);
-    pen_thread_pool_run(pool, f->threads, time_blocks, f);
+    pre_render(pool, f);
     out->primary = estimate(f, 0);
     out->shadow = estimate(f, 1);
     out->reflection = estimate(f, 2);
@@ -213,7 +327,7 @@ static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_for
     out->time_ms = estimate_time(f, &out->total);
     out->memory_bytes = film + (double)pen_arena_used(f->input.scene->arena) +
                         (double)f->threads * (double)f->kernel->block_bytes;
-    out->pixels = f->columns * f->rows;
+    out->pixels = done_cells(f);
     out->kernel = f->kernel->name;
     out->effects = f->input.effects;
     out->seen = f->seen;
@@ -264,13 +378,19 @@ bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_t
                        struct pen_forecast *out, struct pen_status *st)
 {
     const int64_t begun = pen_clock_ns();
-    const struct pen_settings sampling = pen_settings_sampling(task->settings);
+    struct pen_settings sampling = pen_settings_sampling(task->settings);
     struct forecast f = {.task = task,
                          .settings = &sampling,
-                         .input = pen_kernel_input_of(task->scene, task->view, &sampling),
+                         .cell_step = 1,
+                         .block_step = 1,
+                         .side = PEN_BLOCK_SIDE,
+                         .samples = {1, 1, 1},
                          .threads = pen_render_threads(pool, task->settings)};
-    f.kernel = pen_kernel_select(f.input.effects, pen_cpu_isa());
     cut(&f);
+    if (task->deadline_ns != 0)
+        bound(&f, &sampling);
+    f.input = pen_kernel_input_of(task->scene, task->view, &sampling);
+    f.kernel = pen_kernel_select(f.input.effects, pen_cpu_isa());
     const bool ok = make_scratch(&f);
     if (ok)
         run(pool, &f, out);

@@ -17,7 +17,7 @@ struct pen_forecast {
     struct pen_estimate primary, shadow, reflection, transmission, total; /* rays */
     struct pen_estimate time_ms; /* of rendering with all threads of the pool */
     double memory_bytes;         /* of scene, film and threads */
-    int pixels;                  /* of the pre-render */
+    int pixels;                  /* of the pre-render; fewer if its deadline has come */
     double spent_ms;             /* on it */
     const char *kernel;
     unsigned effects;
@@ -35,6 +35,10 @@ struct pen_forecast_task {
     int view;
     const struct pen_settings *settings;
     bool quick; /* PEN_FORECAST_CELLS cells at most, however large the image is */
+    /* When it is to end, by pen_clock_ns; 0: when it is done. It takes some pixels at least. Those
+     * that are left, and samples that are left out of pixels that have very many, widen the
+     * intervals. */
+    int64_t deadline_ns;
     /* As in pen_render_task; may be NULL. */
     const atomic_bool *cancel;
     void (*pixel_begins)(void *user, int thread, int x, int y);
@@ -43,8 +47,9 @@ struct pen_forecast_task {
 
 /* Renders one pixel in each of max(1 %, 4096) equal parts of the image, and counts its rays; then
  * some blocks, to measure the time of a ray. Rays vary from part to part as from pixel to pixel of
- * neighbouring parts, which gives the intervals; the pixels are the same at each call. Threads: as
- * pen_render_run. Owns: release *out after success. Fails: PEN_NO_MEMORY, PEN_CANCELLED. */
+ * neighbouring parts, which gives the intervals; the pixels are the same at each call, unless the
+ * deadline comes. Threads: as pen_render_run. Owns: release *out after success. Fails:
+ * PEN_NO_MEMORY, PEN_CANCELLED. */
 bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
                        struct pen_forecast *out, struct pen_status *st);
 void pen_forecast_release(struct pen_forecast *forecast);

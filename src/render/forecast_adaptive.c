@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/clock.h"
 #include "math/fn.h"
 #include "render/internal/forecast_adaptive.h"
 #include "render/render.h"
@@ -20,31 +21,50 @@ static const double SMALL_PIXELS = 4096;
  * what is expected. */
 static const double LARGEST_POWER = 1.5, UPWARDS = 2, DOWNWARDS = 0.75, PILOT_OFF = 0.05;
 
-/* Renders a smaller picture of the view: its camera rays for each pixel, and the time of a ray. */
+/* A smaller picture of the view: its camera rays for each pixel, the time of a ray, and whether
+ * time has ended its rounds. */
+struct small {
+    double mean, ray_ms;
+    bool timed_out;
+};
+
+enum { TIMED_TILE = 8 }; /* the time is asked for between tiles */
+
+/* Renders a smaller picture, in `part` of the time that is left. */
 static bool render_small(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
-                         double shrink, double *mean, double *ray_ms, struct pen_status *st)
+                         double shrink, double part, struct small *out, struct pen_status *st)
 {
+    const int64_t begun_ns = pen_clock_ns(), left_ns = task->deadline_ns - begun_ns;
+    const bool timed = task->deadline_ns != 0;
     struct pen_settings s = *task->settings;
     s.width = (int)ceil(s.width * shrink);
     s.height = (int)ceil(s.height * shrink);
+    if (timed && s.tile > TIMED_TILE)
+        s.tile = TIMED_TILE;
     struct pen_render_stats stats;
     float *rgb = malloc(3 * sizeof *rgb * (size_t)s.width * (size_t)s.height);
-    const struct pen_render_task render = {.scene = task->scene,
-                                           .view = task->view,
-                                           .settings = &s,
-                                           .tile_count = -1,
-                                           .rgb = rgb,
-                                           .cancel = task->cancel,
-                                           .pixel_begins = task->pixel_begins,
-                                           .pixel_user = task->pixel_user};
+    const struct pen_render_task render = {
+        .scene = task->scene,
+        .view = task->view,
+        .settings = &s,
+        .tile_count = -1,
+        .rgb = rgb,
+        .cancel = task->cancel,
+        .deadline_ns = timed ? begun_ns + (int64_t)(part * (double)left_ns) : 0,
+        .pixel_begins = task->pixel_begins,
+        .pixel_user = task->pixel_user};
     const bool ok = rgb ? pen_render_run(pool, &render, &stats, st)
                         : pen_fail(st, PEN_NO_MEMORY, "out of memory for a forecast");
     free(rgb);
     if (!ok)
         return false;
     const struct pen_ray_counts *r = &stats.rays;
-    *mean = stats.adaptive.samples.mean;
-    *ray_ms = stats.render_ms / (double)(r->primary + r->shadow + r->reflection + r->transmission);
+    out->mean = stats.adaptive.samples.mean;
+    out->ray_ms =
+        stats.render_ms / (double)(r->primary + r->shadow + r->reflection + r->transmission);
+    /* A round for which too little time is left is not begun. */
+    out->timed_out = timed && !stats.adaptive.met &&
+                     (double)(stats.done_ns - begun_ns) > 0.5 * part * (double)left_ns;
     return true;
 }
 
@@ -58,21 +78,33 @@ static double log2_of(double x)
     return x > 0 ? pen_ln(x) / pen_ln(2) : 0;
 }
 
+/* Extends the interval to what max_samples allows: rounds were ended before their time, and would
+ * have taken more, nobody knows how many. */
+static void widen(struct pen_estimate *growth, double most)
+{
+    growth->high = most > growth->high ? most : growth->high;
+    growth->expected = sqrt(growth->expected * growth->high);
+}
+
 bool pen_forecast_growth(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
                          struct pen_estimate *growth, double *ray_ms, struct pen_status *st)
 {
     const double pixels = (double)task->settings->width * task->settings->height;
     const double shrink = pixels > SMALL_PIXELS ? sqrt(SMALL_PIXELS / pixels) : 1;
-    double large, small;
-    if (!render_small(pool, task, shrink / 2, &small, ray_ms, st) ||
-        !render_small(pool, task, shrink, &large, ray_ms, st))
+    struct small large, small;
+    if (!render_small(pool, task, shrink / 2, 0.25, &small, st) ||
+        !render_small(pool, task, shrink, 1, &large, st))
         return false;
+    *ray_ms = large.ray_ms;
     const double pilot = pen_settings_pilot(task->settings);
-    const double more = large / pilot - 1, ratio = more > 0 ? (small / pilot - 1) / more : 1;
+    const double more = large.mean / pilot - 1,
+                 ratio = more > 0 ? (small.mean / pilot - 1) / more : 1;
     const double power = within(0, log2_of(ratio), LARGEST_POWER);
     growth->expected = 1 + more * pen_pow(shrink, power);
     growth->low = 1 - PILOT_OFF + more * pen_pow(shrink, power + UPWARDS);
     growth->high =
         1 + PILOT_OFF + more * pen_pow(shrink, power > DOWNWARDS ? power - DOWNWARDS : 0);
+    if (small.timed_out || large.timed_out)
+        widen(growth, task->settings->max_samples / pilot);
     return true;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Studies, from submit to report, and the ways in which they end early: benchmarks, bills of
  * effects and explanations. */
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -311,6 +312,35 @@ START_TEST(test_study__explanation_has_actual_figures_where_asked)
 }
 END_TEST
 
+/* The forecast of a picture that would take hours is ready after a moment, and its render is not
+ * made for longer than the operator allows. */
+START_TEST(test_study__explanation_ends_however_much_there_is_to_render)
+{
+    static const char render[] =
+        "\"render\": {\"width\": 64, \"height\": 64, \"samples_per_pixel\": 1000000},";
+    char text[8192];
+    jobs_bed_open(&bed);
+    bed.max_seconds = 1;
+    jobs_worker_start(&bed);
+    snprintf(text, sizeof text, "{%s \"scene\": %s}", render, jobs_scene(""));
+    submit_explain(text);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    json_t *report = report_json();
+    const json_t *primary = json_object_get(json_object_get(report, "rays"), "primary");
+    const double wanted = 64 * 64 * 1e6;
+    ck_assert(fabs(json_number_value(json_object_get(primary, "expected")) - wanted) <
+              1e-6 * wanted);
+    json_decref(report);
+    snprintf(text, sizeof text, "{%s \"analyze\": true, \"scene\": %s}", render, jobs_scene(""));
+    submit_explain(text);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_FAILED);
+    json_t *job = jobs_get(&bed, id);
+    ck_assert_ptr_nonnull(strstr(text_of(json_object_get(job, "error"), "detail"), "max-seconds"));
+    json_decref(job);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_study__bill_of_a_killed_worker_is_finished)
 {
     static const char some[] = "\"render\": {\"width\": 200, \"height\": 150, \"tile\": 8,"
@@ -489,6 +519,7 @@ END_TEST
 PEN_SUITE("study", test_study__bill_has_a_row_for_each_effect_and_every_format,
           test_study__bill_is_of_the_view_that_is_named,
           test_study__explanation_has_actual_figures_where_asked,
+          test_study__explanation_ends_however_much_there_is_to_render,
           test_study__bill_of_a_killed_worker_is_finished,
           test_study__answer_to_a_submit_shows_what_was_accepted,
           test_study__report_has_every_format, test_study__all_views_of_the_job_are_rendered,

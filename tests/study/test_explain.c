@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "io/builtin.h"
 #include "io/scene_json.h"
 #include "study/explain.h"
@@ -134,6 +135,76 @@ START_TEST(test_explain__expects_the_rays_of_random_scenes)
 }
 END_TEST
 
+/* A forecast of the kit's scene. */
+static struct pen_forecast forecast_by(int64_t deadline_ns)
+{
+    struct pen_status st;
+    struct pen_forecast f;
+    struct pen_scene *scene = kit_freeze(&kit);
+    struct pen_thread_pool *pool = pen_thread_pool_new(2, &st);
+    const struct pen_forecast_task task = {
+        .scene = scene, .settings = &kit.settings, .deadline_ns = deadline_ns};
+    ck_assert(pool && pen_forecast_make(pool, &task, &f, &st));
+    ck_assert(f.total.low <= f.total.expected && f.total.expected <= f.total.high);
+    ck_assert(f.time_ms.low <= f.time_ms.expected && f.time_ms.expected <= f.time_ms.high);
+    ck_assert(f.time_ms.expected > 0);
+    pen_forecast_release(&f);
+    pen_thread_pool_free(pool);
+    pen_scene_free(scene);
+    return f;
+}
+
+static bool same(const struct pen_estimate *a, const struct pen_estimate *b)
+{
+    return a->expected == b->expected && a->low == b->low && a->high == b->high;
+}
+
+static double width_of(const struct pen_estimate *e)
+{
+    return e->high - e->low;
+}
+
+START_TEST(test_explain__deadline_that_is_not_reached_changes_nothing)
+{
+    kit_medley(&kit);
+    kit.settings.width = 90;
+    kit.settings.height = 70;
+    const struct pen_forecast free = forecast_by(0), bound = forecast_by(INT64_MAX);
+    ck_assert_int_eq(free.pixels, bound.pixels);
+    ck_assert(same(&free.primary, &bound.primary) && same(&free.shadow, &bound.shadow));
+    ck_assert(same(&free.reflection, &bound.reflection) && same(&free.total, &bound.total));
+}
+END_TEST
+
+START_TEST(test_explain__deadline_ends_the_pre_render)
+{
+    kit_medley(&kit);
+    kit.settings.width = 90;
+    kit.settings.height = 70;
+    const struct pen_forecast all = forecast_by(0), some = forecast_by(pen_clock_ns() - 1);
+    ck_assert_int_ge(some.pixels, 1);
+    ck_assert_int_lt(some.pixels, all.pixels);
+    ck_assert(width_of(&some.total) > width_of(&all.total));
+    kit.settings.target_error = 0.001; /* the rounds of its small pictures end as well */
+    const struct pen_forecast rounds = forecast_by(pen_clock_ns() - 1);
+    ck_assert(rounds.total.high > rounds.total.expected);
+}
+END_TEST
+
+/* So many samples that not even one pixel would be done. */
+START_TEST(test_explain__deadline_bounds_the_samples_of_a_pixel)
+{
+    kit_medley(&kit);
+    kit.settings.width = kit.settings.height = 10;
+    kit.settings.samples_per_pixel = kit.settings.lens_samples = 1000;
+    kit.settings.light_samples = 1000000000;
+    const struct pen_forecast f = forecast_by(pen_clock_ns() + 1000000000);
+    ck_assert(fabs(f.primary.expected - 100 * 1000.0) < 1e-6 * 100 * 1000);
+    ck_assert(f.primary.low <= 100 * 1000.0 && f.primary.high >= 100 * 1000.0 * (1 - 1e-9));
+    ck_assert(f.shadow.high > 100 * 1000 * 1e9 / 10);
+}
+END_TEST
+
 static json_t *explanation(void)
 {
     struct pen_status st;
@@ -215,4 +286,7 @@ START_TEST(test_explain__says_why)
 END_TEST
 
 PEN_SUITE("explain", test_explain__expects_the_rays_of_built_in_scenes,
-          test_explain__expects_the_rays_of_random_scenes, test_explain__says_why)
+          test_explain__expects_the_rays_of_random_scenes,
+          test_explain__deadline_that_is_not_reached_changes_nothing,
+          test_explain__deadline_ends_the_pre_render,
+          test_explain__deadline_bounds_the_samples_of_a_pixel, test_explain__says_why)

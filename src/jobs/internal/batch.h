@@ -5,6 +5,7 @@
 
 #include "jobs/internal/batch_context.h"
 #include "render/audit.h"
+#include "render/forecast.h"
 
 /* Runs the batch of a claim, of any kind. Owns: release *output after success. Fails:
  * PEN_CANCELLED: the heartbeat has stopped it. PEN_NOT_FOUND: the job was deleted. PEN_STORAGE,
@@ -47,6 +48,11 @@ bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *
  * if that is longer than the operator allows. */
 bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
                         const struct pen_scene *scene, struct pen_status *st);
+
+/* batch_estimate.c: whether the operator allows so many views as a forecast is of, as far as the
+ * lower end of its interval tells. Fails: PEN_TOO_LARGE, if not. */
+bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_forecast *forecast,
+                       int views, struct pen_status *st);
 
 /* batch_estimate.c: tells from what is done of the job, and how long that took, whether all of it
  * is expected to take longer than the operator allows. Fails: PEN_TOO_LARGE, if so. */

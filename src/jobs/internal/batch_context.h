@@ -58,6 +58,16 @@ void pen_batch_context_drop_caches(struct pen_batch_context *context);
 
 void pen_batch_context_release(struct pen_batch_context *context);
 
+/* By when a forecast that begins now is to end, by pen_clock_ns: soon, since it is not interrupted
+ * for others, and within what the operator allows a job to take. */
+int64_t pen_batch_forecast_end(const struct pen_batch_context *context);
+
+/* Whether the claim's job has taken longer than the operator allows, with the time since
+ * `begun_ns`, when this worker has begun with it; and the failure that says so, PEN_TOO_LARGE. */
+bool pen_batch_is_overdue(const struct pen_batch_context *context, const struct pen_claim *claim,
+                          int64_t begun_ns);
+bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_status *st);
+
 /* Puts statistics into the output as they are stored, with commit_ms and store_before_ms (stats.h).
  * Takes the reference; NULL is an allocation that failed. Fails: PEN_NO_MEMORY. */
 bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,
