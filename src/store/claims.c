@@ -145,14 +145,17 @@ bool pen_policy_progress(struct pen_store *store, const struct pen_claim *claim,
     return pen_store_write(store, write_progress, &progress, st);
 }
 
-/* A batch that takes long gives way to others of its priority from time to time. */
-enum { TURN_MS = 60000 };
+/* A batch that takes long gives way from time to time to others of its priority, and to those that
+ * have come above it by waiting. Of these there may be many: so it has a turn between two of them
+ * that is longer than what it takes to keep its state and to read it again. */
+enum { TURN_MS = 60000, AGED_TURN_MS = 5000 };
 
 bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int64_t now_ms,
                    bool *outranked, struct pen_status *st)
 {
-    const bool equal = now_ms - claim->claimed_ms >= TURN_MS;
-    return driver->ops->open_above(driver, claim->batch, now_ms, equal, outranked, st);
+    const int64_t held_ms = now_ms - claim->claimed_ms;
+    return driver->ops->open_above(driver, claim->batch, now_ms, held_ms >= AGED_TURN_MS,
+                                   held_ms >= TURN_MS, outranked, st);
 }
 
 struct keep {

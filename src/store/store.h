@@ -408,8 +408,9 @@ struct pen_kept {
 bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
                     const struct pen_kept *kept, bool *outranked, struct pen_status *st);
 
-/* Whether the holder should release the claim: a batch of higher priority is open, or one of the
- * same priority and another job, and the claim is held for a minute already. */
+/* Whether the holder should release the claim: a batch of higher priority is open; or the claim is
+ * held for five seconds already, and one is open whose address has come to a higher priority by
+ * waiting; or it is held for a minute, and one of the same priority and another job is open. */
 bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
                          struct pen_status *st);
 

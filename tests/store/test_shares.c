@@ -295,6 +295,44 @@ START_TEST(test_shares__time_in_which_a_batch_is_rendered_is_not_waited)
 }
 END_TEST
 
+static bool outranked(const struct pen_claim *claim)
+{
+    struct pen_status st;
+    bool yes;
+    store_must(pen_store_outranked(bed.store, claim, &yes, &st), &st, "outranked");
+    return yes;
+}
+
+/* Of two addresses that have waited for two minutes, each gets a batch while a long one goes on:
+ * which has five seconds between them. */
+START_TEST(test_shares__long_batch_gives_way_to_what_has_waited_long)
+{
+    struct pen_status st;
+    time_ms = INT64_C(1800000000000);
+    open_bed();
+    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_must(submit_job(1, "10.0.0.1", NULL, 1, 1, 0, 0, &st), &st, "submit");
+    submit(0, "10.0.0.2", NULL, 1);
+    submit(0, "10.0.0.3", NULL, 1);
+    struct pen_claim claim = store_claim(bed.store, "w");
+    ck_assert_int_eq(kind_of(&claim), 1);
+    time_ms += 119000;
+    ck_assert(!outranked(&claim));
+    time_ms += 2000;
+    for (int i = 0; i < 2; i++) {
+        ck_assert(outranked(&claim));
+        store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
+        ck_assert_int_eq(serve(seconds), 0);
+        claim = store_claim(bed.store, "w");
+        ck_assert_int_eq(kind_of(&claim), 1);
+        ck_assert(!outranked(&claim));
+        time_ms += 6000;
+    }
+    ck_assert(!outranked(&claim));
+    store_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_shares__many_that_wait_long_take_every_other_batch)
 {
     struct pen_status st;
@@ -515,6 +553,7 @@ PEN_SUITE("shares", test_shares__the_queue_tells_what_is_left_of_the_batches_in_
           test_shares__long_job_is_not_starved_by_short_ones_that_keep_coming,
           test_shares__what_waits_long_comes_before_higher_priorities_once,
           test_shares__time_in_which_a_batch_is_rendered_is_not_waited,
+          test_shares__long_batch_gives_way_to_what_has_waited_long,
           test_shares__many_that_wait_long_take_every_other_batch,
           test_shares__new_labels_that_keep_coming_starve_nobody,
           test_shares__new_addresses_that_keep_coming_starve_nobody,

@@ -365,9 +365,10 @@ struct pen_driver_ops {
      * *job is the job's number; claim->attempt is the attempt before this claim. */
     bool (*next_open)(struct pen_driver *driver, int64_t paused_until_ms, bool quarantined,
                       struct pen_claim *claim, int64_t *job, bool *found, struct pen_status *st);
-    /* Whether a batch is open that comes before this one by its priority or, if `equal`, has the
-     * same and is another job's, of a job whose pause ends by paused_until_ms. */
-    bool (*open_above)(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms,
+    /* Whether a batch is open, of a job that is not paused at now_ms, that comes before this one:
+     * by its priority; if `aged`, by that to which its peer has come by waiting (README.md,
+     * "Shares", 6); or, if `equal`, since it has the same and is another job's. */
+    bool (*open_above)(struct pen_driver *driver, int64_t batch, int64_t now_ms, bool aged,
                        bool equal, bool *any, struct pen_status *st);
     /* Counts the batches that a worker holds, and those that it must hold alone: quarantined
      * batches and studies. */

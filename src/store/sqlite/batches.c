@@ -28,12 +28,16 @@ bool pen_sqlite_any_open(struct pen_driver *driver, bool *any, struct pen_status
     return true;
 }
 
+/* Whether a statement about a batch has a row; it gets the time both as the end of pauses and as
+ * that until which is waited. */
 static bool any_open_to(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t batch,
-                        int64_t paused_until_ms, bool *any, struct pen_status *st)
+                        int64_t now_ms, bool *any, struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(store, sql);
+    pen_sqlite_int(&query, now_ms);
     pen_sqlite_int(&query, batch);
-    pen_sqlite_int(&query, paused_until_ms);
+    if (sql == SQL_OPEN_AGED)
+        pen_sqlite_int(&query, now_ms);
     if (!pen_sqlite_next(&query, any, st))
         return false;
     if (*any)
@@ -41,13 +45,14 @@ static bool any_open_to(struct pen_sqlite_store *store, enum pen_sqlite_sql sql,
     return true;
 }
 
-bool pen_sqlite_open_above(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms,
+bool pen_sqlite_open_above(struct pen_driver *driver, int64_t batch, int64_t now_ms, bool aged,
                            bool equal, bool *any, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    if (!any_open_to(store, SQL_OPEN_ABOVE, batch, paused_until_ms, any, st))
+    if (!any_open_to(store, SQL_OPEN_ABOVE, batch, now_ms, any, st) ||
+        (aged && !*any && !any_open_to(store, SQL_OPEN_AGED, batch, now_ms, any, st)))
         return false;
-    return *any || !equal || any_open_to(store, SQL_OPEN_BESIDE, batch, paused_until_ms, any, st);
+    return *any || !equal || any_open_to(store, SQL_OPEN_BESIDE, batch, now_ms, any, st);
 }
 
 #define COLUMN(name, value) CLAIM_##name,

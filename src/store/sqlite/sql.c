@@ -72,6 +72,15 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 #define LENGTH(row)                                                                                \
     "coalesce((SELECT o.bytes FROM large_object o WHERE o.id = " row ".object), length(" row       \
     ".data))"
+/* Peers p that have a batch to claim: open, of a job whose pause ends by ?1. */
+#define WAITS(more)                                                                                \
+    "p.jobs > 0 AND EXISTS (SELECT 1 FROM lane l JOIN batch b ON b.lane = l.id AND b.state = 0"    \
+    " JOIN job j ON j.number = b.job WHERE l.peer = p.id AND j.paused_until_ms <= ?1" more ")"
+
+/* Whether a peer has waited so long, at time ?3, that it comes before one of priority `top`. */
+#define AGED(top) "priority < " top " AND priority + (?3 - waiting_since_ms) / 60000 > " top
+#define TOP "(SELECT max(priority) FROM waiting)"
+#define OWN "(SELECT priority FROM batch WHERE id = ?2)"
 
 /* The lane of a priority, an address and a label. */
 #define LANE_OF                                                                                    \
@@ -191,15 +200,15 @@ static const char *const sql_text[] = {
      * counts as a second until its worker has told its time. */
     [SQL_NEXT_PEER] =
         "WITH waiting AS MATERIALIZED (SELECT p.id, p.priority, p.served_us, p.waiting_since_ms"
-        " FROM peer p WHERE p.jobs > 0 AND EXISTS (SELECT 1 FROM lane l JOIN batch b"
-        " ON b.lane = l.id AND b.state = 0 JOIN job j ON j.number = b.job WHERE l.peer = p.id"
-        " AND j.paused_until_ms <= ?1 AND b.quarantined <= ?2))"
-        " SELECT id, priority < (SELECT max(priority) FROM waiting)"
-        " AND priority + (?3 - waiting_since_ms) / 60000 > (SELECT max(priority) FROM waiting)"
-        " AS aged FROM waiting w ORDER BY ?4 AND aged DESC, priority DESC, served_us + 1000000 * "
-        "(SELECT count(*) FROM batch h"
-        " INDEXED BY batch_leased CROSS JOIN lane l ON l.id = h.lane WHERE h.state = 1 AND l.peer "
-        "= w.id), id LIMIT 1",
+        " FROM peer p WHERE " WAITS(
+            " AND b.quarantined <= ?2") ")"
+                                        " SELECT id, " AGED(
+                                            TOP) " AS aged FROM waiting w ORDER BY ?4 AND aged "
+                                                 "DESC, priority DESC, served_us + 1000000 * "
+                                                 "(SELECT count(*) FROM batch h"
+                                                 " INDEXED BY batch_leased CROSS JOIN lane l ON "
+                                                 "l.id = h.lane WHERE h.state = 1 AND l.peer "
+                                                 "= w.id), id LIMIT 1",
     [SQL_NEXT_LANE] =
         "SELECT l.id, l.balance_us FROM lane l WHERE l.peer = ?3 AND EXISTS (SELECT 1 FROM batch b"
         " JOIN job j ON j.number = b.job WHERE b.lane = l.id AND b.state = 0"
@@ -214,12 +223,13 @@ static const char *const sql_text[] = {
     [SQL_FIRST_OPEN] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
                        " WHERE b.lane = (SELECT lane FROM job WHERE number = ?1) AND b.job = ?1"
                        " AND b.state = 0 AND b.quarantined <= ?2 ORDER BY b.id LIMIT 1",
-    [SQL_OPEN_ABOVE] = "SELECT 1 FROM batch b JOIN job j ON j.number = b.job"
-                       " WHERE b.state = 0 AND b.priority > (SELECT priority FROM batch"
-                       " WHERE id = ?1) AND j.paused_until_ms <= ?2 LIMIT 1",
+    [SQL_OPEN_ABOVE] =
+        "SELECT 1 FROM batch b JOIN job j ON j.number = b.job"
+        " WHERE b.state = 0 AND b.priority > " OWN " AND j.paused_until_ms <= ?1 LIMIT 1",
+    [SQL_OPEN_AGED] = "SELECT 1 FROM peer p WHERE " AGED(OWN) " AND " WAITS("") " LIMIT 1",
     [SQL_OPEN_BESIDE] = "SELECT 1 FROM batch own JOIN batch b ON b.priority = own.priority"
-                        " JOIN job j ON j.number = b.job WHERE own.id = ?1 AND b.state = 0"
-                        " AND b.job <> own.job AND j.paused_until_ms <= ?2 LIMIT 1",
+                        " JOIN job j ON j.number = b.job WHERE own.id = ?2 AND b.state = 0"
+                        " AND b.job <> own.job AND j.paused_until_ms <= ?1 LIMIT 1",
     [SQL_HELD_BY] = "SELECT count(*), coalesce(sum(quarantined OR kind = 2), 0) FROM batch"
                     " WHERE state = 1 AND worker = ?",
     [SQL_FIRST_HELD] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES

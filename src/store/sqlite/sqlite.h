@@ -70,6 +70,7 @@ enum pen_sqlite_sql {
     SQL_REMOVED_PURGE,
     SQL_ANY_OPEN,
     SQL_OPEN_ABOVE,
+    SQL_OPEN_AGED,
     SQL_OPEN_BESIDE,
     SQL_NEXT_PEER,
     SQL_NEXT_LANE,
