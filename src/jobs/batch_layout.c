@@ -3,7 +3,9 @@
  * cancelled, previewed and shared between workers in steps of one batch. Beforehand only an upper
  * bound of a job's primary and shadow rays is known, which blur multiplies, and nothing about the
  * worker's speed, so a batch is a fixed number of such rays. One that takes longer is divided while
- * it is rendered (batch_render.c). */
+ * it is rendered (batch_render.c), between two tiles: so the client's choice of tiles holds only as
+ * far as none has more than a batch. A pixel has as many samples as the client wants; below a block
+ * of pixels, which a cancel waits for as well, nothing is divided. */
 #include "jobs/internal/batch_layout.h"
 
 #include <math.h>
@@ -19,14 +21,36 @@ static const double batch_rays = 4e6;
 /* Bounds the rows of a job in the store. */
 enum { JOB_BATCHES_MAX = 16384 };
 
+enum { TILE_MAX = 64 };
+
+/* With a target error few pixels take max_samples, and not in one round. */
+static const double adaptive_share = 1.0 / 32;
+
+static double rays_of_pixel(const struct pen_request *request)
+{
+    const struct pen_settings *s = &request->settings, sampling = pen_settings_sampling(s);
+    const bool blurred = pen_effects_blur(pen_desc_effects(&request->desc, s));
+    return pen_work_per_pixel(&request->desc, s) * (blurred ? sampling.blur_samples : 1) *
+           (pen_settings_adaptive(s) ? adaptive_share : 1);
+}
+
+int pen_batch_tile(const struct pen_request *request)
+{
+    const double rays = rays_of_pixel(request);
+    int edge = request->settings.tile < TILE_MAX ? request->settings.tile : TILE_MAX;
+    if (request->kind != PEN_KIND_RENDER && request->kind != PEN_KIND_EXPLAIN)
+        return 0;
+    while (edge > PEN_BLOCK_SIDE && edge * edge * rays > batch_rays)
+        edge = edge / 2 > PEN_BLOCK_SIDE ? edge / 2 : PEN_BLOCK_SIDE;
+    return edge;
+}
+
 static int batches_of_view(const struct pen_request *request, int tiles)
 {
     const struct pen_settings *s = &request->settings;
     if (pen_settings_adaptive(s))
         return 1; /* a round is decided from the whole picture */
-    double rays = (double)s->width * s->height * pen_work_per_pixel(&request->desc, s);
-    if (pen_effects_blur(pen_desc_effects(&request->desc, s)))
-        rays *= s->blur_samples;
+    double rays = (double)s->width * s->height * rays_of_pixel(request);
     double wanted = ceil(rays / batch_rays);
     int most = JOB_BATCHES_MAX / request->view_count;
     if (most > tiles)
@@ -56,10 +80,11 @@ static struct pen_batch_new study_batch(const struct pen_request *request)
 bool pen_batch_layout(const struct pen_request *request, struct pen_batch_new **batches, int *count,
                       struct pen_status *st)
 {
-    const struct pen_settings *s = &request->settings;
-    int tiles = pen_tile_count(s->width, s->height, s->tile);
-    int each = batches_of_view(request, tiles);
     const bool study = pen_job_kind_has_report(request->kind);
+    struct pen_settings s = request->settings;
+    s.tile = study ? s.tile : pen_batch_tile(request);
+    int tiles = pen_tile_count(s.width, s.height, s.tile);
+    int each = batches_of_view(request, tiles);
     *count = study ? 1 : each * request->view_count;
     *batches = malloc((size_t)*count * sizeof **batches);
     if (!*batches)
@@ -72,7 +97,7 @@ bool pen_batch_layout(const struct pen_request *request, struct pen_batch_new **
         (*batches)[i] = (struct pen_batch_new){.view = i / each,
                                                .first_tile = first,
                                                .tile_count = end - first,
-                                               .pixels = pen_tiles_pixels(s, first, end - first)};
+                                               .pixels = pen_tiles_pixels(&s, first, end - first)};
     }
     return true;
 }

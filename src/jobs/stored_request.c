@@ -30,6 +30,18 @@ static bool has_valid_numbers(const struct pen_stored_request *request)
     return budget >= 0 && repeats >= 0;
 }
 
+/* The tiles of the job's batches: those of the settings in jobs of earlier versions, and in studies
+ * that measure. */
+static bool read_tile(struct pen_stored_request *request)
+{
+    const json_t *edge = json_object_get(request->json, "tile_edge");
+    const json_int_t tile = json_integer_value(edge);
+    if (!edge)
+        return true;
+    request->settings.tile = tile >= 1 && tile <= request->settings.tile ? (int)tile : 0;
+    return request->settings.tile > 0;
+}
+
 bool pen_stored_request_read(const char *text, struct pen_stored_request *request,
                              struct pen_status *st)
 {
@@ -43,7 +55,7 @@ bool pen_stored_request_read(const char *text, struct pen_stored_request *reques
     request->view_count = (int)json_array_size(json_object_get(request->json, "views"));
     json_t *render = json_object_get(request->json, "render");
     if (known && request->view_count > 0 && render && has_valid_numbers(request) &&
-        pen_settings_read(render, "/render", &request->settings, &errors))
+        pen_settings_read(render, "/render", &request->settings, &errors) && read_tile(request))
         return true;
     pen_stored_request_release(request);
     return pen_fail(st, PEN_STORAGE, "a stored job is damaged: %s",

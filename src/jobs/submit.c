@@ -64,19 +64,27 @@ static json_t *budget_json(const struct pen_request *request)
     return request->budget_seconds > 0 ? json_real(request->budget_seconds) : NULL;
 }
 
+/* NULL of a study that measures. */
+static json_t *tile_json(const struct pen_request *request)
+{
+    const int tile = pen_batch_tile(request);
+    return tile > 0 ? json_integer(tile) : NULL;
+}
+
 /* The job as accepted: the client's keys with all defaults filled in, without the scene. */
 static json_t *common_json(const struct pen_request *request)
 {
     json_t *name = request->name ? json_copy((json_t *)(uintptr_t)request->name) : json_null();
     json_t *labels =
         request->labels ? json_deep_copy((json_t *)(uintptr_t)request->labels) : json_object();
-    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:f, s:o, s:o, s:s*, s:o*, s:o*, s:o, s:o}", "kind",
-                     pen_job_kinds[request->kind], "name", name, "labels", labels, "priority",
-                     request->priority, "max_attempts", request->max_attempts, "timeout_seconds",
-                     (double)request->timeout_ms / 1000, "views", views_json(request), "layers",
-                     layers_json(request), "cost", cost_of(request), "audit", audit_json(request),
-                     "budget_seconds", budget_json(request), "render",
-                     pen_settings_json(&request->settings), "effects",
+    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:f, s:o, s:o, s:s*, s:o*, s:o*, s:o, s:o*, s:o}",
+                     "kind", pen_job_kinds[request->kind], "name", name, "labels", labels,
+                     "priority", request->priority, "max_attempts", request->max_attempts,
+                     "timeout_seconds", (double)request->timeout_ms / 1000, "views",
+                     views_json(request), "layers", layers_json(request), "cost", cost_of(request),
+                     "audit", audit_json(request), "budget_seconds", budget_json(request), "render",
+                     pen_settings_json(&request->settings), "tile_edge", tile_json(request),
+                     "effects",
                      pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
 }
 

@@ -705,7 +705,8 @@ START_TEST(test_submit__batches_cover_every_tile_once)
         struct cover cover = {0};
         store_must(pen_store_batches(bed.bed.store, id, check_cover, &cover, &st), &st, "batches");
         ck_assert_int_eq(cover.view, 1);
-        ck_assert_int_eq(cover.next_tile, pen_tile_count(sizes[i][0], sizes[i][1], sizes[i][2]));
+        const int edge = sizes[i][2] < 64 ? sizes[i][2] : 64;
+        ck_assert_int_eq(cover.next_tile, pen_tile_count(sizes[i][0], sizes[i][1], edge));
         ck_assert_int_eq(cover.pixels, (int64_t)2 * sizes[i][0] * sizes[i][1]);
     }
     jobs_bed_close(&bed);

@@ -113,15 +113,19 @@ START_TEST(test_worker__long_batches_are_divided)
 {
     static const char *const settings[] = {
         ", \"render\": {\"width\": 60, \"height\": 45, \"samples_per_pixel\": 400, \"tile\": 8}",
-        several_batches};
+        several_batches,
+        /* Larger than the picture: its tiles are smaller. */
+        ", \"render\": {\"width\": 150, \"height\": 110, \"samples_per_pixel\": 400,"
+        " \"tile\": 65536}"};
+    static const int edges[][3] = {{8, 8, 48}, {8, 8, 266}, {65536, 64, 6}};
     jobs_bed_open(&bed);
     bed.batch_ms = 1;
     jobs_worker_start(&bed);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         int kinds[2];
         struct pen_status st;
         double share = 0;
-        int tiles = 0;
+        int tiles = 0, wanted = 0, edge = 0;
         jobs_submit(&bed, jobs_scene(settings[i]), id);
         ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
         count_batches(kinds);
@@ -134,7 +138,11 @@ START_TEST(test_worker__long_batches_are_divided)
         ck_assert_int_eq(json_unpack(job, "{s:{s:F}}", "progress", "fraction", &share), 0);
         ck_assert_int_eq(json_unpack(stats, "{s:{s:i}}", "tiles", "count", &tiles), 0);
         ck_assert_double_eq(share, 1);
-        ck_assert_int_eq(tiles, i == 0 ? 48 : 266);
+        ck_assert_int_eq(
+            json_unpack(job, "{s:{s:i}, s:i}", "render", "tile", &wanted, "tile_edge", &edge), 0);
+        ck_assert_int_eq(wanted, edges[i][0]);
+        ck_assert_int_eq(edge, edges[i][1]);
+        ck_assert_int_eq(tiles, edges[i][2]);
         json_decref(job);
         json_decref(stats);
     }

@@ -6,6 +6,11 @@
 #include "jobs/internal/request.h"
 #include "store/store.h"
 
+/* The edge of the tiles in which a job is rendered, in pixels: that of its settings, or less, since
+ * batches end, give way and are bounded between two tiles. The picture is the same. Studies that
+ * measure keep that of their settings, and are divided into runs; of these, 0. */
+int pen_batch_tile(const struct pen_request *request);
+
 /* The batches of a job. A benchmark is always one batch, stored with the first view: its times are
  * comparable only if one worker takes all of them. Owns: *batches is malloc()ed. Fails:
  * PEN_NO_MEMORY. */
