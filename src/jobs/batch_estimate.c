@@ -6,11 +6,15 @@
  * then the first batches, of a second each, tell soon enough.
  *
  * A job that is expected to take longer than the operator allows fails: by this estimate if even
- * the lower end of its interval is above, and later by the time that its first batches took. */
+ * the lower end of its interval is above, and later by the time that it has taken and, for what is
+ * left, the pace of rendering. What comes before the first pixel (the scene, and the estimate
+ * itself) says nothing about the others. Where there is an estimate, which is from all parts of a
+ * picture, the pace counts when that is of a part that is not small. */
 #include "jobs/internal/batch.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "base/log.h"
 #include "jobs/internal/jobs.h"
@@ -20,6 +24,9 @@ enum {
     LONG_BATCHES = 10, /* of about a second each */
     TELLING_S = 10     /* the time after which what a job has done tells how long the rest takes */
 };
+
+/* The share of a job's pixels that tells more than its estimate. */
+static const double TELLING_SHARE = 0.1;
 
 static bool fail_expected(double seconds, const char *from, int max_seconds, struct pen_status *st)
 {
@@ -87,21 +94,54 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
     return allowed;
 }
 
+void pen_batch_paced(struct pen_batch_context *context, const struct pen_claim *claim,
+                     int64_t pixels, double ms)
+{
+    struct pen_batch_pace *pace = NULL;
+    for (int i = 0; i < PEN_BATCH_PACES && !pace; i++)
+        if (strcmp(context->pace[i].job_id, claim->job_id) == 0)
+            pace = &context->pace[i];
+    if (!pace) {
+        pace = &context->pace[context->pace_next];
+        context->pace_next = (context->pace_next + 1) % PEN_BATCH_PACES;
+        *pace = (struct pen_batch_pace){.ms = 0};
+        memcpy(pace->job_id, claim->job_id, sizeof pace->job_id);
+    }
+    pace->pixels += pixels;
+    pace->ms += ms;
+}
+
+/* How long so many pixels of the job take at this worker's pace; 0 as long as it is not known. */
+static double seconds_for(const struct pen_batch_context *context, const struct pen_claim *claim,
+                          int64_t pixels)
+{
+    for (int i = 0; i < PEN_BATCH_PACES; i++) {
+        const struct pen_batch_pace *pace = &context->pace[i];
+        if (strcmp(pace->job_id, claim->job_id) == 0 && pace->ms >= 1000.0 * TELLING_S)
+            return (double)pixels * pace->ms / 1000 / (double)pace->pixels;
+    }
+    return 0;
+}
+
 bool pen_batch_expected(struct pen_batch_context *context, const struct pen_claim *claim,
                         struct pen_status *st)
 {
-    const double spent_s = (double)claim->job_spent_us * 1e-6;
+    const double spent_s = (double)claim->job_spent_us * 1e-6, most_s = context->max_seconds;
     struct pen_job_record job;
     struct pen_status ignored;
-    if (context->max_seconds == 0 || claim->kind != PEN_BATCH_RENDER || spent_s < TELLING_S ||
+    if (context->max_seconds == 0 || claim->kind != PEN_BATCH_RENDER ||
+        (spent_s < TELLING_S && spent_s <= most_s) ||
         !pen_batch_context_load(context, claim, &ignored) ||
         pen_stored_request_budget(&context->request) > 0 || /* which is bounded itself */
         !pen_store_job(context->store, claim->job_id, &job, &ignored))
         return true;
     const double share = (double)job.done_pixels / (double)job.total_pixels;
+    const bool told = job.estimate_ms == 0 || share >= TELLING_SHARE;
+    const double rest_s =
+        told ? seconds_for(context, claim, job.total_pixels - job.done_pixels) : 0;
     pen_job_record_release(&job);
     char from[80];
-    snprintf(from, sizeof from, "from its first %.3g %%, which took %.0f s", 100 * share, spent_s);
-    return share <= 0 || spent_s <= share * context->max_seconds ||
-           fail_expected(spent_s / share, from, context->max_seconds, st);
+    snprintf(from, sizeof from, "of which %.3g %% are done after %.0f s", 100 * share, spent_s);
+    return spent_s + rest_s <= most_s ||
+           fail_expected(spent_s + rest_s, from, context->max_seconds, st);
 }

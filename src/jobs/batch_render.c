@@ -253,6 +253,7 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
         return false;
     double encode_ms = 0;
     const bool part = cut_result(context, claim, &stats, output);
+    pen_batch_paced(context, claim, output->result.pixels, stats.render_ms);
     bool ok = end_picture(context, output, stats.done_ns, &encode_ms, st);
     warn_of_dropped(claim, &stats.rays);
     pen_store_tally_add(context->store, PEN_TALLY_RAYS,

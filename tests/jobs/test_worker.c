@@ -384,14 +384,52 @@ static void stop_after(int64_t spent_us)
     store_run_sql(&bed.bed, sql, NULL, 0);
 }
 
-START_TEST(test_worker__job_whose_first_batches_tell_that_it_takes_too_long_fails)
+START_TEST(test_worker__job_that_has_taken_too_long_fails)
 {
     stop_after(INT64_C(40000000));
-    bed.max_seconds = 40; /* the rest would take longer */
+    bed.max_seconds = 40;
     jobs_worker_start(&bed);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_FAILED);
     check_error("urn:penumbra:problem:too-large", 413);
     jobs_bed_close(&bed);
+}
+END_TEST
+
+/* What has passed before its pixels, or in other ways than by rendering, is counted once and not
+ * for each of its pixels. */
+START_TEST(test_worker__job_that_took_long_to_begin_succeeds)
+{
+    stop_after(INT64_C(1000000000));
+    bed.max_seconds =
+        1200; /* three quarters at most are done: at that pace, all would take 1333 s */
+    jobs_worker_start(&bed);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* A millisecond for each of 240 000 pixels, on two threads, in batches of four seconds: the third
+ * tells that a minute is not enough. */
+START_TEST(test_worker__job_whose_pace_tells_that_it_takes_too_long_fails)
+{
+    static const struct pen_worker_fault slow = {.wanted = is_slow, .pixel = wait_at_pixel};
+    double share = 1;
+    bed.fault = &slow;
+    jobs_bed_open(&bed);
+    bed.max_seconds = 60;
+    jobs_worker_start(&bed);
+    jobs_submit(&bed,
+                "{\"scene\": \"builtin:spheres\", \"name\": \"slow\","
+                " \"render\": {\"width\": 600, \"height\": 400, \"light_samples\": 1}}",
+                id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_FAILED);
+    check_error("urn:penumbra:problem:too-large", 413);
+    json_t *job = jobs_get(&bed, id);
+    ck_assert_int_eq(json_unpack(job, "{s:{s:F}}", "progress", "fraction", &share), 0);
+    ck_assert(share > 0 && share < 0.35);
+    json_decref(job);
+    jobs_bed_close(&bed);
+    bed.fault = NULL;
 }
 END_TEST
 
@@ -487,7 +525,9 @@ PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
           test_worker__short_job_that_takes_longer_than_its_timeout_fails,
           test_worker__job_whose_time_was_spent_by_other_workers_fails,
           test_worker__job_that_was_started_long_ago_has_its_time_left,
-          test_worker__job_whose_first_batches_tell_that_it_takes_too_long_fails,
+          test_worker__job_that_has_taken_too_long_fails,
+          test_worker__job_that_took_long_to_begin_succeeds,
+          test_worker__job_whose_pace_tells_that_it_takes_too_long_fails,
           test_worker__job_that_is_expected_to_take_what_is_allowed_succeeds,
           test_worker__scene_beyond_the_memory_cap_fails_its_job_alone,
           test_worker__stop_leaves_the_rest_to_the_next_worker,

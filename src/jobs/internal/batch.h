@@ -54,8 +54,14 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
 bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_forecast *forecast,
                        int views, struct pen_status *st);
 
-/* batch_estimate.c: tells from what is done of the job, and how long that took, whether all of it
- * is expected to take longer than the operator allows. Fails: PEN_TOO_LARGE, if so. */
+/* batch_estimate.c: notes that a batch of the claim's job has rendered so many pixels in this time.
+ */
+void pen_batch_paced(struct pen_batch_context *context, const struct pen_claim *claim,
+                     int64_t pixels, double ms);
+
+/* batch_estimate.c: tells from the time that the job has taken, and the pace at which this worker
+ * renders it, whether all of it is expected to take longer than the operator allows. Fails:
+ * PEN_TOO_LARGE, if so. */
 bool pen_batch_expected(struct pen_batch_context *context, const struct pen_claim *claim,
                         struct pen_status *st);
 

@@ -14,6 +14,16 @@
 #include "jobs/worker.h"
 #include "render/render.h"
 
+/* What this worker has rendered of a job. */
+struct pen_batch_pace {
+    char job_id[PEN_ID_BYTES];
+    double ms; /* of rendering alone */
+    int64_t pixels;
+};
+
+/* Of so many jobs whose batches come in turn. */
+enum { PEN_BATCH_PACES = 16 };
+
 struct pen_batch_context {
     struct pen_store *store;
     struct pen_thread_pool *pool;
@@ -36,6 +46,8 @@ struct pen_batch_context {
     int64_t split_ns;               /* when its tiles end, by pen_clock_ns, if not in rounds */
     int64_t keep_ms, batch_ms;      /* as in pen_worker_options */
     int max_seconds;                /* the same */
+    struct pen_batch_pace pace[PEN_BATCH_PACES];
+    int pace_next;   /* the one that the next new job takes */
     double store_ms; /* time spent waiting for the store and for compression; not in the job's
                         statistics yet */
 };
