@@ -6,6 +6,9 @@
  *   - The worker must stop during a study: it gives the study back, to be started again.
  *   - The store is busy, full or failing: the worker keeps the result and tries again. These calls
  *     also make the store recover once its disk works again.
+ *   - The disk has no space for this result, but for smaller ones: the worker waits as long as the
+ *     batch took, 5 s at least and at most a minute, and then gives the batch back if a batch of
+ *     another job is open, or else after a minute. The store fails the job after many such tries.
  *   - The store cannot be read for a batch: the batch starts again once the store can be read.
  *
  * A result is kept until the store has stored or refused it. A commit whose outcome is unknown is
@@ -26,13 +29,15 @@
 
 enum {
     LEASE_MS = 15000,
-    IDLE_MS = 1000,    /* until an idle worker tries to claim without a wake-up */
-    RETRY_MS = 250,    /* between tries of a busy or failing store */
-    LOG_MS = 10000,    /* between log lines about the same failure */
-    READ_TRIES = 5,    /* times that a batch is tried if the store cannot be read for it */
-    MEMORY_TRIES = 20, /* times that a store call is tried while memory is short */
-    EXPIRE_MS = 1000,  /* between calls of pen_store_expire_leases */
-    SEEN_MS = 15000    /* between updates of this worker's row in the list of workers */
+    IDLE_MS = 1000,       /* until an idle worker tries to claim without a wake-up */
+    RETRY_MS = 250,       /* between tries of a busy or failing store */
+    LOG_MS = 10000,       /* between log lines about the same failure */
+    READ_TRIES = 5,       /* times that a batch is tried if the store cannot be read for it */
+    SPACE_MS = 5000,      /* how long a result waits for space at least, if others wait for it, */
+    SPACE_MAX_MS = 60000, /* and at most; at least, if nobody does */
+    MEMORY_TRIES = 20,    /* times that a store call is tried while memory is short */
+    EXPIRE_MS = 1000,     /* between calls of pen_store_expire_leases */
+    SEEN_MS = 15000       /* between updates of this worker's row in the list of workers */
 };
 
 struct worker {
@@ -45,6 +50,7 @@ struct worker {
     struct pen_housekeeper *housekeeper;
     int64_t expired_ns, seen_ns; /* when each was last done, see maintain */
     int memory_tries;            /* in a row */
+    bool lacks_space;            /* the batch failed because a result of it found no space */
     int64_t logged_ns;           /* when a failure of the store was last logged */
     enum pen_code logged;        /* the code of that failure */
     uint32_t wakeups;            /* the store's PEN_SIGNAL_WORK counter, as last seen */
@@ -111,6 +117,45 @@ static bool release(struct worker *w, const struct pen_claim *claim, struct pen_
     return pen_store_release(w->store, claim, st) || is_temporary(st);
 }
 
+/* After a result was refused because the disk has too little space for it: gives the batch back if
+ * it has waited long enough, since since_ns. Returns whether the worker goes on to others. */
+static bool set_back(struct worker *w, const struct pen_claim *claim, int64_t since_ns,
+                     const struct pen_status *why)
+{
+    const int64_t waited_ms = (pen_clock_ns() - since_ns) / 1000000,
+                  took_ms = claim->spent_us / 1000;
+    const int64_t least_ms = took_ms < SPACE_MS       ? SPACE_MS
+                             : took_ms < SPACE_MAX_MS ? took_ms
+                                                      : SPACE_MAX_MS;
+    const bool always = waited_ms >= (took_ms < SPACE_MAX_MS ? SPACE_MAX_MS : took_ms);
+    struct pen_log_about about = pen_claim_about(claim);
+    struct pen_status ignored;
+    bool done = false;
+    if (waited_ms < least_ms)
+        return false;
+    char *error = pen_failure_status_json(w->store, claim, why);
+    if (!error || !pen_store_set_back(w->store, claim, error, always, &done, &ignored))
+        done = false;
+    free(error);
+    if (done)
+        pen_log_about(PEN_LOG_WARN, &about, "the batch was set back: %s", why->msg);
+    return done;
+}
+
+/* The same for a batch that has failed so, and whose result is gone: waits until it is set back, or
+ * there is space. Returns whether it was set back. */
+static bool wait_for_space(struct worker *w, const struct pen_claim *claim,
+                           const struct pen_status *why)
+{
+    const int64_t since_ns = pen_clock_ns();
+    struct pen_status ignored;
+    while (!set_back(w, claim, since_ns, why)) {
+        if (pen_store_probe(w->store, &ignored) || !wait_to_retry(w, "storing a result", why))
+            return false;
+    }
+    return true;
+}
+
 /* Commits a batch. Unless the worker must stop, the same transaction claims the next batch. */
 static bool commit(struct worker *w, const struct pen_claim *claim,
                    const struct pen_batch_output *output, struct pen_next *next,
@@ -118,19 +163,20 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
 {
     struct pen_log_about about = pen_claim_about(claim);
     int64_t begin_ns = pen_clock_ns();
-    bool ok;
+    bool ok, is_set_back;
     do {
         if (stopped(w))
             ok = pen_store_commit(w->store, claim, &output->result, st);
         else
             ok = pen_store_commit_and_claim(w->store, claim, &output->result, next, st);
-    } while (!ok && wait_to_retry(w, "committing a batch", st));
+        is_set_back = !ok && pen_store_lacks_space(w->store) && set_back(w, claim, begin_ns, st);
+    } while (!ok && !is_set_back && wait_to_retry(w, "committing a batch", st));
     w->context.store_ms += (double)(pen_clock_ns() - begin_ns) * 1e-6;
     if (pen_store_checkpoint_due(w->store))
         pen_heartbeat_request_checkpoint(w->context.heart);
     if (!ok && st->code == PEN_STALE)
         pen_log_about(PEN_LOG_INFO, &about, "the result was dropped: the claim is no longer held");
-    return ok || st->code == PEN_STALE;
+    return ok || is_set_back || st->code == PEN_STALE;
 }
 
 /* Ends a claim whose batch has failed. If the claim is no longer held, nothing is left to do; else
@@ -176,8 +222,10 @@ static bool wait_for_store(struct worker *w)
 static bool run_batch(struct worker *w, const struct pen_claim *claim,
                       struct pen_batch_output *output, struct pen_status *why)
 {
+    w->lacks_space = false;
     if (pen_batch_run(&w->context, claim, output, why))
         return true;
+    w->lacks_space = pen_store_lacks_space(w->store);
     if (why->code != PEN_NO_MEMORY ||
         atomic_load_explicit(&w->context.exhausted, memory_order_relaxed))
         return false;
@@ -227,11 +275,12 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
         pen_batch_output_release(&output);
         done = pen_fail(&why, PEN_CANCELLED, "the time is up");
     }
+    const bool is_set_back = !done && w->lacks_space && wait_for_space(w, claim, &why);
     bool ok = !done || commit(w, claim, &output, next, st);
     *proven = done && ok;
     enum pen_claim_end ended = pen_heartbeat_end(w->context.heart);
     if (!done)
-        return end_failed(w, claim, ended, &why, st);
+        return is_set_back || end_failed(w, claim, ended, &why, st);
     pen_batch_output_release(&output);
     return ok;
 }

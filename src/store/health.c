@@ -12,7 +12,8 @@ enum {
     RETRY_MS = 500,         /* between tries to recover */
     RETRY_DAMAGE_MS = 5000, /* the same, of a damaged store */
     RETRY_TIMES = 4,        /* at least so many times as long as the last try took */
-    RETRY_MAX_MS = 60000    /* a later time in the shared word dates from before a reboot */
+    RETRY_MAX_MS = 60000,   /* a later time in the shared word dates from before a reboot */
+    WANTED_MS = 120000      /* how long a result that was refused counts as waiting for space */
 };
 
 /* The shared words. Atomic: sequentially consistent, since a call touches them only once. */
@@ -21,6 +22,9 @@ enum {
     WORD_RECOVERED = WORD_MET + PEN_FAULT_COUNT,   /* by kind: number of faults recovered from */
     WORD_ERRNO = WORD_RECOVERED + PEN_FAULT_COUNT, /* by kind: errno of the last fault */
     WORD_RETRY_MS = WORD_ERRNO + PEN_FAULT_COUNT,  /* when to try again, by the monotonic clock */
+    WORD_WANTED_KIB, /* what the disk must have free for the result that was refused last; 0: none
+                      */
+    WORD_WANTED_MS,  /* when that was, by the monotonic clock */
     WORD_COUNT
 };
 _Static_assert((int)WORD_COUNT <= (int)PEN_HEALTH_WORDS, "the shared page has fewer words");
@@ -99,6 +103,25 @@ static void note_faults(struct pen_store *store)
     store->driver->fault_errno = 0;
 }
 
+/* What the disk must have free for a result that waits for space; 0: none waits. */
+static int64_t wanted_bytes(const struct pen_store *store)
+{
+    const uint32_t age_ms = now_ms() - atomic_load(word(store, WORD_WANTED_MS));
+    return age_ms > WANTED_MS ? 0 : (int64_t)atomic_load(word(store, WORD_WANTED_KIB)) << 10;
+}
+
+static bool fail_full(const struct pen_store *store, struct pen_status *st)
+{
+    const int64_t wanted = wanted_bytes(store);
+    if (wanted == 0)
+        return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space left",
+                        store->driver->name);
+    return pen_fail(st, PEN_STORAGE_FULL,
+                    "the store %s has no space left: a result waits until its disk has %lld KiB "
+                    "free",
+                    store->driver->name, (long long)(wanted >> 10));
+}
+
 /* Refuses a call that has not tried to recover the store itself. Fails: always. */
 static bool refuse(const struct pen_store *store, struct pen_status *st)
 {
@@ -114,7 +137,7 @@ static bool refuse(const struct pen_store *store, struct pen_status *st)
                         "the store %s could not be read or written (%s); it takes nothing until a "
                         "trial write and a check succeed",
                         store->driver->name, error ? strerror(error) : "input/output error");
-    return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space left", store->driver->name);
+    return fail_full(store, st);
 }
 
 static bool reopen(struct pen_store *store, struct pen_status *st)
@@ -159,6 +182,20 @@ static void note_recovery(struct pen_store *store, enum pen_fault fault, uint32_
     atomic_store(word(store, WORD_RECOVERED + (int)fault), seen);
 }
 
+/* Whether there is space for a result that waits for it. */
+static bool has_wanted_space(struct pen_store *store, bool *has, struct pen_status *st)
+{
+    const int64_t wanted = wanted_bytes(store);
+    struct pen_room room;
+    *has = true;
+    if (wanted == 0)
+        return true;
+    if (!store->driver->ops->room(store->driver, &room, st))
+        return false;
+    *has = room.disk_bytes == 0 || room.disk_free_bytes >= wanted;
+    return true;
+}
+
 static bool try_recovery(struct pen_store *store, enum pen_need need, struct pen_status *st)
 {
     uint32_t seen[PEN_FAULT_COUNT];
@@ -170,8 +207,11 @@ static bool try_recovery(struct pen_store *store, enum pen_need need, struct pen
     note_recovery(store, PEN_FAULT_DAMAGE, seen[PEN_FAULT_DAMAGE]);
     if (need < PEN_NEED_GROW || !is_faulty(store, PEN_FAULT_FULL))
         return true;
-    if (!store->driver->ops->space(store->driver, st))
+    bool has;
+    if (!store->driver->ops->space(store->driver, st) || !has_wanted_space(store, &has, st))
         return false;
+    if (!has)
+        return need == PEN_NEED_GROW || fail_full(store, st); /* other results may fit */
     note_recovery(store, PEN_FAULT_FULL, seen[PEN_FAULT_FULL]);
     return true;
 }
@@ -188,6 +228,15 @@ static bool recover(struct pen_store *store, enum pen_need need, struct pen_stat
         set_due(store, begun_ms, st->code == PEN_NO_MEMORY);
     store->driver->ops->repair_unlock(store->driver, lock);
     return ok;
+}
+
+void pen_health_want(struct pen_store *store, int64_t bytes)
+{
+    const int64_t kib = (bytes + 1023) >> 10;
+    atomic_store(word(store, WORD_WANTED_MS), now_ms());
+    atomic_store(word(store, WORD_WANTED_KIB), kib < UINT32_MAX ? (uint32_t)kib : UINT32_MAX);
+    if (bytes > 0)
+        store->driver->faults |= 1u << PEN_FAULT_FULL;
 }
 
 void pen_health_check_passed(struct pen_store *store)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Batches whose worker is lost (README.md, "Lost workers, charges and pauses"). Any of them may
  * have killed the worker, so all are quarantined. A crash is charged only if the worker held
- * batches of one job, and it is charged to the job, because its batches share the scene. */
+ * batches of one job, and it is charged to the job, because its batches share the scene. Also here:
+ * batches that are set back since the disk has no space for their results. */
 #include <stdlib.h>
 
 #include "store/internal/policy.h"
@@ -11,7 +12,9 @@ enum {
     FIRST_PAUSE_MS = 250, /* doubled once before its first use: the second loss pauses for 0.5 s */
     LONGEST_PAUSE_MS = 60000,
     DOUBLINGS = 8,
-    TRIES = 8 /* to find the same charge before and in the transaction */
+    TRIES = 8,           /* to find the same charge before and in the transaction */
+    SET_BACKS = 16,      /* for lack of space; then the job fails, */
+    SET_BACK_MS = 600000 /* but not so soon after its begin */
 };
 
 /* A charge for a crash. */
@@ -43,6 +46,50 @@ static bool count_death(struct pen_driver *driver, const struct pen_lost_job *jo
 {
     int64_t until_ms = job->deaths == 0 ? 0 : now_ms + pause_ms(job->deaths);
     return driver->ops->job_set_deaths(driver, job->number, job->deaths + 1, until_ms, st);
+}
+
+struct set_back {
+    const struct pen_claim *claim;
+    const char *error;
+};
+
+/* It counts as a loss of the job, and pauses it at once: others shall come before it. */
+static bool write_set_back(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    const struct set_back *in = arg;
+    struct pen_driver *driver = store->driver;
+    struct pen_batch_row batch;
+    int64_t now_ms;
+    bool held;
+    if (!pen_check_fence(store, in->claim, &batch, &held, st) ||
+        !driver->ops->now(driver, &now_ms, st))
+        return false;
+    if (!held)
+        return true;
+    if (!pen_charge_time(store, in->claim, st))
+        return false;
+    const int64_t deaths = batch.job_deaths > 0 ? batch.job_deaths : 1;
+    if (deaths >= SET_BACKS && now_ms - batch.job_started_ms >= SET_BACK_MS)
+        return pen_end_job(store, batch.job, PEN_JOB_FAILED, in->error, st);
+    return driver->ops->job_set_deaths(driver, batch.job, deaths + 1, now_ms + pause_ms(deaths),
+                                       st) &&
+           driver->ops->batch_open(driver, in->claim->batch, in->claim->attempt, &store->work, st);
+}
+
+bool pen_policy_set_back(struct pen_store *store, const struct pen_claim *claim, const char *error,
+                         bool always, bool *set_back, struct pen_status *st)
+{
+    struct set_back in = {claim, error};
+    struct pen_driver *driver = store->driver;
+    int64_t now_ms;
+    *set_back = always;
+    if (!always && (!driver->ops->now(driver, &now_ms, st) ||
+                    !driver->ops->open_elsewhere(driver, claim->batch, now_ms, set_back, st)))
+        return false;
+    if (!*set_back)
+        return true;
+    *set_back = pen_store_write(store, write_set_back, &in, st);
+    return *set_back;
 }
 
 static bool count_deaths(struct pen_driver *driver, const struct pen_lost *lost,

@@ -4,6 +4,7 @@
  * the change. Also here: the choice of the driver. */
 #include "store/store.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -134,8 +135,10 @@ static bool end(const struct pen_store *store, const struct call_start *start, b
 /* A call of the policy is `enter(store, need, st) && leave(store, &start, CALL)`, see health.h. */
 static bool enter(struct pen_store *store, enum pen_need need, struct pen_status *st)
 {
-    if (store->depth == 0)
-        store->outcome_unknown = false;
+    if (store->depth == 0) {
+        store->outcome_unknown = store->lacks_space = false;
+        store->driver->wanted_bytes = 0;
+    }
     return pen_health_enter(store, need, st);
 }
 
@@ -156,6 +159,25 @@ static bool leave(struct pen_store *store, const struct call_start *start, bool 
     if (pen_health_exit(store))
         give_signals(store);
     return start ? end(store, start, ok) : ok;
+}
+
+/* After a call that stores a result of a job: notes whether that waits for space. */
+static bool note_space(struct pen_store *store, const char *id, bool ok)
+{
+    store->lacks_space = !ok && store->driver->wanted_bytes > 0;
+    if (store->lacks_space) {
+        snprintf(store->waiting, sizeof store->waiting, "%s", id);
+        pen_health_want(store, store->driver->wanted_bytes);
+    } else if (strcmp(store->waiting, id) == 0) {
+        store->waiting[0] = '\0';
+        pen_health_want(store, 0);
+    }
+    return ok;
+}
+
+bool pen_store_lacks_space(const struct pen_store *store)
+{
+    return store->lacks_space;
 }
 
 enum pen_failure pen_store_failure(const struct pen_store *store, const struct pen_status *st)
@@ -368,7 +390,9 @@ bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
 {
     struct call_start start = begin(store, "commit");
     return enter(store, PEN_NEED_GROW, st) &&
-           leave(store, &start, pen_policy_commit(store, claim, result, NULL, st));
+           leave(
+               store, &start,
+               note_space(store, claim->job_id, pen_policy_commit(store, claim, result, NULL, st)));
 }
 
 bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim *claim,
@@ -377,7 +401,9 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
 {
     struct call_start start = begin(store, "commit");
     return enter(store, PEN_NEED_GROW, st) &&
-           leave(store, &start, pen_policy_commit(store, claim, result, next, st));
+           leave(
+               store, &start,
+               note_space(store, claim->job_id, pen_policy_commit(store, claim, result, next, st)));
 }
 
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
@@ -427,6 +453,14 @@ bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
     struct call_start start = begin(store, "release");
     return enter(store, PEN_NEED_WRITE, st) &&
            leave(store, &start, pen_policy_release(store, claim, st));
+}
+
+bool pen_store_set_back(struct pen_store *store, const struct pen_claim *claim, const char *error,
+                        bool always, bool *set_back, struct pen_status *st)
+{
+    struct call_start start = begin(store, "set_back");
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &start, pen_policy_set_back(store, claim, error, always, set_back, st));
 }
 
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
@@ -549,7 +583,9 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
 {
     return enter(store, PEN_NEED_GROW, st) &&
            leave(store, NULL,
-                 pen_policy_artefact_put(store, id, view, layer, format, data, bytes, st));
+                 note_space(
+                     store, id,
+                     pen_policy_artefact_put(store, id, view, layer, format, data, bytes, st)));
 }
 
 void pen_store_delegate_checkpoints(struct pen_store *store)

@@ -429,6 +429,18 @@ bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st);
 
+/* Whether the last call, a commit or pen_store_artefact_put, failed because the disk has too little
+ * space for so large a result. Smaller ones may still be stored. */
+bool pen_store_lacks_space(const struct pen_store *store);
+
+/* Gives a batch back whose result the disk has no space for, so that others, whose results fit, get
+ * their turn: as pen_store_release, and its job is paused as after lost workers, without a charge.
+ * After the 16th time since the job's last commit, and ten minutes after its begin at the earliest,
+ * the job fails with `error`, a problem document. Unless `always`, this is only done if a batch of
+ * another job is open. *set_back: it was done, or the claim is no longer held. */
+bool pen_store_set_back(struct pen_store *store, const struct pen_claim *claim, const char *error,
+                        bool always, bool *set_back, struct pen_status *st);
+
 /* Ends the claim's job as failed; `error` is a problem document, JSON. Fails: PEN_STALE. */
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                     struct pen_status *st);

@@ -223,6 +223,63 @@ START_TEST(test_deaths__job_that_keeps_losing_workers_is_paused_while_others_are
 }
 END_TEST
 
+static int64_t time_ms;
+
+static int64_t read_time(void *user)
+{
+    return *(const int64_t *)user;
+}
+
+static bool set_back(const struct pen_claim *claim, bool always)
+{
+    struct pen_status st;
+    bool done = false;
+    store_must(pen_store_set_back(bed.store, claim, "{\"status\": 507}", always, &done, &st), &st,
+               "set back");
+    return done;
+}
+
+/* A batch whose result finds no space: without a charge or a quarantine, its job is paused for
+ * longer and longer, and fails in the end, but not within ten minutes. */
+START_TEST(test_deaths__batch_that_is_set_back_lets_others_go_first)
+{
+    enum { TRIES = 16 };
+    struct store_job large, other;
+    struct pen_claim claim;
+    time_ms = INT64_C(1800000000000);
+    store_bed_open(&bed);
+    pen_store_set_clock(bed.store, read_time, &time_ms);
+    submit(&large, 1, 1, 1);
+    claim = store_claim(bed.store, "w");
+    ck_assert(!set_back(&claim, false)); /* nobody waits */
+    submit(&other, 2, 2 * TRIES, 1);
+    ck_assert(set_back(&claim, false));
+    ck_assert(set_back(&claim, false)); /* it is no longer held: nothing happens */
+    for (int i = 1; i < 2 * TRIES; i++) {
+        claim = store_claim(bed.store, "w");
+        ck_assert_str_eq(claim.job_id, other.id);
+        ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+        time_ms += 500LL << (i < 7 ? i - 1 : 7);
+        ck_assert(claim_any("w", &claim));
+        if (i == 2 * TRIES - 1 || strcmp(claim.job_id, large.id) != 0)
+            break;
+        ck_assert_int_eq(attempts(&large), 1);
+        ck_assert(set_back(&claim, false));
+        if (store_job_state(bed.store, large.id) == PEN_JOB_FAILED) {
+            ck_assert_int_ge(i, TRIES - 1);
+            break;
+        }
+    }
+    struct pen_job_record job = store_job_get(bed.store, large.id);
+    ck_assert_int_eq(job.state, PEN_JOB_FAILED);
+    ck_assert_str_eq(job.error, "{\"status\": 507}");
+    ck_assert_int_ge(job.finished_ms - job.started_ms, 600000);
+    pen_job_record_release(&job);
+    store_work_off(bed.store, "w");
+    store_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_deaths__store_of_the_first_schema_is_migrated)
 {
     struct store_job in;
@@ -243,5 +300,6 @@ PEN_SUITE("store deaths", test_deaths__crash_over_one_job_is_charged_up_to_its_f
           test_deaths__other_ends_are_not_charged,
           test_deaths__crash_over_two_jobs_charges_neither_and_quarantined_batches_are_tried_alone,
           test_deaths__any_commit_of_the_job_takes_its_charges_back,
+          test_deaths__batch_that_is_set_back_lets_others_go_first,
           test_deaths__job_that_keeps_losing_workers_is_paused_while_others_are_open,
           test_deaths__store_of_the_first_schema_is_migrated)

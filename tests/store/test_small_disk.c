@@ -1,42 +1,30 @@
 /* SPDX-License-Identifier: MIT */
-/* A disk of 8 MiB whose space ends while readers keep the write-ahead log from being copied: jobs
- * can be removed, and with that the store takes new ones again. The disk is a tmpfs in a mount
- * namespace of the test's own, which takes root's rights; without them nothing is tested. */
-#include <errno.h>
-#include <fcntl.h>
+/* A disk of 8 MiB whose space ends. While readers keep the write-ahead log from being copied, jobs
+ * can be removed, and with that the store takes new ones again. A result that is too large for what
+ * is free waits, and others go on. Takes root's rights; without them nothing is tested. */
 #include <pthread.h>
-#include <sched.h>
 #include <sqlite3.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mount.h>
 #include <sys/stat.h>
 #include <time.h>
-#include <unistd.h>
 
+#include "support/small_disk.h"
 #include "support/store.h"
 #include "support/suite.h"
 
-enum { DISK_MIB = 8, PICTURE_BYTES = 64000, PAGE_BYTES = 4096 };
+enum { DISK_MIB = 8, PICTURE_BYTES = 64000 };
 
 static struct store_bed bed;
 
 static bool open_small_disk(void)
 {
     struct pen_status st;
-    char size[32];
     store_bed_make(&bed);
-    snprintf(size, sizeof size, "size=%dm", DISK_MIB);
-    if (unshare(CLONE_NEWNS) != 0 || mount("none", "/", NULL, MS_REC | MS_PRIVATE, NULL) != 0 ||
-        mount("none", bed.folder, "tmpfs", 0, size) != 0) {
-        const int error = errno;
-        rmdir(bed.folder);
-        printf("not tested: a tmpfs cannot be mounted here: %s\n", strerror(error));
-        ck_assert(error == EPERM || error == EACCES); /* not root, or only that of a container */
+    if (!small_disk_mount(bed.folder, DISK_MIB))
         return false;
-    }
     store_bed_open(&bed);
     store_must(pen_store_reserve(bed.store, &st), &st, "reserve");
     return true;
@@ -46,8 +34,7 @@ static void close_small_disk(void)
 {
     store_audit_clean(bed.store);
     pen_store_close(bed.store);
-    ck_assert_int_eq(umount(bed.folder), 0);
-    ck_assert_int_eq(rmdir(bed.folder), 0);
+    small_disk_unmount(bed.folder);
 }
 
 static int64_t log_bytes(void)
@@ -111,11 +98,22 @@ static void end_read(sqlite3 *db)
     ck_assert_int_eq(sqlite3_close(db), SQLITE_OK);
 }
 
+/* The store takes jobs again by itself, soon. */
+static void submit_in_time(int n)
+{
+    enum { RECOVERY_MS = 20000, STEP_MS = 50 };
+    struct pen_status st;
+    int waited_ms = 0;
+    for (; !submit(n, &st) && waited_ms < RECOVERY_MS; waited_ms += STEP_MS)
+        pause_ms(STEP_MS);
+    ck_assert_int_lt(waited_ms, RECOVERY_MS);
+}
+
 /* Nothing that is written meanwhile can be copied from the log. What is left of the disk must be
  * enough to copy it afterwards. */
 static void write_beside_reader(bool removes)
 {
-    enum { TRIES = 2000, RECOVERY_MS = 20000, STEP_MS = 50 };
+    enum { TRIES = 2000 };
     struct pen_status st = {0};
     int jobs = 0, pictures = 0;
     if (!open_small_disk())
@@ -134,10 +132,7 @@ static void write_beside_reader(bool removes)
         remove_jobs(jobs);
         store_purge_slices(bed.store);
     }
-    int waited_ms = 0;
-    for (; !submit(jobs, &st) && waited_ms < RECOVERY_MS; waited_ms += STEP_MS)
-        pause_ms(STEP_MS);
-    ck_assert_int_lt(waited_ms, RECOVERY_MS);
+    submit_in_time(jobs);
     close_small_disk();
 }
 
@@ -169,18 +164,6 @@ static void *read_on(void *unused)
     return NULL;
 }
 
-static void fill_disk(void)
-{
-    static char zeros[PAGE_BYTES];
-    char path[128];
-    snprintf(path, sizeof path, "%s/ballast", bed.folder);
-    const int fd = open(path, O_WRONLY | O_CREAT | O_APPEND, 0600);
-    ck_assert_int_ge(fd, 0);
-    while (write(fd, zeros, sizeof zeros) > 0)
-        continue;
-    close(fd);
-}
-
 START_TEST(test_small_disk__overlapping_readers_let_jobs_be_removed)
 {
     enum { JOBS = 20, PICTURES = 300, LOG_BYTES_MAX = 2 << 20 };
@@ -201,9 +184,9 @@ START_TEST(test_small_disk__overlapping_readers_let_jobs_be_removed)
     for (int n = 0; n < JOBS; n++) {
         struct store_job in;
         store_job_init(&in, n, 1, 1);
-        fill_disk(); /* again: others take what becomes free */
+        small_disk_fill(bed.folder, 0); /* again: others take what becomes free */
         store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-        fill_disk();
+        small_disk_fill(bed.folder, 0);
         store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
     }
     end = true;
@@ -213,6 +196,84 @@ START_TEST(test_small_disk__overlapping_readers_let_jobs_be_removed)
 }
 END_TEST
 
+/* Commits a job of one batch with a large picture. */
+static bool commit_large(const struct pen_claim *claim, struct pen_status *st)
+{
+    enum { LARGE_BYTES = 2 << 20 };
+    static char picture[LARGE_BYTES];
+    static float rgb[STORE_JOB_TILE * STORE_JOB_TILE * 3];
+    const struct pen_result result = {.rgb = rgb,
+                                      .pixels = claim->pixels,
+                                      .stats = "{}",
+                                      .layer = "beauty",
+                                      .format = "png",
+                                      .artefact = picture,
+                                      .artefact_bytes = LARGE_BYTES};
+    return pen_store_commit(bed.store, claim, &result, st);
+}
+
+START_TEST(test_small_disk__large_result_waits_for_space_and_small_ones_go_on)
+{
+    enum { FREE_BYTES = 2 << 20 }; /* less than twice the picture */
+    struct pen_status st;
+    struct store_job in;
+    bool set_back = true;
+    if (!open_small_disk())
+        return;
+    store_must(submit(0, &st), &st, "submit");
+    struct pen_claim claim = store_claim(bed.store, "w");
+    small_disk_fill(bed.folder, FREE_BYTES);
+    store_must(submit(1, &st), &st, "submit");
+    ck_assert(!commit_large(&claim, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+    ck_assert(pen_store_lacks_space(bed.store));
+    for (int i = 0; i < 2; i++) { /* nobody is told that jobs are taken */
+        ck_assert(!pen_store_intake(bed.store, &st));
+        ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+        ck_assert(!submit(2, &st));
+        ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+        pause_ms(600); /* the next call tries to recover the store */
+    }
+    store_must(pen_store_set_back(bed.store, &claim, "{}", false, &set_back, &st), &st, "set back");
+    ck_assert(set_back);
+    claim = store_claim(bed.store, "w");
+    store_job_init(&in, 1, 1, 1);
+    ck_assert_str_eq(claim.job_id, in.id);
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    ck_assert(!submit(2, &st));
+    small_disk_free(bed.folder);
+    submit_in_time(2);
+    for (int i = 0; i < 2; i++) {
+        claim = store_claim(bed.store, "w");
+        store_must(commit_large(&claim, &st), &st, "commit");
+    }
+    close_small_disk();
+}
+END_TEST
+
+/* A job that is cancelled wants no space any more. */
+START_TEST(test_small_disk__job_that_is_cancelled_waits_for_no_space)
+{
+    enum { FREE_BYTES = 2 << 20 };
+    struct pen_status st;
+    if (!open_small_disk())
+        return;
+    store_must(submit(0, &st), &st, "submit");
+    struct pen_claim claim = store_claim(bed.store, "w");
+    small_disk_fill(bed.folder, FREE_BYTES);
+    ck_assert(!commit_large(&claim, &st));
+    ck_assert(!submit(1, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+    store_must(pen_store_cancel(bed.store, claim.job_id, &st), &st, "cancel");
+    ck_assert(!commit_large(&claim, &st));
+    ck_assert_int_eq(st.code, PEN_STALE);
+    submit_in_time(1);
+    close_small_disk();
+}
+END_TEST
+
 PEN_SUITE("small disk", test_small_disk__long_reader_leaves_space_to_copy_the_log,
           test_small_disk__long_reader_leaves_space_to_remove_jobs,
-          test_small_disk__overlapping_readers_let_jobs_be_removed)
+          test_small_disk__overlapping_readers_let_jobs_be_removed,
+          test_small_disk__large_result_waits_for_space_and_small_ones_go_on,
+          test_small_disk__job_that_is_cancelled_waits_for_no_space)

@@ -63,8 +63,10 @@ struct pen_driver {
     bool closed;                /* out: the handle is unusable until it is reopened */
     bool outcome_unknown;       /* out: the last commit failed, and its changes may be stored */
     int64_t transactions;       /* out: number of write transactions committed */
-    unsigned faults; /* out: faults met since the caller cleared it, as 1 << enum pen_fault */
-    int fault_errno; /* out: errno of the last fault, 0 if unknown */
+    unsigned faults;      /* out: faults met since the caller cleared it, as 1 << enum pen_fault */
+    int fault_errno;      /* out: errno of the last fault, 0 if unknown */
+    int64_t wanted_bytes; /* out: what the disk must have free for the blob that was refused last
+                             for lack of space; stays until the caller clears it */
     int64_t (*clock)(void *user); /* in: for tests, the clock instead of the driver's; NULL: none */
     void *clock_user;
 };
@@ -123,6 +125,7 @@ struct pen_batch_row {
     enum pen_batch_kind kind;
     int64_t job, attempt, pixels, lease_until_ms;
     int64_t spent_us, job_spent_us; /* the time spent under this attempt; on the job in all */
+    int64_t job_deaths, job_started_ms;
     int view;
 };
 
@@ -370,6 +373,10 @@ struct pen_driver_ops {
      * "Shares", 6); or, if `equal`, since it has the same and is another job's. */
     bool (*open_above)(struct pen_driver *driver, int64_t batch, int64_t now_ms, bool aged,
                        bool equal, bool *any, struct pen_status *st);
+    /* Whether a batch of another job than this one's is open, of a job whose pause ends by
+     * paused_until_ms. */
+    bool (*open_elsewhere)(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms,
+                           bool *any, struct pen_status *st);
     /* Counts the batches that a worker holds, and those that it must hold alone: quarantined
      * batches and studies. */
     bool (*held_by)(struct pen_driver *driver, const char *worker, int *count, int *alone,

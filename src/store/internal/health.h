@@ -9,8 +9,8 @@
  *   fault      refused until recovery                    recovered when
  *   no space   submits (507). Calls that cancel or       the log can be copied, a trial write
  *              delete jobs are tried, with the reserve   is synced, the reserve is there again,
- *              of the disk if it must be. Calls that     and a MiB is free.
- *              store results are tried until the
+ *              of the disk if it must be. Calls that     and a MiB is free, or what a result that
+ *              store results are tried until the         was refused needs (pen_health_want).
  *              reserve is given up for those.
  *   I/O        writes (503, or 507 if the cause was a    the store was reopened, a trial write is
  *              full disk). Reads are tried on a          synced, and a check of the whole file
@@ -68,6 +68,11 @@ void pen_health_begin(struct pen_store *store);
  * a call (from a caller's function) is never refused. Fails: PEN_STORAGE, PEN_STORAGE_FULL, and the
  * failures of the driver's reopen; pen_health_exit must not be called then. */
 bool pen_health_enter(struct pen_store *store, enum pen_need need, struct pen_status *st);
+
+/* Notes, within a call, that a result was refused because the disk has less free space than so many
+ * bytes: a fault "no space", which lasts until the disk has them, or until no result was refused so
+ * for two minutes. 0: the result no longer waits. */
+void pen_health_want(struct pen_store *store, int64_t bytes);
 
 /* Notes that a check has found nothing: the next recovery need not wait. */
 void pen_health_check_passed(struct pen_store *store);

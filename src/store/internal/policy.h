@@ -20,6 +20,9 @@ struct pen_store {
     bool changed;              /* this call changed a job: give PEN_SIGNAL_CHANGES */
     int64_t told_ms;           /* when retention.c last logged that the store is too large */
     bool outcome_unknown;      /* the last call failed, and its changes may be stored */
+    bool lacks_space;          /* as pen_store_lacks_space */
+    char
+        waiting[PEN_ID_BYTES]; /* the job whose result this handle could not store last; "": none */
     const struct pen_store_observer *observer; /* NULL: none */
     /* Used by health.c: */
     int depth;      /* of nested calls: a caller's function may call again */
@@ -160,6 +163,8 @@ bool pen_policy_estimate(struct pen_store *store, const struct pen_claim *claim,
                          int64_t estimate_ms, struct pen_status *st);
 bool pen_policy_release(struct pen_store *store, const struct pen_claim *claim,
                         struct pen_status *st);
+bool pen_policy_set_back(struct pen_store *store, const struct pen_claim *claim, const char *error,
+                         bool always, bool *set_back, struct pen_status *st);
 bool pen_policy_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                      struct pen_status *st);
 bool pen_policy_heartbeat(struct pen_store *store, struct pen_claim *claim, int64_t lease_ms,

@@ -55,6 +55,12 @@ bool pen_sqlite_open_above(struct pen_driver *driver, int64_t batch, int64_t now
     return *any || !equal || any_open_to(store, SQL_OPEN_BESIDE, batch, now_ms, any, st);
 }
 
+bool pen_sqlite_open_elsewhere(struct pen_driver *driver, int64_t batch, int64_t paused_until_ms,
+                               bool *any, struct pen_status *st)
+{
+    return any_open_to(pen_sqlite_of(driver), SQL_OPEN_ELSEWHERE, batch, paused_until_ms, any, st);
+}
+
 #define COLUMN(name, value) CLAIM_##name,
 enum { PEN_SQLITE_CLAIM_COLUMNS(COLUMN, COLUMN) };
 
@@ -150,6 +156,8 @@ bool pen_sqlite_batch_get(struct pen_driver *driver, int64_t batch, struct pen_b
         .lease_until_ms = pen_sqlite_column_int(&query, 6),
         .spent_us = pen_sqlite_column_int(&query, 7),
         .job_spent_us = pen_sqlite_column_int(&query, 8),
+        .job_deaths = pen_sqlite_column_int(&query, 9),
+        .job_started_ms = pen_sqlite_column_int(&query, 10),
     };
     pen_sqlite_end(&query);
     return true;

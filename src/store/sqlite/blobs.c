@@ -127,26 +127,11 @@ static void bind_object(struct pen_sqlite_query *query, const struct pen_blob_st
         pen_sqlite_text(query, NULL);
 }
 
-/* A blob is written to the log and copied from there, so there must be space for both: else it
- * could fill the disk with a log that can never be copied. */
-bool pen_sqlite_has_space(const struct pen_sqlite_store *store, int64_t bytes, int64_t log_bytes,
-                          struct pen_status *st)
-{
-    enum { SMALL_BYTES = 1 << 20 };
-    return bytes <= SMALL_BYTES ||
-           bytes + log_bytes <= pen_sqlite_free_bytes(store) + pen_sqlite_reserve_bytes(store) ||
-           pen_fail(st, PEN_STORAGE_FULL, "the store has no space left for %lld bytes",
-                    (long long)bytes);
-}
-
 static bool write_start(struct pen_driver *driver, enum pen_blob_kind kind, int64_t number,
                         const struct pen_blob_start *start, struct pen_status *st)
 {
-    const int64_t total = (int64_t)start->total;
     if (start->object > 0)
         return pen_sqlite_object_use(pen_sqlite_of(driver), start->object, st);
-    if (!pen_sqlite_has_space(pen_sqlite_of(driver), total, total, st))
-        return false;
     if (start->bytes == start->total)
         return true;
     return pen_sqlite_blob_write(driver, kind, number, 0, start->data, start->bytes, st);
@@ -157,6 +142,8 @@ bool pen_sqlite_scene_add(struct pen_driver *driver, const unsigned char sha256[
                           struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    if (!pen_sqlite_blob_fits(store, document->total, document->total, st))
+        return false;
     struct pen_sqlite_query query = pen_sqlite_query(store, SQL_SCENE_ADD);
     pen_sqlite_blob(&query, sha256, 32);
     bind_start(&query, document);

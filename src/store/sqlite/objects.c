@@ -6,17 +6,16 @@
 #include "store/sqlite/sqlite.h"
 
 /* How much of the log an object takes at a time, at most: it is copied between slices. */
-static const int64_t log_bytes = INT64_C(32) << 20;
+enum { LOG_BYTES = 32 << 20 };
 
 bool pen_sqlite_object_add(struct pen_driver *driver, size_t bytes, int64_t *number,
                            struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    const int64_t all = (int64_t)bytes;
-    if (!pen_sqlite_has_space(store, all, all < log_bytes ? all : log_bytes, st))
+    if (!pen_sqlite_blob_fits(store, bytes, bytes < LOG_BYTES ? bytes : LOG_BYTES, st))
         return false;
     struct pen_sqlite_query query = pen_sqlite_query(store, SQL_OBJECT_ADD);
-    pen_sqlite_int(&query, all);
+    pen_sqlite_int(&query, (int64_t)bytes);
     if (!pen_sqlite_run(&query, st))
         return false;
     *number = sqlite3_last_insert_rowid(store->db);

@@ -12,7 +12,11 @@
 
 #include "store/sqlite/sqlite.h"
 
-enum { RESERVE_PART = 64 /* of the disk, within these bounds */, RELEASES = 8 };
+enum {
+    RESERVE_PART = 64, /* of the disk, within these bounds */
+    RELEASES = 8,
+    SMALL_BYTES = 1 << 20 /* a blob of so many bytes is tried, however full the disk */
+};
 static const int64_t reserve_min_bytes = INT64_C(256) << 10, reserve_max_bytes = INT64_C(32) << 20;
 
 static bool disk_room(const struct pen_sqlite_store *store, struct pen_room *room)
@@ -47,6 +51,42 @@ int64_t pen_sqlite_free_bytes(const struct pen_sqlite_store *store)
     return known ? room.disk_free_bytes : INT64_MAX / 2;
 }
 
+static int64_t reserve_of(const struct pen_room *room)
+{
+    const int64_t part = room->disk_bytes / RESERVE_PART;
+    if (room->disk_bytes == 0) /* not known: it counts as large */
+        return reserve_max_bytes;
+    if (part < reserve_min_bytes)
+        return reserve_min_bytes;
+    return part < reserve_max_bytes ? part : reserve_max_bytes;
+}
+
+int64_t pen_sqlite_reserve_bytes(const struct pen_sqlite_store *store)
+{
+    struct pen_room room = {0};
+    disk_room(store, &room);
+    return reserve_of(&room);
+}
+
+/* A value is written to the log and copied from there, so there must be space for both: else it
+ * could fill the disk with a log that can never be copied. */
+bool pen_sqlite_blob_fits(struct pen_sqlite_store *store, size_t bytes, size_t log_bytes,
+                          struct pen_status *st)
+{
+    struct pen_room room = {0};
+    if (bytes <= SMALL_BYTES || !disk_room(store, &room) || room.disk_bytes == 0)
+        return true;
+    const int64_t wanted = (int64_t)bytes + (int64_t)log_bytes - reserve_of(&room);
+    if (wanted <= room.disk_free_bytes)
+        return true;
+    store->base.wanted_bytes = wanted;
+    return pen_fail(st, PEN_STORAGE_FULL,
+                    "the store %s has no space left for %lld KiB: they need %lld KiB free on its "
+                    "disk, which has %lld",
+                    store->path, (long long)(bytes >> 10), (long long)(wanted >> 10),
+                    (long long)(room.disk_free_bytes >> 10));
+}
+
 /* Opens the reserve; *bytes is its length. Returns -1 with errno. */
 static int open_reserve(const struct pen_sqlite_store *store, int flags, int64_t *bytes)
 {
@@ -62,18 +102,6 @@ static int open_reserve(const struct pen_sqlite_store *store, int flags, int64_t
     }
     *bytes = (int64_t)info.st_size;
     return fd;
-}
-
-int64_t pen_sqlite_reserve_bytes(const struct pen_sqlite_store *store)
-{
-    struct pen_room room = {0};
-    disk_room(store, &room);
-    int64_t part = room.disk_bytes / RESERVE_PART;
-    if (room.disk_bytes == 0) /* not known: it counts as large */
-        return reserve_max_bytes;
-    if (part < reserve_min_bytes)
-        return reserve_min_bytes;
-    return part < reserve_max_bytes ? part : reserve_max_bytes;
 }
 
 bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,

@@ -230,12 +230,16 @@ static const char *const sql_text[] = {
     [SQL_OPEN_BESIDE] = "SELECT 1 FROM batch own JOIN batch b ON b.priority = own.priority"
                         " JOIN job j ON j.number = b.job WHERE own.id = ?2 AND b.state = 0"
                         " AND b.job <> own.job AND j.paused_until_ms <= ?1 LIMIT 1",
+    [SQL_OPEN_ELSEWHERE] = "SELECT 1 FROM batch own JOIN batch b ON b.state = 0"
+                           " AND b.job <> own.job JOIN job j ON j.number = b.job"
+                           " WHERE own.id = ?1 AND j.paused_until_ms <= ?2 LIMIT 1",
     [SQL_HELD_BY] = "SELECT count(*), coalesce(sum(quarantined OR kind = 2), 0) FROM batch"
                     " WHERE state = 1 AND worker = ?",
     [SQL_FIRST_HELD] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
                        " WHERE b.state = 1 AND b.worker = ? ORDER BY b.id LIMIT 1",
     [SQL_BATCH_GET] = "SELECT b.job, b.view, b.kind, b.state, b.attempt, b.pixels,"
-                      " b.lease_until_ms, b.spent_us, j.spent_us FROM batch b"
+                      " b.lease_until_ms, b.spent_us, j.spent_us, j.deaths, j.started_ms"
+                      " FROM batch b"
                       " JOIN job j ON j.number = b.job WHERE b.id = ?",
     [SQL_BATCH_LEASE] =
         "UPDATE batch SET state = 1, attempt = ?2, worker = ?3, lease_until_ms = ?4,"

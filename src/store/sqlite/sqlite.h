@@ -72,6 +72,7 @@ enum pen_sqlite_sql {
     SQL_OPEN_ABOVE,
     SQL_OPEN_AGED,
     SQL_OPEN_BESIDE,
+    SQL_OPEN_ELSEWHERE,
     SQL_NEXT_PEER,
     SQL_NEXT_LANE,
     SQL_NEXT_OLDEST,
@@ -295,11 +296,6 @@ int64_t pen_sqlite_free_bytes(const struct pen_sqlite_store *store);
 bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
                                  struct pen_status *st);
 
-/* blobs.c: fails unless the disk has space for so many bytes of a blob, and of the log beside it.
- */
-bool pen_sqlite_has_space(const struct pen_sqlite_store *store, int64_t bytes, int64_t log_bytes,
-                          struct pen_status *st);
-
 /* objects.c: notes that a row has the large object from now on. Fails: PEN_UNAVAILABLE, if it was
  * removed meanwhile. */
 bool pen_sqlite_object_use(struct pen_sqlite_store *store, int64_t number, struct pen_status *st);
@@ -309,6 +305,12 @@ bool pen_sqlite_object_use(struct pen_sqlite_store *store, int64_t number, struc
 bool pen_sqlite_object_read(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t number,
                             size_t offset, void *to, size_t bytes, size_t *got,
                             struct pen_status *st);
+
+/* room.c: tells whether the disk has space for a value of so many bytes, before it is written, of
+ * which the log has log_bytes at most at a time. Fails: PEN_STORAGE_FULL, and sets the driver's
+ * wanted_bytes. */
+bool pen_sqlite_blob_fits(struct pen_sqlite_store *store, size_t bytes, size_t log_bytes,
+                          struct pen_status *st);
 
 /* checkpoint.c: sets the lengths of the log by the size of the disk, when opening; keeps them,
  * after a commit. */
@@ -448,6 +450,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(keys_remove)                                                                                \
     OP(any_open)                                                                                   \
     OP(next_open)                                                                                  \
+    OP(open_elsewhere)                                                                             \
     OP(open_above)                                                                                 \
     OP(held_by)                                                                                    \
     OP(first_held)                                                                                 \
