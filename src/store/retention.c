@@ -3,12 +3,16 @@
  * space runs short, and which stored forms of pictures are dropped.
  *
  *  - Retention removes ended jobs, those that ended first before others, never a live one, and none
- *    in the minute after its end, in which its client fetches the results. Its limits are the
- *    store's: they are stored, so that all processes follow the same.
- *  - By bytes it removes nothing unless all that it could remove would be enough: below keep_bytes,
- *    or where it begins, if the store is below keep_bytes.
- *  - By bytes it begins an eighth below keep_bytes. New jobs are refused at keep_bytes itself, so
- *    that what running jobs still have to store finds space in between.
+ *    in the minute after its end, in which its client fetches the results, unless the store holds
+ *    more than keep_bytes. Its limits are the store's: they are stored, so that all processes
+ *    follow the same.
+ *  - By bytes it begins an eighth below keep_bytes, or where a job was just refused for lack of
+ *    space, as far as that job needs. It removes nothing unless all that it could remove would be
+ *    enough: below keep_bytes, or where it begins, if the store is below keep_bytes.
+ *  - A new job is refused if the results of all unfinished jobs are expected to take more than
+ *    what keep_bytes leaves, or more than half of it unless the job is the only one: the other half
+ *    is for what has ended. What they take is expected from their pixels and layers, and counted
+ *    with them, so that a submit looks at no other job.
  *  - New jobs are also refused while the disk has less free space than INTAKE_PART of it. So
  *    running jobs can be finished, and the disk does not fill.
  *  - A form of a picture that was made for a reader can be made again. All of them together have
@@ -19,15 +23,17 @@
 #include "store/internal/policy.h"
 
 enum {
-    INTAKE_PART = 32, /* new jobs: a 32nd of the disk must be free, … */
-    STATS_ROWS = 100, /* statistics of removed jobs that go at once, if nothing else is left */
-    TOUCH_MS = 60000, /* a use is noted once a minute */
-    TELL_MS = 600000, /* between log lines about a store that is too large */
-    GRACE_MS = 60000, /* how long a job is kept at least after its end */
-    SLACK_PART = 8,   /* retention by bytes begins an eighth below the limit */
-    CACHE_PART = 8    /* cached forms: an eighth of keep_bytes at most */
+    INTAKE_PART = 32,    /* new jobs: a 32nd of the disk must be free, … */
+    STATS_ROWS = 100,    /* statistics of removed jobs that go at once, if nothing else is left */
+    TOUCH_MS = 60000,    /* a use is noted once a minute */
+    TELL_MS = 600000,    /* between log lines about a store that is too large */
+    GRACE_MS = 60000,    /* how long a job is kept at least after its end */
+    SLACK_PART = 8,      /* retention by bytes begins an eighth below the limit */
+    UNFINISHED_PART = 2, /* the results of unfinished jobs: half of the limit at most */
+    CACHE_PART = 8       /* cached forms: an eighth of keep_bytes at most */
 };
 static const int64_t intake_min_bytes = INT64_C(1) << 20, intake_max_bytes = INT64_C(64) << 20;
+static const int64_t empty_bytes = INT64_C(256) << 10; /* what a store without jobs takes */
 static const int64_t cache_bytes = INT64_C(256) << 20;
 
 static const char *const names[] = {"keep_ms", "keep_bytes", "keep_jobs"};
@@ -40,7 +46,7 @@ static bool write_retention(struct pen_store *store, void *arg, struct pen_statu
         if (!store->driver->ops->meta_put(store->driver, names[i], values[i], st))
             return false;
     }
-    return true;
+    return store->driver->ops->expected_count(store->driver, r->keep_bytes > 0, st);
 }
 
 bool pen_policy_set_retention(struct pen_store *store, const struct pen_retention *retention,
@@ -97,6 +103,61 @@ bool pen_policy_intake(struct pen_store *store, struct pen_status *st)
                     name, (long long)(room.used_bytes >> 10), (long long)(keep_bytes >> 10));
 }
 
+/* What a store with a limit by bytes has to hold. */
+struct load {
+    int64_t keep, used, expected; /* expected: of unfinished jobs */
+};
+
+static bool read_load(struct pen_store *store, struct load *load, struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    struct pen_room room;
+    if (!driver->ops->room(driver, &room, st) ||
+        !driver->ops->meta_get(driver, "expected_bytes", &load->expected, st))
+        return false;
+    load->used = room.used_bytes;
+    return true;
+}
+
+static bool refuse_bytes(struct pen_store *store, const struct load *load, int64_t bytes,
+                         struct pen_status *st)
+{
+    if (bytes > load->keep - empty_bytes)
+        return pen_fail(st, PEN_TOO_LARGE,
+                        "the results of this job take about %lld KiB, more than the %lld KiB that "
+                        "the store may hold (--keep-bytes)",
+                        (long long)(bytes >> 10), (long long)(load->keep >> 10));
+    return pen_fail(st, PEN_STORAGE_FULL,
+                    "the store %s has no space left for this job, which takes about %lld KiB: it "
+                    "holds %lld KiB of the %lld KiB that it may (--keep-bytes), and the jobs that "
+                    "wait or run take about %lld KiB",
+                    store->driver->name, (long long)(bytes >> 10), (long long)(load->used >> 10),
+                    (long long)(load->keep >> 10), (long long)((load->expected - bytes) >> 10));
+}
+
+bool pen_admit_bytes(struct pen_store *store, int64_t job, struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    struct load load;
+    int64_t bytes;
+    if (!driver->ops->meta_get(driver, "keep_bytes", &load.keep, st))
+        return false;
+    if (load.keep == 0)
+        return true;
+    if (!driver->ops->expected_enter(driver, job, &bytes, st) || !read_load(store, &load, st))
+        return false;
+    const bool alone = load.expected <= bytes;
+    if (bytes > load.keep - empty_bytes || (!alone && load.expected > load.keep / UNFINISHED_PART))
+        return refuse_bytes(store, &load, bytes, st);
+    if (load.used + load.expected <= load.keep) {
+        if (bytes >= pen_wanted_room(store))
+            pen_note_wanted_room(store, 0);
+        return true;
+    }
+    pen_note_wanted_room(store, bytes);
+    return refuse_bytes(store, &load, bytes, st);
+}
+
 /* Logs, now and then, that the store is too large by what retention does not remove. */
 static bool tell_that_it_stays(struct pen_store *store, int64_t bytes, struct pen_status *st)
 {
@@ -114,34 +175,58 @@ static bool tell_that_it_stays(struct pen_store *store, int64_t bytes, struct pe
     return true;
 }
 
-/* Whether the store holds more than retention allows, and ended jobs and statistics are the reason:
- * if all of them are too little, they would go for nothing, and stay. That is not told while
- * something is still to go that was removed already, or is on its way into the store and may
- * replace something. */
-static bool has_too_many_bytes(struct pen_store *store, int64_t keep_bytes, bool *too_many,
-                               struct pen_status *st)
+/* Of a store with a limit by bytes. */
+struct excess {
+    bool any;   /* ended jobs are to be removed */
+    bool above; /* it holds more than the limit itself */
+    bool stats; /* statistics go, too, if there is no ended job left */
+};
+
+/* By how many bytes the store exceeds what retention allows; 0: by none. */
+static int64_t too_large_by(const struct load *load)
+{
+    const int64_t begin = load->keep - load->keep / SLACK_PART,
+                  most = load->used < load->keep ? begin : load->keep - 1;
+    return load->used > most ? load->used - most : 0;
+}
+
+/* By how many bytes it is too large for what unfinished jobs, and one that was refused lately, are
+ * expected to store; 0: by none. */
+static int64_t too_large_for_jobs_by(struct pen_store *store, const struct load *load)
+{
+    const int64_t all = load->used + load->expected + pen_wanted_room(store);
+    return all > load->keep ? all - load->keep : 0;
+}
+
+/* What is to be removed for lack of bytes: nothing, if all ended jobs and statistics are too
+ * little, since they would go for nothing. Nothing either while something is still to go that was
+ * removed already, or is on its way into the store and may replace something. */
+static bool find_excess(struct pen_store *store, int64_t keep_bytes, struct excess *excess,
+                        struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     struct pen_job_key removed;
-    struct pen_room room;
+    struct load load = {.keep = keep_bytes};
     int64_t object, bytes;
     bool pending, unused;
-    *too_many = false;
+    *excess = (struct excess){0};
     if (keep_bytes == 0)
         return true;
     if (!driver->ops->removed_next(driver, &removed, &pending, st) ||
         !driver->ops->object_unused(driver, INT64_MAX, &object, &unused, st) ||
-        !driver->ops->room(driver, &room, st))
+        !read_load(store, &load, st))
         return false;
-    const int64_t begin_bytes = keep_bytes - keep_bytes / SLACK_PART,
-                  most = room.used_bytes < keep_bytes ? begin_bytes : keep_bytes - 1,
-                  excess = room.used_bytes - most;
-    if (pending || unused || excess <= 0)
+    const int64_t by = too_large_by(&load), for_jobs_by = too_large_for_jobs_by(store, &load),
+                  most = by > for_jobs_by ? by : for_jobs_by;
+    if (pending || unused || most == 0)
         return true;
-    if (!driver->ops->ended_bytes(driver, excess, &bytes, st))
+    if (!driver->ops->ended_bytes(driver, most, &bytes, st))
         return false;
-    *too_many = bytes >= excess;
-    return *too_many || tell_that_it_stays(store, excess - bytes, st);
+    const bool slack = by > 0 && bytes >= by, wanted = for_jobs_by > 0 && bytes >= for_jobs_by;
+    *excess = (struct excess){.any = slack || wanted,
+                              .above = load.used > keep_bytes,
+                              .stats = slack || (wanted && load.expected == 0)};
+    return by == 0 || slack || tell_that_it_stays(store, by - bytes, st);
 }
 
 static bool write_drop_stats(struct pen_store *store, void *arg, struct pen_status *st)
@@ -156,20 +241,20 @@ bool pen_policy_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *fo
     struct pen_driver *driver = store->driver;
     struct pen_retention keep;
     int64_t ended_ms, count, now_ms;
-    bool any, too_many, more;
+    bool any, more;
+    struct excess excess;
     *found = false;
     if (!pen_policy_retention(store, &keep, st))
         return false;
     if (keep.keep_ms == 0 && keep.keep_bytes == 0 && keep.keep_jobs == 0)
         return true;
     if (!driver->ops->first_ended(driver, id, &ended_ms, &count, &any, st) ||
-        !driver->ops->now(driver, &now_ms, st) ||
-        !has_too_many_bytes(store, keep.keep_bytes, &too_many, st))
+        !driver->ops->now(driver, &now_ms, st) || !find_excess(store, keep.keep_bytes, &excess, st))
         return false;
     if (!any)
-        return !too_many || pen_store_write(store, write_drop_stats, &more, st);
-    *found = ended_ms < now_ms - GRACE_MS &&
-             (too_many || (keep.keep_ms > 0 && ended_ms < now_ms - keep.keep_ms) ||
+        return !excess.stats || pen_store_write(store, write_drop_stats, &more, st);
+    *found = (excess.above || ended_ms < now_ms - GRACE_MS) &&
+             (excess.any || (keep.keep_ms > 0 && ended_ms < now_ms - keep.keep_ms) ||
               (keep.keep_jobs > 0 && count > keep.keep_jobs));
     return true;
 }

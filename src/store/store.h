@@ -219,9 +219,11 @@ enum pen_submit_result {
 
 /* Stores a job. A caller that does not know the outcome repeats the call with the same job. The
  * first answer is appended to *first_answer; a submit that was answered before needs no space.
- * Fails: PEN_STORAGE_FULL (the disk is nearly full, or the store holds keep_bytes), PEN_STORAGE,
- * PEN_UNAVAILABLE (busy too long), PEN_QUOTA (too many unfinished jobs), PEN_CONFLICT (another job
- * has this id), PEN_INTERNAL (a view without a batch), PEN_NO_MEMORY. */
+ * Fails: PEN_STORAGE_FULL (the disk is nearly full, or the store holds keep_bytes, the results of
+ * unfinished jobs counted as expected), PEN_TOO_LARGE (the job's results alone are expected to take
+ * more than keep_bytes), PEN_STORAGE, PEN_UNAVAILABLE (busy too long), PEN_QUOTA (too many
+ * unfinished jobs), PEN_CONFLICT (another job has this id), PEN_INTERNAL (a view without a batch),
+ * PEN_NO_MEMORY. */
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
                       struct pen_status *st);
@@ -530,8 +532,8 @@ bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, c
  * others; a live job never. The limits are stored. 0: no limit. */
 struct pen_retention {
     int64_t keep_ms;    /* since the job's end */
-    int64_t keep_bytes; /* used in its file, without log and reserve; from here on no new job is
-                           accepted */
+    int64_t keep_bytes; /* used in its file, without log and reserve; new jobs are accepted as far
+                           as their results are expected to fit */
     int64_t keep_jobs;  /* ended ones */
 };
 bool pen_store_set_retention(struct pen_store *store, const struct pen_retention *retention,

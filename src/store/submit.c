@@ -173,7 +173,7 @@ static bool add_job(struct pen_store *store, struct submission *in, struct pen_s
     if (!check_queue(store, job, st))
         return false;
     store->work = store->changed = true;
-    return add_parts(store, job, number, st);
+    return add_parts(store, job, number, st) && pen_admit_bytes(store, number, st);
 }
 
 static bool write_submission(struct pen_store *store, void *arg, struct pen_status *st)

@@ -1,11 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* Counters of what all processes of a store have done, for its readers. They are sums in shared
  * memory, not in the database: a commit costs nothing more, and a crash may lose the last ones. */
+#include "base/clock.h"
 #include "store/internal/policy.h"
 
-enum { TIMING_WORDS = 1 + PEN_TIMING_BUCKETS + 1 }; /* the sum, then the buckets */
-_Static_assert(PEN_TALLY_TIMINGS + PEN_TIMING_COUNT * TIMING_WORDS <= PEN_TALLY_WORDS,
-               "the shared memory has space for all sums");
+enum {
+    TIMING_WORDS = 1 + PEN_TIMING_BUCKETS + 1, /* the sum, then the buckets */
+    /* After them two that are no sums: the space for which a job was refused, and when, by the
+     * monotonic clock. */
+    WORD_ROOM = PEN_TALLY_TIMINGS + PEN_TIMING_COUNT * TIMING_WORDS,
+    WORD_ROOM_NS,
+    WORDS,
+    ROOM_S = 120 /* how long it is asked for */
+};
+_Static_assert((int)WORDS <= (int)PEN_TALLY_WORDS, "the shared memory has space for all sums");
 
 static const double bounds_s[PEN_TIMING_COUNT][PEN_TIMING_BUCKETS] = {
     [PEN_TIMING_BATCH] = {0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100, 300, 1000, 10000},
@@ -40,6 +48,19 @@ void pen_tally_set(struct pen_store *store, enum pen_tally tally, uint64_t state
 uint64_t pen_store_tally(struct pen_store *store, enum pen_tally tally)
 {
     return value(&words(store)[tally]);
+}
+
+void pen_note_wanted_room(struct pen_store *store, int64_t bytes)
+{
+    atomic_store_explicit(&words(store)[WORD_ROOM], (uint64_t)bytes, memory_order_relaxed);
+    atomic_store_explicit(&words(store)[WORD_ROOM_NS], (uint64_t)pen_clock_ns(),
+                          memory_order_relaxed);
+}
+
+int64_t pen_wanted_room(struct pen_store *store)
+{
+    const uint64_t age_ns = (uint64_t)pen_clock_ns() - value(&words(store)[WORD_ROOM_NS]);
+    return age_ns > ROOM_S * UINT64_C(1000000000) ? 0 : (int64_t)value(&words(store)[WORD_ROOM]);
 }
 
 static _Atomic uint64_t *timing_words(struct pen_store *store, enum pen_timing timing)

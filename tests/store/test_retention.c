@@ -193,6 +193,127 @@ START_TEST(test_retention__a_week_of_load_stays_within_the_bytes)
 }
 END_TEST
 
+/* A job of so many pixels, whose results take what is expected of them: 10 bytes of a pixel. */
+static bool try_submit_large(int n, int pixels, struct pen_status *st)
+{
+    struct store_job in;
+    store_job_init(&in, n, 1, 1);
+    in.job.created_ms = time_ms;
+    in.view[0].width = pixels;
+    in.view[0].height = 1;
+    in.batch[0].pixels = pixels;
+    return pen_store_submit(bed.store, &in.job, &result, NULL, st);
+}
+
+static bool work_off_large(struct random *random)
+{
+    static unsigned char picture[8 << 20];
+    struct pen_claim claim;
+    struct pen_status st;
+    bool found;
+    store_must(pen_store_claim(bed.store, "w", STORE_LEASE_MS, &claim, &found, &st), &st, "claim");
+    if (!found)
+        return false;
+    const size_t bytes = (size_t)claim.pixels * 9;
+    ck_assert_uint_le(bytes, sizeof picture);
+    for (size_t i = 0; i < bytes; i += 8) {
+        const uint64_t bits = random_bits(random);
+        memcpy(picture + i, &bits, 8);
+    }
+    float *rgb = calloc((size_t)claim.pixels * 3, sizeof *rgb);
+    ck_assert_ptr_nonnull(rgb);
+    const struct pen_result large = {.rgb = rgb,
+                                     .pixels = claim.pixels,
+                                     .stats = "{}",
+                                     .layer = "beauty",
+                                     .format = "png",
+                                     .artefact = picture,
+                                     .artefact_bytes = bytes};
+    store_must(pen_store_commit(bed.store, &claim, &large, &st), &st, "commit");
+    free(rgb);
+    return true;
+}
+
+/* Every hour more jobs with large results than the store may hold. Those that are accepted stay
+ * within the limit, and some are accepted every hour, for which others that ended are removed. */
+START_TEST(test_retention__a_queue_of_large_results_stays_within_the_bytes)
+{
+    enum {
+        MIB = 1 << 20,
+        LIMIT = 24 * MIB,
+        LOG = 10 * MIB,
+        HOURS = 12,
+        JOBS = 30,
+        PIXELS = 200000
+    };
+    struct random random = random_begin(15);
+    struct pen_status st;
+    int64_t longest = 0;
+    int accepted = 0, n = 0;
+    open_bed(&(struct pen_retention){.keep_bytes = LIMIT});
+    for (int hour = 0; hour < HOURS; hour++, time_ms += hour_ms) {
+        int now = 0;
+        for (int i = 0; i < JOBS; i++, n++) {
+            const bool ok = try_submit_large(n, PIXELS, &st);
+            ck_assert_msg(ok || st.code == PEN_STORAGE_FULL, "%s", st.msg);
+            now += ok;
+            if (!ok) /* it is told to come again */
+                keep_house();
+        }
+        ck_assert_int_gt(now, 0);
+        accepted += now;
+        while (work_off_large(&random))
+            longest = bytes_on_disk() > longest ? bytes_on_disk() : longest;
+        keep_house();
+    }
+    printf("half a day: %d of %d jobs accepted, at most %lld of %d MiB on disk\n", accepted,
+           HOURS * JOBS, (long long)(longest / MIB), LIMIT / MIB);
+    ck_assert_int_gt(accepted, 3 * HOURS);
+    ck_assert_int_lt(accepted, HOURS * JOBS / 2);
+    ck_assert_int_gt(longest, LIMIT / 2);
+    ck_assert_int_le(longest, LIMIT + LOG);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_retention__job_that_alone_takes_more_than_the_bytes_is_too_large)
+{
+    enum { MIB = 1 << 20, FITS = 400000 };
+    struct pen_status st;
+    open_bed(&(struct pen_retention){.keep_bytes = 8 * MIB});
+    ck_assert(!try_submit_large(1, MIB, &st));
+    ck_assert_int_eq(st.code, PEN_TOO_LARGE);
+    ck_assert_msg(strstr(st.msg, "(--keep-bytes)") != NULL, "%s", st.msg);
+    /* the largest that fits is accepted alone, and the next one when that has ended and gone */
+    store_must(try_submit_large(2, 2 * FITS, &st), &st, "submit");
+    ck_assert(!try_submit_large(3, 1, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+    struct random random = random_begin(16);
+    ck_assert(work_off_large(&random));
+    ck_assert(!try_submit_large(3, FITS, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+    ck_assert_int_eq(keep_house(), 0); /* for a minute it is kept for its client */
+    time_ms += hour_ms;
+    ck_assert_int_eq(keep_house(), 1);
+    store_must(try_submit_large(3, FITS, &st), &st, "submit");
+    /* What a job was expected to take is given back when it ends in any way. */
+    struct store_job in;
+    store_job_init(&in, 3, 1, 1);
+    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    store_must(try_submit_large(4, FITS, &st), &st, "submit");
+    /* A start counts anew; without a limit nothing is counted. */
+    store_must(pen_store_set_retention(bed.store, &(struct pen_retention){0}, &st), &st, "none");
+    store_must(try_submit_large(5, 100 * MIB, &st), &st, "submit");
+    store_must(
+        pen_store_set_retention(bed.store, &(struct pen_retention){.keep_bytes = 8 * MIB}, &st),
+        &st, "again");
+    store_audit_clean(bed.store);
+    ck_assert(!try_submit_large(6, 1, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+    store_bed_close(&bed);
+}
+END_TEST
+
 /* Live jobs are never removed: new ones are refused instead, until they have ended. */
 START_TEST(test_retention__intake_is_refused_at_the_limit_and_returns_by_itself)
 {
@@ -219,9 +340,7 @@ START_TEST(test_retention__intake_is_refused_at_the_limit_and_returns_by_itself)
     store_must(try_submit(3, &st), &st, "submit of a known job");
     ck_assert_int_eq(result, PEN_SUBMIT_KNOWN);
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK); /* what runs is finished */
-    ck_assert_int_eq(keep_house(), 0); /* for a minute it is kept for its client */
-    time_ms += hour_ms;
-    ck_assert_int_eq(keep_house(), 1);
+    ck_assert_int_eq(keep_house(), 1); /* above the limit no minute is waited for its client */
     store_must(pen_store_intake(bed.store, &st), &st, "intake");
     store_must(try_submit(2, &st), &st, "submit");
     store_job_init(&in, 2, 1, 1);
@@ -359,6 +478,8 @@ PEN_SUITE("what a store keeps", test_retention__without_limits_nothing_is_remove
           test_retention__by_age_counts_from_the_end_of_a_job,
           test_retention__by_number_keeps_those_that_ended_last,
           test_retention__a_week_of_load_stays_within_the_bytes,
+          test_retention__a_queue_of_large_results_stays_within_the_bytes,
+          test_retention__job_that_alone_takes_more_than_the_bytes_is_too_large,
           test_retention__intake_is_refused_at_the_limit_and_returns_by_itself,
           test_retention__statistics_are_within_the_bytes_too,
           test_retention__nothing_goes_for_nothing,

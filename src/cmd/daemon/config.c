@@ -134,7 +134,9 @@ static const struct pen_option options[] = {
      .help =
          "the most that jobs and their pictures may take in the database file, in bytes, or "
          "with K, M, G or T (powers of 1024): jobs that ended first are removed first, and a "
-         "submit that finds it full is refused. The files beside it come on top: its log, 8 MiB "
+         "submit is refused whose results, with those of the jobs that wait or run, are expected "
+         "to be too much: 10 bytes for a pixel and 12 more for each further layer, together at "
+         "most half of SIZE, or one job alone. The files beside it come on top: its log, 8 MiB "
          "and for a time more, and a reserve of at most 32 MiB"},
     {.name = "keep-jobs",
      .kind = PEN_OPTION_INT,

@@ -417,6 +417,13 @@ struct pen_driver_ops {
     /* Notes that the peer of the batch is served now. */
     bool (*share_served)(struct pen_driver *driver, int64_t batch, int64_t now_ms,
                          struct pen_status *st);
+    /* What the results of unfinished jobs are expected to take, by the pixels and layers of their
+     * views. expected_count counts the sum anew, or ends counting; it is the number of the name
+     * "expected_bytes". expected_enter adds a job that has its views, if the sum is counted, and
+     * tells what the job takes; job_succeed and job_end subtract that again. */
+    bool (*expected_count)(struct pen_driver *driver, bool counted, struct pen_status *st);
+    bool (*expected_enter)(struct pen_driver *driver, int64_t job, int64_t *bytes,
+                           struct pen_status *st);
     /* The number of unfinished jobs, in all and of an address. */
     bool (*queue_lengths)(struct pen_driver *driver, const char *address, int64_t *all,
                           int64_t *of_address, struct pen_status *st);

@@ -65,6 +65,15 @@ bool pen_decode_pixels(struct pen_store *store, int64_t pixels, struct pen_statu
 /* tally.c: sets a sum that is a state. */
 void pen_tally_set(struct pen_store *store, enum pen_tally tally, uint64_t value);
 
+/* tally.c: notes the space for which a new job was refused, and tells it for two minutes; then, and
+ * before the first, 0. */
+void pen_note_wanted_room(struct pen_store *store, int64_t bytes);
+int64_t pen_wanted_room(struct pen_store *store);
+
+/* retention.c: refuses a new job, whose views are stored, if its results may be too much for what
+ * the store may hold; inside a transaction. Fails: PEN_STORAGE_FULL, PEN_TOO_LARGE. */
+bool pen_admit_bytes(struct pen_store *store, int64_t job, struct pen_status *st);
+
 /* tally.c: counts a time. */
 void pen_timing_add(struct pen_store *store, enum pen_timing timing, int64_t us);
 

@@ -56,6 +56,9 @@ static const struct rule rules[] = {
     {"a peer whose count of unfinished jobs is wrong",
      "SELECT id FROM peer WHERE jobs <>"
      " (SELECT coalesce(sum(jobs), 0) FROM lane WHERE peer = peer.id)"},
+    {"what the results of unfinished jobs are expected to take is counted wrong, as",
+     "SELECT value FROM meta WHERE name = 'expected_bytes' AND value <>"
+     " (SELECT coalesce(sum(" PEN_SQLITE_EXPECTED_BYTES "), 0) FROM job j WHERE j.state < 2)"},
     {"an unfinished job without a lane, or of another priority or address than its lane",
      "SELECT j.id FROM job j WHERE j.state < 2 AND NOT EXISTS (SELECT 1 FROM lane l"
      " JOIN peer p ON p.id = l.peer WHERE l.id = j.lane AND p.priority = j.priority"

@@ -53,7 +53,25 @@ bool pen_sqlite_share_leave(struct pen_driver *driver, int64_t job, struct pen_s
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     return pen_sqlite_run_with(store, SQL_PEER_LEAVE, job, st) &&
            pen_sqlite_run_with(store, SQL_LANE_LEAVE, job, st) &&
-           pen_sqlite_run_with(store, SQL_LANE_DROP, job, st);
+           pen_sqlite_run_with(store, SQL_LANE_DROP, job, st) &&
+           pen_sqlite_run_with(store, SQL_EXPECTED_LEAVE, job, st);
+}
+
+bool pen_sqlite_expected_count(struct pen_driver *driver, bool counted, struct pen_status *st)
+{
+    struct pen_sqlite_query query =
+        pen_sqlite_query(pen_sqlite_of(driver), counted ? SQL_EXPECTED_COUNT : SQL_EXPECTED_DROP);
+    return pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_expected_enter(struct pen_driver *driver, int64_t job, int64_t *bytes,
+                               struct pen_status *st)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_EXPECTED_OF_JOB);
+    pen_sqlite_int(&query, job);
+    return pen_sqlite_value(&query, bytes, st) &&
+           pen_sqlite_run_with(store, SQL_EXPECTED_ENTER, job, st);
 }
 
 bool pen_sqlite_share_served(struct pen_driver *driver, int64_t batch, int64_t now_ms,

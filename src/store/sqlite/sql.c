@@ -313,6 +313,16 @@ static const char *const sql_text[] = {
     [SQL_JOB_LANE] = "UPDATE job SET lane = (SELECT id FROM lane" LANE_OF ") WHERE number = ?4",
     [SQL_QUEUE_LENGTHS] = "SELECT coalesce(sum(jobs), 0), coalesce(sum(CASE WHEN address = ?1"
                           " THEN jobs END), 0) FROM peer WHERE jobs > 0",
+    [SQL_EXPECTED_COUNT] = "INSERT INTO meta (name, value) SELECT 'expected_bytes',"
+                           " coalesce(sum(" PEN_SQLITE_EXPECTED_BYTES "), 0) FROM job j"
+                           " WHERE j.state < 2 ON CONFLICT (name) DO UPDATE SET value ="
+                           " excluded.value",
+    [SQL_EXPECTED_DROP] = "DELETE FROM meta WHERE name = 'expected_bytes'",
+    [SQL_EXPECTED_OF_JOB] = "SELECT " PEN_SQLITE_EXPECTED_BYTES " FROM job j WHERE j.number = ?1",
+    [SQL_EXPECTED_ENTER] = "UPDATE meta SET value = value + (SELECT " PEN_SQLITE_EXPECTED_BYTES
+                           " FROM job j WHERE j.number = ?1) WHERE name = 'expected_bytes'",
+    [SQL_EXPECTED_LEAVE] = "UPDATE meta SET value = value - (SELECT " PEN_SQLITE_EXPECTED_BYTES
+                           " FROM job j WHERE j.number = ?1) WHERE name = 'expected_bytes'",
     /* Lanes take turns within their peer, peers within their priority; those first that were served
      * least. */
     [SQL_QUEUE] =

@@ -16,6 +16,13 @@
 #include "store/internal/compress.h"
 #include "store/internal/driver.h"
 
+/* What the results of a row j of job are expected to take, in bytes: of each pixel of its views its
+ * colour, as stored and in the picture (measured: 2 to 8), and of each further layer three floats.
+ */
+#define PEN_SQLITE_EXPECTED_BYTES                                                                  \
+    "(SELECT coalesce(sum(v.width * v.height), 0) FROM view v WHERE v.job = j.number)"             \
+    " * (10 + 12 * max(0, coalesce(json_array_length(j.request, '$.layers'), 1) - 1))"
+
 /* The statements; their texts are in sql.c, in this order. */
 enum pen_sqlite_sql {
     SQL_BEGIN_READ,
@@ -73,6 +80,11 @@ enum pen_sqlite_sql {
     SQL_OPEN_AGED,
     SQL_OPEN_BESIDE,
     SQL_OPEN_ELSEWHERE,
+    SQL_EXPECTED_COUNT,
+    SQL_EXPECTED_DROP,
+    SQL_EXPECTED_OF_JOB,
+    SQL_EXPECTED_ENTER,
+    SQL_EXPECTED_LEAVE,
     SQL_NEXT_PEER,
     SQL_NEXT_LANE,
     SQL_NEXT_OLDEST,
@@ -463,6 +475,8 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(batch_spend)                                                                                \
     OP(job_charge_leases)                                                                          \
     OP(share_served)                                                                               \
+    OP(expected_count)                                                                             \
+    OP(expected_enter)                                                                             \
     OP(queue_lengths)                                                                              \
     OP(queue)                                                                                      \
     OP(blob_next)                                                                                  \
