@@ -232,7 +232,7 @@ static const char *const sql_text[] = {
                         " AND b.job <> own.job AND j.paused_until_ms <= ?1 LIMIT 1",
     [SQL_OPEN_ELSEWHERE] = "SELECT 1 FROM batch own JOIN batch b ON b.state = 0"
                            " AND b.job <> own.job JOIN job j ON j.number = b.job"
-                           " WHERE own.id = ?1 AND j.paused_until_ms <= ?2 LIMIT 1",
+                           " WHERE own.id = ?2 AND j.paused_until_ms <= ?1 LIMIT 1",
     [SQL_HELD_BY] = "SELECT count(*), coalesce(sum(quarantined OR kind = 2), 0) FROM batch"
                     " WHERE state = 1 AND worker = ?",
     [SQL_FIRST_HELD] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
