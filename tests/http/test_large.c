@@ -287,7 +287,10 @@ START_TEST(test_large__labels_of_jobs_that_are_waited_for_cost_little)
     const int64_t without_ns = cost_of_changes(0), with_ns = cost_of_changes(1200);
     printf("# %.1f ms without labels, %.1f ms with\n", (double)without_ns * 1e-6,
            (double)with_ns * 1e-6);
-    ck_assert_int_le(2 * with_ns, 5 * without_ns); /* it was 3.7 times as much */
+    /* It was 3.7 times as much, and is 1.1 to 1.4. With sanitizers, to read the row alone takes 2
+     * to 3.5 times as long, so the plain build judges more strictly. */
+    const int64_t most = client_patience() > 1 ? 12 : 5;
+    ck_assert_int_le(2 * with_ns, most * without_ns);
 }
 END_TEST
 
