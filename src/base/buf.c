@@ -43,6 +43,19 @@ static bool reserve(struct pen_buf *buf, size_t more)
     return true;
 }
 
+bool pen_buf_reserve(struct pen_buf *buf, size_t bytes)
+{
+    if (bytes < buf->capacity)
+        return true;
+    unsigned char *data = bytes < SIZE_MAX ? realloc(buf->data, bytes + 1) : NULL;
+    if (!data)
+        return false;
+    data[buf->bytes] = '\0';
+    buf->data = data;
+    buf->capacity = bytes + 1;
+    return true;
+}
+
 bool pen_buf_add(struct pen_buf *buf, const void *data, size_t bytes)
 {
     if (!reserve(buf, bytes))

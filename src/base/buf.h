@@ -20,6 +20,11 @@ void pen_buf_init(struct pen_buf *buf);
 /* Frees the contents and leaves an empty buffer. */
 void pen_buf_release(struct pen_buf *buf);
 
+/* Makes space for contents of so many bytes in all, and no more than that: a buffer that grows
+ * takes up to twice as much. Returns false when out of memory; the buffer is then as it was, and
+ * has not failed. */
+bool pen_buf_reserve(struct pen_buf *buf, size_t bytes);
+
 /* Appends bytes. Returns false when out of memory. */
 bool pen_buf_add(struct pen_buf *buf, const void *data, size_t bytes);
 

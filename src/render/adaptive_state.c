@@ -26,15 +26,11 @@ static size_t tiles_of(const struct pen_settings *s)
     return (size_t)pen_tile_count(s->width, s->height, s->tile);
 }
 
-/* A state may have gigabytes, and a buffer that grows takes up to twice as much. */
-static void reserve(const struct pen_settings *settings, struct pen_buf *out)
+/* The most that a state has, with 256 bytes for the build. */
+static size_t state_bytes(const struct pen_settings *settings)
 {
-    const size_t capacity = sizeof(struct header) + 256 + tiles_of(settings) * sizeof(double) +
-                            pixels_of(settings) * (sizeof(struct pen_pixel_sums) + 1);
-    if (out->data)
-        return;
-    out->data = malloc(capacity);
-    out->capacity = out->data ? capacity : 0;
+    return sizeof(struct header) + 256 + tiles_of(settings) * sizeof(double) +
+           pixels_of(settings) * (sizeof(struct pen_pixel_sums) + 1);
 }
 
 void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_render_stats *stats,
@@ -54,7 +50,7 @@ void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_ren
     h.cpu_ms = stats->cpu_ms;
     h.rays = stats->rays;
     h.adaptive = stats->adaptive;
-    reserve(s, out);
+    pen_buf_reserve(out, out->bytes + state_bytes(s)); /* which may be gigabytes */
     pen_buf_add(out, &h, sizeof h);
     pen_buf_add(out, build, h.build_bytes);
     if (h.tiles > 0)

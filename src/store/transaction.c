@@ -75,12 +75,9 @@ static bool reserve_blob(struct pen_store *store, size_t bytes, struct pen_statu
     blob->bytes = 0;
     if (bytes < blob->capacity)
         return true;
-    pen_buf_release(blob);
-    unsigned char *data = malloc(bytes + 1); /* a buffer has a zero byte behind its contents */
-    if (!data)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for %zu stored bytes", bytes);
-    *blob = (struct pen_buf){.data = data, .capacity = bytes + 1};
-    return true;
+    pen_buf_release(blob); /* its contents need not be copied */
+    return pen_buf_reserve(blob, bytes) ||
+           pen_fail(st, PEN_NO_MEMORY, "no memory for %zu stored bytes", bytes);
 }
 
 bool pen_blob_is_intact(const struct pen_store *store, bool has_checksum, int64_t checksum)

@@ -82,6 +82,22 @@ START_TEST(test_buf__a_failed_append_changes_nothing_and_sticks)
 }
 END_TEST
 
+START_TEST(test_buf__reserved_space_is_neither_more_nor_moved)
+{
+    struct pen_buf buf = {0};
+    ck_assert(pen_buf_add(&buf, "begin", 5) && pen_buf_reserve(&buf, 1000));
+    ck_assert_uint_eq(buf.capacity, 1001); /* with the zero byte */
+    ck_assert_str_eq((const char *)buf.data, "begin");
+    const unsigned char *data = buf.data;
+    for (int i = 5; i < 1000; i++)
+        ck_assert(pen_buf_add(&buf, "x", 1));
+    ck_assert_ptr_eq(buf.data, data);
+    ck_assert(!pen_buf_reserve(&buf, SIZE_MAX) && !buf.failed);
+    ck_assert_uint_eq(buf.bytes, 1000);
+    pen_buf_release(&buf);
+}
+END_TEST
+
 START_TEST(test_buf__sizes_beyond_memory_are_refused)
 {
     struct pen_buf buf = {0};
@@ -92,6 +108,7 @@ START_TEST(test_buf__sizes_beyond_memory_are_refused)
 }
 END_TEST
 
-PEN_SUITE("buf", test_buf__appends_and_ends_with_zero, test_buf__holds_what_was_appended,
+PEN_SUITE("buf", test_buf__reserved_space_is_neither_more_nor_moved,
+          test_buf__appends_and_ends_with_zero, test_buf__holds_what_was_appended,
           test_buf__a_failed_append_changes_nothing_and_sticks,
           test_buf__sizes_beyond_memory_are_refused)
