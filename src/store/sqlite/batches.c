@@ -28,16 +28,13 @@ bool pen_sqlite_any_open(struct pen_driver *driver, bool *any, struct pen_status
     return true;
 }
 
-/* Whether a statement about a batch has a row; it gets the time both as the end of pauses and as
- * that until which is waited. */
+/* Whether a statement about a batch, and the time until which jobs may be paused, has a row. */
 static bool any_open_to(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, int64_t batch,
                         int64_t now_ms, bool *any, struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(store, sql);
     pen_sqlite_int(&query, now_ms);
     pen_sqlite_int(&query, batch);
-    if (sql == SQL_OPEN_AGED)
-        pen_sqlite_int(&query, now_ms);
     if (!pen_sqlite_next(&query, any, st))
         return false;
     if (*any)

@@ -68,19 +68,25 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 #define WITH_ATTRIBUTE "attribute f CROSS JOIN job ON number = f.job"
 #define NEWEST_ATTRIBUTE_FIRST " AND f.job < ?1 ORDER BY f.job DESC LIMIT ?3"
 
-/* The length of a value that may be a large object: of row `row`, an artefact or pixels. */
-#define LENGTH(row)                                                                                \
-    "coalesce((SELECT o.bytes FROM large_object o WHERE o.id = " row ".object), length(" row       \
-    ".data))"
-/* Peers p that have a batch to claim: open, of a job whose pause ends by ?1. */
-#define WAITS(more)                                                                                \
-    "p.jobs > 0 AND EXISTS (SELECT 1 FROM lane l JOIN batch b ON b.lane = l.id AND b.state = 0"    \
-    " JOIN job j ON j.number = b.job WHERE l.peer = p.id AND j.paused_until_ms <= ?1" more ")"
+/* The lengths of values that may be large objects: of artefact a, and of pixels p. */
+#define OBJECT_BYTES "(SELECT o.bytes FROM large_object o WHERE o.id = "
+#define ARTEFACT_BYTES "coalesce(" OBJECT_BYTES "a.object), length(a.data))"
+#define PIXELS_BYTES "coalesce(" OBJECT_BYTES "p.object), length(p.data))"
 
-/* Whether a peer has waited so long, at time ?3, that it comes before one of priority `top`. */
-#define AGED(top) "priority < " top " AND priority + (?3 - waiting_since_ms) / 60000 > " top
-#define TOP "(SELECT max(priority) FROM waiting)"
+/* A peer p has a batch to claim: open, of a job j whose pause ends by ?1. More may be asked of the
+ * batch b in between. */
+#define HAS_OPEN                                                                                   \
+    "p.jobs > 0 AND EXISTS (SELECT 1 FROM lane l JOIN batch b ON b.lane = l.id AND b.state = 0"    \
+    " JOIN job j ON j.number = b.job WHERE l.peer = p.id AND j.paused_until_ms <= ?1"
+#define END_OPEN ")"
+
+/* Whether a peer has waited so long, at time `now`, that it comes before one of priority `top`: of
+ * the highest one that waits, or of that of batch ?2. */
+#define AGED(top, now)                                                                             \
+    "priority < " top " AND priority + (" now " - waiting_since_ms) / 60000 > " top
+#define AGED_ABOVE_ALL AGED("(SELECT max(priority) FROM waiting)", "?3")
 #define OWN "(SELECT priority FROM batch WHERE id = ?2)"
+#define AGED_ABOVE_OWN AGED(OWN, "?1")
 
 /* The lane of a priority, an address and a label. */
 #define LANE_OF                                                                                    \
@@ -173,17 +179,14 @@ static const char *const sql_text[] = {
     [SQL_FIRST_ENDED] = "SELECT id, finished_ms FROM job WHERE finished_ms > 0 AND removed_ms = 0"
                         " ORDER BY finished_ms, number LIMIT 1",
     [SQL_COUNT_ENDED] = "SELECT count(*) FROM job WHERE finished_ms > 0 AND removed_ms = 0",
-    [SQL_BYTES_OF_ENDED] = "SELECT length(s.document) + length(CAST(j.request AS BLOB))"
-                           " + (SELECT coalesce(sum(" LENGTH(
-                               "a") "), 0) FROM artefact a WHERE a.job = j.number)"
-                                    " + (SELECT coalesce(sum(coalesce(" LENGTH(
-                                        "p") ", 0)"
-                                             " + coalesce(length(CAST(b.stats AS BLOB)), 0)), 0)"
-                                             " FROM batch b LEFT JOIN pixels p ON p.batch = b.id "
-                                             "WHERE b.job = j.number)"
-                                             " FROM job j JOIN scene s ON s.id = j.scene WHERE "
-                                             "j.finished_ms > 0 AND j.removed_ms = 0"
-                                             " ORDER BY j.finished_ms, j.number",
+    [SQL_BYTES_OF_ENDED] =
+        "SELECT length(s.document) + length(CAST(j.request AS BLOB))"
+        " + (SELECT coalesce(sum(" ARTEFACT_BYTES "), 0) FROM artefact a WHERE a.job = j.number)"
+        " + (SELECT coalesce(sum(coalesce(" PIXELS_BYTES ", 0)"
+        " + coalesce(length(CAST(b.stats AS BLOB)), 0)), 0)"
+        " FROM batch b LEFT JOIN pixels p ON p.batch = b.id WHERE b.job = j.number)"
+        " FROM job j JOIN scene s ON s.id = j.scene WHERE j.finished_ms > 0 AND j.removed_ms = 0"
+        " ORDER BY j.finished_ms, j.number",
     [SQL_BYTES_OF_STATS] = "SELECT length(CAST(stats AS BLOB)) FROM removed"
                            " WHERE stats IS NOT NULL ORDER BY removed_ms",
     [SQL_REMOVED_ADD] = "INSERT INTO removed (id, removed_ms, stats) VALUES (?, ?, ?)",
@@ -200,15 +203,11 @@ static const char *const sql_text[] = {
      * counts as a second until its worker has told its time. */
     [SQL_NEXT_PEER] =
         "WITH waiting AS MATERIALIZED (SELECT p.id, p.priority, p.served_us, p.waiting_since_ms"
-        " FROM peer p WHERE " WAITS(
-            " AND b.quarantined <= ?2") ")"
-                                        " SELECT id, " AGED(
-                                            TOP) " AS aged FROM waiting w ORDER BY ?4 AND aged "
-                                                 "DESC, priority DESC, served_us + 1000000 * "
-                                                 "(SELECT count(*) FROM batch h"
-                                                 " INDEXED BY batch_leased CROSS JOIN lane l ON "
-                                                 "l.id = h.lane WHERE h.state = 1 AND l.peer "
-                                                 "= w.id), id LIMIT 1",
+        " FROM peer p WHERE " HAS_OPEN " AND b.quarantined <= ?2" END_OPEN ")"
+        " SELECT id, " AGED_ABOVE_ALL " AS aged FROM waiting w"
+        " ORDER BY ?4 AND aged DESC, priority DESC, served_us + 1000000 * (SELECT count(*)"
+        " FROM batch h INDEXED BY batch_leased CROSS JOIN lane l ON l.id = h.lane"
+        " WHERE h.state = 1 AND l.peer = w.id), id LIMIT 1",
     [SQL_NEXT_LANE] =
         "SELECT l.id, l.balance_us FROM lane l WHERE l.peer = ?3 AND EXISTS (SELECT 1 FROM batch b"
         " JOIN job j ON j.number = b.job WHERE b.lane = l.id AND b.state = 0"
@@ -226,7 +225,8 @@ static const char *const sql_text[] = {
     [SQL_OPEN_ABOVE] =
         "SELECT 1 FROM batch b JOIN job j ON j.number = b.job"
         " WHERE b.state = 0 AND b.priority > " OWN " AND j.paused_until_ms <= ?1 LIMIT 1",
-    [SQL_OPEN_AGED] = "SELECT 1 FROM peer p WHERE " AGED(OWN) " AND " WAITS("") " LIMIT 1",
+    [SQL_OPEN_AGED] =
+        "SELECT 1 FROM peer p WHERE " AGED_ABOVE_OWN " AND " HAS_OPEN END_OPEN " LIMIT 1",
     [SQL_OPEN_BESIDE] = "SELECT 1 FROM batch own JOIN batch b ON b.priority = own.priority"
                         " JOIN job j ON j.number = b.job WHERE own.id = ?2 AND b.state = 0"
                         " AND b.job <> own.job AND j.paused_until_ms <= ?1 LIMIT 1",
@@ -353,14 +353,12 @@ static const char *const sql_text[] = {
     [SQL_NEXT_SCENE] = "SELECT s.id, length(s.document), 0, NULL, (SELECT min(j.id) FROM job j"
                        " WHERE j.scene = s.id AND j.removed_ms = 0), ''"
                        " FROM scene s WHERE s.id > ? ORDER BY s.id LIMIT 1",
-    [SQL_NEXT_PIXELS] = "SELECT p.batch, " LENGTH(
-        "p") ", b.pixels, NULL, j.id, '' FROM pixels p"
-             " JOIN batch b ON b.id = p.batch JOIN job j ON j.number = b.job"
-             " WHERE p.batch > ? ORDER BY p.batch LIMIT 1",
-    [SQL_NEXT_ARTEFACT] = "SELECT a.id, " LENGTH(
-        "a") ", 0, a.checksum, j.id,"
-             " a.layer || ' ' || a.format FROM artefact a"
-             " JOIN job j ON j.number = a.job WHERE a.id > ? ORDER BY a.id LIMIT 1",
+    [SQL_NEXT_PIXELS] = "SELECT p.batch, " PIXELS_BYTES ", b.pixels, NULL, j.id, '' FROM pixels p"
+                        " JOIN batch b ON b.id = p.batch JOIN job j ON j.number = b.job"
+                        " WHERE p.batch > ? ORDER BY p.batch LIMIT 1",
+    [SQL_NEXT_ARTEFACT] =
+        "SELECT a.id, " ARTEFACT_BYTES ", 0, a.checksum, j.id, a.layer || ' ' || a.format"
+        " FROM artefact a JOIN job j ON j.number = a.job WHERE a.id > ? ORDER BY a.id LIMIT 1",
     [SQL_VIEW_BATCH_DONE] = "UPDATE view SET open_batches = open_batches - 1"
                             " WHERE job = ? AND view = ? RETURNING batches, open_batches",
 
@@ -374,19 +372,18 @@ static const char *const sql_text[] = {
                             " revision = revision + 1 WHERE number = ?1",
 
     [SQL_PIXELS_ADD] = "INSERT INTO pixels (batch, data, object) VALUES (?, ?, ?)",
-    [SQL_PIXELS_PAGE] = "SELECT b.id, b.pixels, b.first_tile, b.tile_count, " LENGTH(
-        "p") " FROM batch b JOIN pixels p ON p.batch = b.id"
-             " WHERE b.job = ? AND b.view = ? AND b.kind = 0 AND b.id > ?"
-             " ORDER BY b.id LIMIT ?",
+    [SQL_PIXELS_PAGE] = "SELECT b.id, b.pixels, b.first_tile, b.tile_count, " PIXELS_BYTES
+                        " FROM batch b JOIN pixels p ON p.batch = b.id"
+                        " WHERE b.job = ? AND b.view = ? AND b.kind = 0 AND b.id > ?"
+                        " ORDER BY b.id LIMIT ?",
     [SQL_ARTEFACT_PUT] =
         "INSERT INTO artefact (job, view, layer, format, data, checksum,"
         " object) VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (job, view, layer, format)"
         " DO UPDATE SET data = excluded.data, checksum = excluded.checksum,"
         " object = excluded.object RETURNING id",
-    [SQL_ARTEFACT_FIND] = "SELECT a.id, a.checksum, " LENGTH(
-        "a") ", c.used_ms FROM artefact a"
-             " LEFT JOIN cached c ON c.artefact = a.id WHERE job = ? AND view = ? AND "
-             "layer = ? AND format = ?",
+    [SQL_ARTEFACT_FIND] = "SELECT a.id, a.checksum, " ARTEFACT_BYTES ", c.used_ms FROM artefact a"
+                          " LEFT JOIN cached c ON c.artefact = a.id WHERE job = ? AND view = ? AND "
+                          "layer = ? AND format = ?",
     [SQL_ARTEFACTS_DROP] = "DELETE FROM artefact WHERE job = ? AND view = ? AND layer = ?",
     [SQL_PIXELS_PART] = "SELECT p.data FROM pixels r JOIN large_object_part p"
                         " ON p.object = r.object WHERE r.batch = ? AND p.part = ?",
