@@ -284,12 +284,7 @@ bool pen_policy_artefact_put(struct pen_store *store, const char *id, int view, 
                              struct pen_status *st)
 {
     struct artefact artefact = {.id = id, .view = view, .layer = layer, .format = format};
-    if (!pen_value_store(store, NULL, data, bytes, &artefact.value, st))
-        return false;
-    const bool ok = pen_store_write(store, write_artefact, &artefact, st);
-    if (!ok)
-        pen_value_drop(store, &artefact.value);
-    return ok;
+    return pen_value_write(store, write_artefact, &artefact, data, bytes, &artefact.value, st);
 }
 
 bool pen_policy_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,

@@ -317,14 +317,8 @@ bool pen_policy_cache_put(struct pen_store *store, const char *id,
     struct cached in = {.key = key, .id = id};
     if (!cache_limit(store, &in.limit, st))
         return false;
-    if ((int64_t)bytes > in.limit)
-        return true;
-    if (!pen_value_store(store, NULL, data, bytes, &in.value, st))
-        return false;
-    const bool ok = pen_store_write(store, write_cached, &in, st);
-    if (!ok)
-        pen_value_drop(store, &in.value);
-    return ok;
+    return (int64_t)bytes > in.limit ||
+           pen_value_write(store, write_cached, &in, data, bytes, &in.value, st);
 }
 
 static bool write_evict(struct pen_store *store, void *arg, struct pen_status *st)

@@ -385,16 +385,6 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
            leave(store, &start, pen_policy_claim(store, worker, lease_ms, claim, found, st));
 }
 
-bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
-                      const struct pen_result *result, struct pen_status *st)
-{
-    struct call_start start = begin(store, "commit");
-    return enter(store, PEN_NEED_GROW, st) &&
-           leave(
-               store, &start,
-               note_space(store, claim->job_id, pen_policy_commit(store, claim, result, NULL, st)));
-}
-
 bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim *claim,
                                 const struct pen_result *result, struct pen_next *next,
                                 struct pen_status *st)
@@ -404,6 +394,12 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
            leave(
                store, &start,
                note_space(store, claim->job_id, pen_policy_commit(store, claim, result, next, st)));
+}
+
+bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
+                      const struct pen_result *result, struct pen_status *st)
+{
+    return pen_store_commit_and_claim(store, claim, result, NULL, st);
 }
 
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,

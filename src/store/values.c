@@ -108,6 +108,17 @@ bool pen_value_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t 
     return value->object > 0 || pen_blob_finish(store, kind, number, value->data, value->bytes, st);
 }
 
+bool pen_value_write(struct pen_store *store, pen_body *write, void *arg, const void *data,
+                     size_t bytes, struct pen_value *value, struct pen_status *st)
+{
+    if (!pen_value_store(store, NULL, data, bytes, value, st))
+        return false;
+    const bool ok = pen_store_write(store, write, arg, st);
+    if (!ok)
+        pen_value_drop(store, value);
+    return ok;
+}
+
 static bool find_unused(struct pen_store *store, int64_t *object, bool *found,
                         struct pen_status *st)
 {

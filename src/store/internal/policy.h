@@ -113,6 +113,9 @@ bool pen_value_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t 
                       const struct pen_value *value, struct pen_status *st);
 /* Gives up a value whose row was not written: its space is freed soon, not only in a minute. */
 void pen_value_drop(struct pen_store *store, const struct pen_value *value);
+/* Stores a value without a fence in *value, then its row by `write`; gives it up if that fails. */
+bool pen_value_write(struct pen_store *store, pen_body *write, void *arg, const void *data,
+                     size_t bytes, struct pen_value *value, struct pen_status *st);
 /* Removes a slice of a large object that no row has any more. *more: there was one. */
 bool pen_values_shrink(struct pen_store *store, bool *more, struct pen_status *st);
 
