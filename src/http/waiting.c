@@ -12,29 +12,32 @@ void pen_http_waiting_init(struct waiting *waiting, bool by_turns)
     *waiting = (struct waiting){.by_turns = by_turns, .tail = &waiting->head};
 }
 
-/* When this client was served last; 0: never, as far as is remembered. */
-static uint64_t last_turn(const struct waiting *waiting, const char *client)
+/* The place of a client that is remembered; else the first of nobody, or of the one that was not
+ * served for longest. */
+static struct served *place_of(struct waiting *waiting, const char *client)
 {
-    for (int i = 0; i < SERVED_MAX; i++) {
-        if (waiting->served[i].turn > 0 && strcmp(waiting->served[i].client, client) == 0)
-            return waiting->served[i].turn;
-    }
-    return 0;
-}
-
-/* Remembers that a client is being served, in place of the one that was not for longest. */
-static void note_served(struct waiting *waiting, const char *client)
-{
-    struct served *place = &waiting->served[0];
+    struct served *oldest = &waiting->served[0];
     for (int i = 0; i < SERVED_MAX; i++) {
         struct served *served = &waiting->served[i];
-        if (served->turn > 0 && strcmp(served->client, client) == 0) {
-            place = served;
-            break;
-        }
-        if (served->turn < place->turn)
-            place = served;
+        if (served->turn > 0 && strcmp(served->client, client) == 0)
+            return served;
+        if (served->turn < oldest->turn)
+            oldest = served;
     }
+    return oldest;
+}
+
+/* When this client was served last; 0: never, as far as is remembered. */
+static uint64_t last_turn(struct waiting *waiting, const char *client)
+{
+    const struct served *place = place_of(waiting, client);
+    return strcmp(place->client, client) == 0 ? place->turn : 0;
+}
+
+/* Remembers that a client is being served. */
+static void note_served(struct waiting *waiting, const char *client)
+{
+    struct served *place = place_of(waiting, client);
     memcpy(place->client, client, sizeof place->client);
     place->turn = ++waiting->turns;
     for (struct request *other = waiting->head; other; other = other->next) {

@@ -51,20 +51,26 @@ START_TEST(test_turns__clients_take_turns)
 }
 END_TEST
 
-/* Of one client's requests the smallest is next, and of equal ones the oldest. */
-START_TEST(test_turns__small_requests_come_first)
+/* Four requests, by these clients and of this work, wait; they are served in this order. */
+static void expect_order(bool by_turns, const char *const *client, const size_t *work,
+                         const int *order)
 {
     struct waiting *waiting = malloc(sizeof *waiting);
     struct request *request = calloc(4, sizeof *request);
-    const size_t work[] = {70, 20, 20, 10};
-    const int order[] = {3, 1, 2, 0};
-    pen_http_waiting_init(waiting, true);
+    pen_http_waiting_init(waiting, by_turns);
     for (int i = 0; i < 4; i++)
-        add(waiting, &request[i], "", work[i]);
+        add(waiting, &request[i], client[i], work[i]);
     for (int i = 0; i < 4; i++)
         ck_assert_ptr_eq(serve(waiting, 0), &request[order[i]]);
     free(request);
     free(waiting);
+}
+
+/* Of one client's requests the smallest is next, and of equal ones the oldest. */
+START_TEST(test_turns__small_requests_come_first)
+{
+    expect_order(true, (const char *const[]){"", "", "", ""}, (const size_t[]){70, 20, 20, 10},
+                 (const int[]){3, 1, 2, 0});
 }
 END_TEST
 
@@ -98,15 +104,8 @@ END_TEST
 /* Without turns all are served as they came. */
 START_TEST(test_turns__a_plain_queue_keeps_the_order)
 {
-    struct waiting *waiting = malloc(sizeof *waiting);
-    struct request *request = calloc(4, sizeof *request);
-    pen_http_waiting_init(waiting, false);
-    for (int i = 0; i < 4; i++)
-        add(waiting, &request[i], i < 3 ? "192.0.2.1" : "192.0.2.2", (size_t)(10 - i));
-    for (int i = 0; i < 4; i++)
-        ck_assert_ptr_eq(serve(waiting, 0), &request[i]);
-    free(request);
-    free(waiting);
+    expect_order(false, (const char *const[]){"192.0.2.1", "192.0.2.1", "192.0.2.1", "192.0.2.2"},
+                 (const size_t[]){10, 9, 8, 7}, (const int[]){0, 1, 2, 3});
 }
 END_TEST
 
