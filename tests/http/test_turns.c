@@ -87,7 +87,7 @@ START_TEST(test_turns__none_is_overtaken_for_ever)
     for (int i = 1; i <= 2; i++)
         add(waiting, &request[i], "192.0.2.2", 1);
     while (before < OTHERS) {
-        char client[20];
+        char client[32];
         const struct request *next = serve(waiting, 1000);
         if (next == &request[0])
             break;

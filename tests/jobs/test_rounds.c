@@ -9,6 +9,7 @@
 #include "render/adaptive_state.h"
 #include "study/host.h"
 #include "support/jobs.h"
+#include "support/random.h"
 #include "support/store_sql.h"
 #include "support/suite.h"
 
@@ -99,6 +100,9 @@ static bool pass_gates(void *user, int x, int y)
     (void)x;
     if (atomic_fetch_add(&pixels_begun, 1) < free_pixels)
         return true;
+    /* What comes before the gates takes longer than a worker waits until it keeps its state. */
+    if (gate == NO_GATE && atomic_load(&open_gate) == NO_GATE)
+        usleep((useconds_t)(20 * random_fewer()));
     while (gate > atomic_load(&open_gate)) {
         atomic_store(&at_gate, gate);
         usleep(1000);

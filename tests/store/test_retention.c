@@ -398,7 +398,7 @@ START_TEST(test_retention__nothing_goes_for_nothing)
     store_must(pen_store_delete(bed.store, in.id, "{}", &st), &st, "delete");
     memset(answer, 'x', sizeof answer - 1);
     for (; n < KEYS; n++) {
-        char key[8];
+        char key[20];
         snprintf(key, sizeof key, "key %d", n);
         store_job_init(&in, 10 + n, 1, 1);
         in.job.idempotency_key = key;
