@@ -11,10 +11,9 @@ static bool store_layer(struct pen_batch_context *context, const struct pen_clai
                         struct pen_status *st)
 {
     struct pen_buf file = {0};
-    const bool ok =
-        pen_layer_render(context->pool, task, st) && pen_pfm_write(film, &file, st) &&
-        pen_store_artefact_put(context->store, claim->job_id, claim->view,
-                               pen_layer_name(task->layer), "pfm", file.data, file.bytes, st);
+    const bool ok = pen_layer_render(context->pool, task, st) && pen_pfm_write(film, &file, st) &&
+                    pen_store_artefact_put(context->store, claim, pen_layer_name(task->layer),
+                                           "pfm", file.data, file.bytes, st);
     pen_buf_release(&file);
     return ok;
 }

@@ -177,12 +177,11 @@ bool pen_policy_commits(struct pen_store *store, const char *id, int64_t after, 
     return true;
 }
 
-/* One artefact: its key with the job's id, its row once found, its bytes if it is stored. */
+/* One artefact: its key with the job's id, its row once found. */
 struct artefact {
     const char *id, *layer, *format;
     int view;
     struct pen_artefact_row row;
-    struct pen_value value;
 };
 
 static bool artefact_key(struct pen_store *store, const struct artefact *artefact,
@@ -270,21 +269,39 @@ bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *ke
            pen_value_finish(store, PEN_BLOB_ARTEFACT, *number, value, st);
 }
 
+/* An artefact that a claim's holder stores. */
+struct put {
+    const struct pen_claim *claim;
+    const char *layer, *format;
+    struct pen_value value;
+};
+
 static bool write_artefact(struct pen_store *store, void *arg, struct pen_status *st)
 {
-    const struct artefact *artefact = arg;
-    struct pen_artefact_key key;
+    const struct put *put = arg;
+    struct pen_batch_row batch;
+    bool held;
     int64_t number;
-    return artefact_key(store, artefact, &key, st) &&
-           pen_put_artefact(store, &key, &artefact->value, &number, st);
+    if (!pen_check_fence(store, put->claim, &batch, &held, st))
+        return false;
+    if (!held)
+        return pen_fail(st, PEN_STALE, "the batch is no longer held; its %s %s was refused",
+                        put->layer, put->format);
+    const struct pen_artefact_key key = {
+        .job = batch.job, .view = batch.view, .layer = put->layer, .format = put->format};
+    return pen_put_artefact(store, &key, &put->value, &number, st);
 }
 
-bool pen_policy_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
-                             const char *format, const void *data, size_t bytes,
+bool pen_policy_artefact_put(struct pen_store *store, const struct pen_claim *claim,
+                             const char *layer, const char *format, const void *data, size_t bytes,
                              struct pen_status *st)
 {
-    struct artefact artefact = {.id = id, .view = view, .layer = layer, .format = format};
-    return pen_value_write(store, write_artefact, &artefact, data, bytes, &artefact.value, st);
+    struct put put = {.claim = claim, .layer = layer, .format = format};
+    const bool ok = pen_value_store(store, claim, data, bytes, &put.value, st) &&
+                    pen_store_write(store, write_artefact, &put, st);
+    if (!ok)
+        pen_value_drop(store, &put.value);
+    return ok;
 }
 
 bool pen_policy_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,

@@ -573,15 +573,14 @@ bool pen_store_artefact_bytes(struct pen_store *store, const char *id, int view,
            leave(store, NULL, pen_policy_artefact_bytes(store, id, view, layer, format, bytes, st));
 }
 
-bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
-                            const char *format, const void *data, size_t bytes,
+bool pen_store_artefact_put(struct pen_store *store, const struct pen_claim *claim,
+                            const char *layer, const char *format, const void *data, size_t bytes,
                             struct pen_status *st)
 {
     return enter(store, PEN_NEED_GROW, st) &&
            leave(store, NULL,
-                 note_space(
-                     store, id,
-                     pen_policy_artefact_put(store, id, view, layer, format, data, bytes, st)));
+                 note_space(store, claim->job_id,
+                            pen_policy_artefact_put(store, claim, layer, format, data, bytes, st)));
 }
 
 void pen_store_delegate_checkpoints(struct pen_store *store)

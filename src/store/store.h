@@ -517,15 +517,18 @@ typedef bool pen_stats_fn(void *user, const struct pen_batch_stats *batch);
 bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
                      struct pen_status *st);
 
-/* Reads, measures and stores an artefact of a job; view -1: made from all views. Reading appends to
- * *out, and an empty *out is then as large as the artefact; measuring reads none of its bytes. An
- * artefact that exists is replaced. Fails: PEN_NOT_FOUND; reading: PEN_STORAGE (damaged). */
+/* Reads and measures an artefact of a job; view -1: made from all views. Reading appends to *out,
+ * and an empty *out is then as large as the artefact; measuring reads none of its bytes. Fails:
+ * PEN_NOT_FOUND; reading: PEN_STORAGE (damaged). */
 bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                         const char *format, struct pen_buf *out, struct pen_status *st);
 bool pen_store_artefact_bytes(struct pen_store *store, const char *id, int view, const char *layer,
                               const char *format, size_t *bytes, struct pen_status *st);
-bool pen_store_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
-                            const char *format, const void *data, size_t bytes,
+
+/* Stores an artefact of the view of the claim's batch, before the commit; one that exists is
+ * replaced. Fails: PEN_STALE (nothing is stored). */
+bool pen_store_artefact_put(struct pen_store *store, const struct pen_claim *claim,
+                            const char *layer, const char *format, const void *data, size_t bytes,
                             struct pen_status *st);
 
 /* What the store keeps. Ended jobs beyond these limits are removed, those that ended first before
@@ -545,8 +548,9 @@ bool pen_store_retention(struct pen_store *store, struct pen_retention *out, str
 bool pen_store_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
                        struct pen_status *st);
 
-/* As pen_store_artefact_put, for an artefact that can be made again. It is dropped when others are
- * used later, or space runs short; it is not stored at all if it is too large or space is short. */
+/* Stores an artefact of a job that can be made again, from what is committed; one that exists is
+ * replaced. It is dropped when others are used later, or space runs short; it is not stored at all
+ * if it is too large or space is short. Fails: PEN_NOT_FOUND. */
 bool pen_store_cache_put(struct pen_store *store, const char *id, int view, const char *layer,
                          const char *format, const void *data, size_t bytes, struct pen_status *st);
 

@@ -102,6 +102,9 @@ static double seconds_since(int64_t begun_ns)
 static void fill(struct pen_store *store, double gib)
 {
     struct pen_status st;
+    struct pen_claim claim;
+    bool found = false;
+    char layer[16];
     char *picture = malloc(PICTURE_BYTES);
     unsigned long long seed = 1;
     if (!picture)
@@ -109,10 +112,12 @@ static void fill(struct pen_store *store, double gib)
     for (int i = 0; i < PICTURE_BYTES; i++)
         picture[i] = (char)((seed = seed * 6364136223846793005u + 1442695040888963407u) >> 56);
     submit(store, 1);
-    for (int i = 0; i < gib * (1 << 30) / PICTURE_BYTES; i++)
-        must(pen_store_artefact_put(store, "01900000-0000-7000-8000-000000000001", i, "beauty",
-                                    "pfm", picture, PICTURE_BYTES, &st),
-             &st, "picture");
+    must(pen_store_claim(store, "w", 3600 * 1000, &claim, &found, &st) && found, &st, "claim");
+    for (int i = 0; i < gib * (1 << 30) / PICTURE_BYTES; i++) {
+        snprintf(layer, sizeof layer, "layer-%d", i);
+        must(pen_store_artefact_put(store, &claim, layer, "pfm", picture, PICTURE_BYTES, &st), &st,
+             "picture");
+    }
     must(pen_store_cancel(store, "01900000-0000-7000-8000-000000000001", &st), &st, "cancel");
     free(picture);
 }

@@ -11,12 +11,10 @@ static struct store_job job;
 
 static void put(const void *data, size_t bytes)
 {
-    struct pen_status st;
     store_bed_open(&bed);
     store_job_init(&job, 1, 1, 1);
     store_job_submit(bed.store, &job);
-    store_must(pen_store_artefact_put(bed.store, job.id, 0, "beauty", "pfm", data, bytes, &st), &st,
-               "put");
+    store_put(bed.store, &(struct store_artefact){job.id, 0, "beauty", "pfm", data, bytes});
 }
 
 static bool get(struct pen_buf *out, struct pen_status *st)
@@ -88,9 +86,7 @@ START_TEST(test_artefacts__missing_and_added_bytes_are_noticed)
         if (bytes != 24)
             check_refused(zeros, bytes);
     }
-    struct pen_status st;
-    store_must(pen_store_artefact_put(bed.store, job.id, 0, "beauty", "pfm", "new", 3, &st), &st,
-               "put again");
+    store_put(bed.store, &(struct store_artefact){job.id, 0, "beauty", "pfm", "new", 3});
     check_got("new", 3);
     store_bed_close(&bed);
 }

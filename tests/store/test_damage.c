@@ -99,9 +99,8 @@ static struct content make_store(void)
         pen_buf_release(&answer);
     }
     store_work_off(bed.store, "w");
-    store_must(
-        pen_store_artefact_put(bed.store, in.id, 0, "beauty", "pfm", picture, sizeof picture, &st),
-        &st, "picture");
+    store_put(bed.store,
+              &(struct store_artefact){in.id, 0, "beauty", "pfm", picture, sizeof picture});
     store_worker_seen(bed.store, "w");
     pen_store_close(bed.store);
     return read_content(bed.url);

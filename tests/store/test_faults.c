@@ -149,8 +149,8 @@ static bool work_expire(struct pen_status *st)
 static bool work_picture(struct pen_status *st)
 {
     static char data[100000];
-    return pen_store_artefact_put(disk.bed.store, fault_bed_id(FAULT_ENDED), 0, "beauty", "pfm",
-                                  data, sizeof data, st);
+    return pen_store_artefact_put(disk.bed.store, &disk.held[0], "depth", "pfm", data, sizeof data,
+                                  st);
 }
 
 static bool work_purge(struct pen_status *st)

@@ -250,10 +250,8 @@ END_TEST
 static void put_bytes(struct pen_store *store, const char *id, size_t bytes)
 {
     static int view;
-    struct pen_status st;
     void *picture = calloc(1, bytes);
-    store_must(pen_store_artefact_put(store, id, view++, "beauty", "pfm", picture, bytes, &st), &st,
-               "put");
+    store_put(store, &(struct store_artefact){id, view++, "beauty", "pfm", picture, bytes});
     free(picture);
 }
 

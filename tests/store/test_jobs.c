@@ -75,7 +75,7 @@ START_TEST(test_jobs__unknown_job_is_not_found)
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
     ck_assert(!pen_store_artefact(bed.store, "nobody", 0, "beauty", "png", &buf, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
-    ck_assert(!pen_store_artefact_put(bed.store, "nobody", 0, "beauty", "png", "x", 1, &st));
+    ck_assert(!pen_store_cache_put(bed.store, "nobody", 0, "beauty", "pfm", "x", 1, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
     ck_assert(!pen_store_pixels(bed.store, "nobody", 0, NULL, NULL, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
@@ -303,7 +303,7 @@ START_TEST(test_jobs__delete_needs_an_ended_job_and_leaves_nothing)
     ck_assert_int_eq(st.code, PEN_CONFLICT);
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     store_work_off(bed.store, "w");
-    store_must(pen_store_artefact_put(bed.store, in.id, -1, "beauty", "png", "all", 3, &st), &st,
+    store_must(pen_store_cache_put(bed.store, in.id, -1, "beauty", "png", "all", 3, &st), &st,
                "contact sheet");
     store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
     struct pen_job_record job;

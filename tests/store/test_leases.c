@@ -490,11 +490,12 @@ START_TEST(test_leases__picture_put_again_replaces_the_first)
     open_with_job(&in, 1, 1);
     struct pen_status st;
     struct pen_buf out = {0};
-    store_must(pen_store_artefact_put(bed.store, in.id, 0, "beauty", "pfm", "one", 3, &st), &st,
+    const struct pen_claim claim = store_claim(bed.store, "w");
+    store_must(pen_store_artefact_put(bed.store, &claim, "beauty", "pfm", "one", 3, &st), &st,
                "put");
-    store_must(pen_store_artefact_put(bed.store, in.id, 0, "beauty", "pfm", "three", 5, &st), &st,
+    store_must(pen_store_artefact_put(bed.store, &claim, "beauty", "pfm", "three", 5, &st), &st,
                "put");
-    store_must(pen_store_artefact_put(bed.store, in.id, 0, "depth", "pfm", "", 0, &st), &st, "put");
+    store_must(pen_store_artefact_put(bed.store, &claim, "depth", "pfm", "", 0, &st), &st, "put");
     store_must(pen_store_artefact(bed.store, in.id, 0, "beauty", "pfm", &out, &st), &st, "get");
     store_must(pen_store_artefact(bed.store, in.id, 0, "depth", "pfm", &out, &st), &st, "get");
     ck_assert_str_eq((char *)out.data, "three");

@@ -315,9 +315,7 @@ START_TEST(test_outcomes__large_artefacts_are_given_back)
     for (int i = 0; i < 6; i++) { /* each in the place of the one before */
         struct pen_buf got = {0};
         make_noise((uint64_t)(10 + i));
-        store_must(
-            pen_store_artefact_put(bed.store, in.id, 0, "beauty", "pfm", noise, sizes[i], &st), &st,
-            "put");
+        store_put(bed.store, &(struct store_artefact){in.id, 0, "beauty", "pfm", noise, sizes[i]});
         store_must(pen_store_artefact(bed.store, in.id, 0, "beauty", "pfm", &got, &st), &st, "get");
         ck_assert_uint_eq(got.bytes, sizes[i]);
         ck_assert_mem_eq(got.data, noise, sizes[i]);

@@ -23,16 +23,14 @@ static void expect_code(bool ok, const struct pen_status *st, enum pen_code code
 /* A job that has succeeded, with a picture of so many bytes beside its own. */
 static void finish_job(struct store_job *in, int n, size_t bytes)
 {
-    struct pen_status st;
     store_job_init(in, n, 2, 3);
     store_job_submit(bed.store, in);
     store_work_off(bed.store, "w");
     void *picture = calloc(1, bytes);
     ck_assert_ptr_nonnull(picture);
     for (int view = 0; bytes && view < 2; view++)
-        store_must(
-            pen_store_artefact_put(bed.store, in->id, view, "beauty", "pfm", picture, bytes, &st),
-            &st, "picture");
+        store_put(bed.store,
+                  &(struct store_artefact){in->id, view, "beauty", "pfm", picture, bytes});
     free(picture);
 }
 
@@ -61,8 +59,6 @@ START_TEST(test_removal__every_call_about_a_removed_job_says_gone)
         expect_code(pen_store_stats(s, in.id, read_nothing, &calls, &st), &st, PEN_GONE, "stats");
         expect_code(pen_store_artefact(s, in.id, 0, "beauty", "png", &out, &st), &st, PEN_GONE,
                     "picture");
-        expect_code(pen_store_artefact_put(s, in.id, 0, "beauty", "pfm", "x", 1, &st), &st,
-                    PEN_GONE, "put");
         expect_code(pen_store_delete(s, in.id, "{}", &st), &st, PEN_GONE, "delete again");
         ck_assert(strstr(st.msg, "only its statistics are left") != NULL);
         store_purge_slices(s);
@@ -153,9 +149,8 @@ START_TEST(test_removal__a_large_job_goes_in_many_slices_and_its_space_returns)
     finish_job(&in, 1, 0);
     for (int i = 0; i < PICTURES; i++) {
         picture[0] = (char)i;
-        store_must(pen_store_artefact_put(bed.store, in.id, i, "beauty", "pfm", picture,
-                                          sizeof picture, &st),
-                   &st, "picture");
+        store_put(bed.store,
+                  &(struct store_artefact){in.id, i, "beauty", "pfm", picture, sizeof picture});
     }
     store_must(pen_store_checkpoint(bed.store, &st), &st, "checkpoint");
     ck_assert_int_gt(file_bytes(), PICTURES * 3 * MIB);

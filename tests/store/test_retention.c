@@ -64,8 +64,7 @@ static void add_job(int n, size_t bytes)
     store_job_init(&in, n, 1, 1);
     picture[0] = (char)n;
     if (bytes)
-        store_must(pen_store_artefact_put(bed.store, in.id, 0, "depth", "pfm", picture, bytes, &st),
-                   &st, "picture");
+        store_put(bed.store, &(struct store_artefact){in.id, 0, "depth", "pfm", picture, bytes});
 }
 
 /* What the worker's housekeeping does: removes what is too much, then in slices what that had. */
@@ -325,9 +324,8 @@ START_TEST(test_retention__intake_is_refused_at_the_limit_and_returns_by_itself)
     store_must(try_submit_with(1, "key", &st) && try_submit(3, &st), &st, "submit");
     struct pen_claim claim = store_claim(bed.store, "w");
     for (int view = 0; view < 5; view++)
-        store_must(pen_store_artefact_put(bed.store, claim.job_id, view, "depth", "pfm", picture,
-                                          sizeof picture, &st),
-                   &st, "picture");
+        store_put(bed.store, &(struct store_artefact){claim.job_id, view, "depth", "pfm", picture,
+                                                      sizeof picture});
     ck_assert_int_eq(keep_house(), 0);
     ck_assert(!try_submit(2, &st));
     ck_assert_int_eq(st.code, PEN_STORAGE_FULL);

@@ -13,7 +13,6 @@ enum { BLOBS = 2 + 4 + 2 };
 static void fill(void)
 {
     struct store_job job;
-    struct pen_status st;
     store_bed_open(&bed);
     for (int i = 0; i < 2; i++) {
         store_job_init(&job, i, 1, 2);
@@ -22,8 +21,7 @@ static void fill(void)
     ck_assert_int_ge(store_work_off(bed.store, "w"), 4);
     for (int i = 0; i < 2; i++) {
         store_job_init(&job, i, 1, 2);
-        store_must(pen_store_artefact_put(bed.store, job.id, 0, "depth", "pfm", "depth", 5, &st),
-                   &st, "put");
+        store_put(bed.store, &(struct store_artefact){job.id, 0, "depth", "pfm", "depth", 5});
     }
 }
 

@@ -54,15 +54,13 @@ static bool submit(int n, struct pen_status *st)
     return pen_store_submit(bed.store, &in.job, &result, NULL, st);
 }
 
-static bool put_picture(int job, int name, struct pen_status *st)
+static bool put_picture(const struct pen_claim *claim, int name, struct pen_status *st)
 {
     static char picture[PICTURE_BYTES];
     char layer[16];
-    struct store_job in;
-    store_job_init(&in, job, 1, 1);
     snprintf(layer, sizeof layer, "layer-%d", name);
     memset(picture, name + 1, sizeof picture);
-    return pen_store_artefact_put(bed.store, in.id, 0, layer, "pfm", picture, sizeof picture, st);
+    return pen_store_artefact_put(bed.store, claim, layer, "pfm", picture, sizeof picture, st);
 }
 
 static void remove_jobs(int count)
@@ -119,8 +117,9 @@ static void write_beside_reader(bool removes)
     if (!open_small_disk())
         return;
     store_must(submit(jobs++, &st), &st, "submit");
+    const struct pen_claim claim = store_claim(bed.store, "w");
     sqlite3 *reader = begin_read();
-    while (pictures < TRIES && put_picture(0, pictures, &st))
+    while (pictures < TRIES && put_picture(&claim, pictures, &st))
         pictures++;
     ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
     ck_assert(!submit(jobs, &st));
@@ -168,17 +167,20 @@ START_TEST(test_small_disk__overlapping_readers_let_jobs_be_removed)
 {
     enum { JOBS = 20, PICTURES = 300, LOG_BYTES_MAX = 2 << 20 };
     struct pen_status st;
+    struct pen_claim claims[JOBS];
     pthread_t readers[2];
     if (!open_small_disk())
         return;
-    for (int n = 0; n < JOBS; n++)
+    for (int n = 0; n < JOBS; n++) {
         store_must(submit(n, &st), &st, "submit");
+        claims[n] = store_claim(bed.store, "w");
+    }
     for (int i = 0; i < 2; i++) {
         ck_assert_int_eq(pthread_create(&readers[i], NULL, read_on, NULL), 0);
         pause_ms(15);
     }
     for (int i = 0; i < PICTURES; i++) /* the same few, so that only the log grows */
-        store_must(put_picture(i % JOBS, 0, &st), &st, "put");
+        store_must(put_picture(&claims[i % JOBS], 0, &st), &st, "put");
     printf("# log of %lld bytes\n", (long long)log_bytes());
     ck_assert_int_lt(log_bytes(), LOG_BYTES_MAX);
     for (int n = 0; n < JOBS; n++) {

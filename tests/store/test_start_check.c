@@ -30,9 +30,8 @@ static void open_large(void)
     }
     for (int view = 0; view < PICTURES; view++) {
         picture[0] = (char)view;
-        store_must(pen_store_artefact_put(bed.store, in.id, view, "depth", "pfm", picture,
-                                          sizeof picture, &st),
-                   &st, "picture");
+        store_put(bed.store,
+                  &(struct store_artefact){in.id, view, "depth", "pfm", picture, sizeof picture});
     }
     store_must(pen_store_settle(bed.store, &st), &st, "settle");
     store_must(pen_store_check_start(bed.store, &st), &st, "check");
@@ -99,9 +98,8 @@ START_TEST(test_start_check__a_large_store_in_use_is_not_called_damaged)
                      SQLITE_OK);
     struct store_job in;
     store_job_init(&in, 0, 1, 2);
-    store_must(
-        pen_store_artefact_put(bed.store, in.id, 0, "normal", "pfm", picture, sizeof picture, &st),
-        &st, "picture");
+    store_put(bed.store,
+              &(struct store_artefact){in.id, 0, "normal", "pfm", picture, sizeof picture});
     store_must(pen_store_check_start(bed.store, &st), &st, "check in use");
     ck_assert_int_eq(sqlite3_exec(reader, "COMMIT", NULL, NULL, NULL), SQLITE_OK);
     sqlite3_close(reader);

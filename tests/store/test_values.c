@@ -92,7 +92,7 @@ START_TEST(test_values__are_written_in_several_transactions)
                "form");
     ck_assert_int_ge(writes() - before, LARGE / MIB);
     before = writes();
-    store_must(pen_store_artefact_put(bed.store, job.id, 0, "depth", "pfm", noise, LARGE, &st), &st,
+    store_must(pen_store_artefact_put(bed.store, &claim, "depth", "pfm", noise, LARGE, &st), &st,
                "picture");
     ck_assert_int_ge(writes() - before, LARGE / MIB);
     before = writes();
@@ -133,6 +133,43 @@ START_TEST(test_values__of_a_lost_claim_are_refused_and_leave_nothing)
     expect_kept(noise, LARGE);
     store_must(keep("small", 5, &st), &st, "keep");
     expect_objects_gone();
+    close_bed();
+}
+END_TEST
+
+static void expect_layer(const void *data, size_t bytes)
+{
+    struct pen_buf out = {0};
+    struct pen_status st;
+    store_must(pen_store_artefact(bed.store, job.id, 0, "depth", "pfm", &out, &st), &st, "layer");
+    ck_assert_uint_eq(out.bytes, bytes);
+    ck_assert(memcmp(out.data, data, bytes) == 0);
+    pen_buf_release(&out);
+}
+
+/* A worker that was stopped, whose batch another has committed, comes back with its layer. A small
+ * one is refused by the transaction of its row, a large one by that of its first range. */
+START_TEST(test_values__layers_of_a_lost_claim_are_refused_and_change_no_ended_job)
+{
+    static const size_t sizes[] = {5, LARGE};
+    struct pen_status st;
+    open_bed();
+    store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
+    const struct pen_claim again = store_claim(bed.store, "v");
+    store_must(pen_store_artefact_put(bed.store, &again, "depth", "pfm", noise, LARGE, &st), &st,
+               "put");
+    for (int ended = 0; ended < 2; ended++) {
+        for (int i = 0; i < 2; i++) {
+            const char *late = noise + LARGE;
+            ck_assert(
+                !pen_store_artefact_put(bed.store, &claim, "depth", "pfm", late, sizes[i], &st));
+            ck_assert_int_eq(st.code, PEN_STALE);
+            expect_layer(noise, LARGE);
+            ck_assert_int_eq(store_purge_slices(bed.store), 0); /* nothing was written */
+        }
+        if (!ended)
+            ck_assert_int_eq(store_commit(bed.store, &again), PEN_OK);
+    }
     close_bed();
 }
 END_TEST
@@ -225,6 +262,7 @@ END_TEST
 PEN_SUITE("large values", test_values__are_written_in_several_transactions,
           test_values__one_replaces_another_at_once_and_that_goes_in_slices,
           test_values__of_a_lost_claim_are_refused_and_leave_nothing,
+          test_values__layers_of_a_lost_claim_are_refused_and_change_no_ended_job,
           test_values__that_were_not_finished_go_after_a_minute,
           test_values__of_a_commit_are_read_back_and_go_with_their_job,
           test_values__damage_in_a_part_is_noticed)

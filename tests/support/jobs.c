@@ -116,9 +116,7 @@ struct pen_buf jobs_wait_kept(struct jobs_bed *bed, const char *id, const char *
 void jobs_put_kept(struct jobs_bed *bed, const char *id, const char *name, const void *data,
                    size_t bytes)
 {
-    struct pen_status st;
-    store_must(pen_store_artefact_put(bed->bed.store, id, 0, "kept", name, data, bytes, &st), &st,
-               "put");
+    store_put(bed->bed.store, &(struct store_artefact){id, 0, "kept", name, data, bytes});
 }
 
 /* Waits until a state is enough, for four minutes at most. */

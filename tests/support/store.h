@@ -62,6 +62,16 @@ enum pen_code store_commit(struct pen_store *store, const struct pen_claim *clai
 /* Claims and commits until nothing is left; returns the number of batches. */
 int store_work_off(struct pen_store *store, const char *worker);
 
+/* Stores an artefact of a job in any state, without a claim. */
+struct store_artefact {
+    const char *id;
+    int view;
+    const char *layer, *format;
+    const void *data;
+    size_t bytes;
+};
+void store_put(struct pen_store *store, const struct store_artefact *artefact);
+
 /* Does all that deletes have left to do, in slices; returns their number. */
 int store_purge_slices(struct pen_store *store);
 

@@ -8,8 +8,9 @@
 #include "render/forecast.h"
 
 /* Runs the batch of a claim, of any kind. Owns: release *output after success. Fails:
- * PEN_CANCELLED: the heartbeat has stopped it. PEN_NOT_FOUND: the job was deleted. PEN_STORAGE,
- * PEN_STORAGE_FULL, PEN_UNAVAILABLE: the store failed. Any other code is an error of the job. */
+ * PEN_CANCELLED: the heartbeat has stopped it. PEN_NOT_FOUND: the job was deleted. PEN_STALE: the
+ * claim is lost. PEN_STORAGE, PEN_STORAGE_FULL, PEN_UNAVAILABLE: the store failed. Any other code
+ * is an error of the job. */
 bool pen_batch_run(struct pen_batch_context *context, const struct pen_claim *claim,
                    struct pen_batch_output *output, struct pen_status *st);
 

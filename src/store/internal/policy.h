@@ -198,8 +198,8 @@ bool pen_policy_artefact(struct pen_store *store, const char *id, int view, cons
                          const char *format, struct pen_buf *out, struct pen_status *st);
 bool pen_policy_artefact_bytes(struct pen_store *store, const char *id, int view, const char *layer,
                                const char *format, size_t *bytes, struct pen_status *st);
-bool pen_policy_artefact_put(struct pen_store *store, const char *id, int view, const char *layer,
-                             const char *format, const void *data, size_t bytes,
+bool pen_policy_artefact_put(struct pen_store *store, const struct pen_claim *claim,
+                             const char *layer, const char *format, const void *data, size_t bytes,
                              struct pen_status *st);
 bool pen_policy_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
                             struct pen_status *st);
