@@ -99,7 +99,8 @@ bool pen_end_job(struct pen_store *store, int64_t job, enum pen_job_state state,
     if (!changed)
         return true;
     store->changed = true;
-    return driver->ops->job_end_batches(driver, job, st);
+    return driver->ops->job_end_batches(driver, job, st) &&
+           driver->ops->job_artefacts_drop(driver, job, PEN_KEPT_LAYER, st);
 }
 
 /* The time that workers have spent and not told yet is charged too: else who cancels soon enough

@@ -404,9 +404,9 @@ struct pen_kept {
 };
 #define PEN_KEPT_STATE "state"
 
-/* Stores what the claim's batch keeps until its commit, in place of what it kept before, with its
- * progress, in one transaction. *outranked: as pen_store_outranked tells. Fails: PEN_STALE (nothing
- * is stored). */
+/* Stores what the claim's batch keeps until its commit or the end of its job, in place of what it
+ * kept before, with its progress, in one transaction. *outranked: as pen_store_outranked tells.
+ * Fails: PEN_STALE (nothing is stored). */
 bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
                     const struct pen_kept *kept, bool *outranked, struct pen_status *st);
 

@@ -354,6 +354,12 @@ START_TEST(test_driver_blobs__artefacts_of_a_layer_are_dropped_together)
         ck_assert(!found);
         expect_artefact(&left[i], number[i], i, 30);
     }
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, job_artefacts_drop, job, "depth");
+    DRIVER_RUN(bed.driver, commit);
+    DRIVER_DO(bed.driver, artefact_find, &left[0], &row, &found);
+    ck_assert(!found);
+    expect_artefact(&left[1], number[1], 1, 30);
     driver_bed_close(&bed);
 }
 END_TEST

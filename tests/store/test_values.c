@@ -137,6 +137,66 @@ START_TEST(test_values__of_a_lost_claim_are_refused_and_leave_nothing)
 }
 END_TEST
 
+static void end_by_cancel(void)
+{
+    struct pen_status st;
+    store_must(pen_store_cancel(bed.store, job.id, &st), &st, "cancel");
+}
+
+static void end_by_fail(void)
+{
+    struct pen_status st;
+    store_must(pen_store_fail(bed.store, &claim, "{}", &st), &st, "fail");
+}
+
+static char *death_error(void *user, const struct pen_claim *held, int charges)
+{
+    (void)user, (void)held, (void)charges;
+    return strdup("{}");
+}
+
+static void end_by_crashes(void)
+{
+    const struct pen_worker_death death = {
+        .worker = "w", .end = PEN_WORKER_CRASHED, .error = death_error};
+    struct pen_status st;
+    int opened;
+    for (int i = 0; i < job.job.max_attempts; i++) {
+        if (i > 0)
+            claim = store_claim(bed.store, "w");
+        store_must(pen_store_worker_ended(bed.store, &death, &opened, &st), &st, "death");
+    }
+}
+
+/* What was kept goes with the job's end, and the worker that goes on for a while keeps no more. */
+START_TEST(test_values__kept_by_a_job_go_when_it_is_cancelled_or_fails)
+{
+    static void (*const ends[])(void) = {end_by_cancel, end_by_fail, end_by_crashes};
+    static const char *const names[] = {PEN_KEPT_STATE, "part"};
+    for (int i = 0; i < 3; i++) {
+        struct pen_status st;
+        struct pen_buf out = {0};
+        bool outranked;
+        open_bed();
+        const struct pen_kept_part part = {"part", noise, LARGE};
+        const struct pen_kept kept = {.data = "state", .bytes = 5, .parts = &part, .part_count = 1};
+        store_must(pen_store_keep(bed.store, &claim, &kept, &outranked, &st), &st, "keep");
+        ends[i]();
+        ck_assert(pen_job_state_ended(store_job_state(bed.store, job.id)));
+        for (int tries = 0; tries < 2; tries++) {
+            for (int k = 0; k < 2; k++) {
+                ck_assert(!pen_store_kept(bed.store, &claim, names[k], &out, &st));
+                ck_assert_int_eq(st.code, PEN_NOT_FOUND);
+            }
+            expect_objects_gone();
+            ck_assert(!pen_store_keep(bed.store, &claim, &kept, &outranked, &st));
+            ck_assert_int_eq(st.code, PEN_STALE);
+        }
+        close_bed();
+    }
+}
+END_TEST
+
 static void expect_layer(const void *data, size_t bytes)
 {
     struct pen_buf out = {0};
@@ -262,6 +322,7 @@ END_TEST
 PEN_SUITE("large values", test_values__are_written_in_several_transactions,
           test_values__one_replaces_another_at_once_and_that_goes_in_slices,
           test_values__of_a_lost_claim_are_refused_and_leave_nothing,
+          test_values__kept_by_a_job_go_when_it_is_cancelled_or_fails,
           test_values__layers_of_a_lost_claim_are_refused_and_change_no_ended_job,
           test_values__that_were_not_finished_go_after_a_minute,
           test_values__of_a_commit_are_read_back_and_go_with_their_job,

@@ -495,6 +495,9 @@ struct pen_driver_ops {
     /* Removes the artefacts of a layer of a view, in any format. */
     bool (*artefacts_drop)(struct pen_driver *driver, const struct pen_artefact_key *key,
                            struct pen_status *st);
+    /* The same, of all views of a job. */
+    bool (*job_artefacts_drop)(struct pen_driver *driver, int64_t job, const char *layer,
+                               struct pen_status *st);
     /* Artefacts that can be made again. cached_put marks one, with its length; cached_evict removes
      * the one that was used longest ago, and subtracts its length from *bytes. */
     bool (*cached_put)(struct pen_driver *driver, int64_t artefact, int64_t bytes, int64_t now_ms,

@@ -43,7 +43,8 @@ bool pen_fail_missing(struct pen_store *store, const char *id, struct pen_status
 bool pen_find_job(struct pen_store *store, const char *id, struct pen_job_key *job,
                   struct pen_status *st);
 
-/* Makes a job cancelled or failed, and ends its open and leased batches; inside a transaction. */
+/* Makes a job cancelled or failed, ends its open and leased batches, and drops what they kept;
+ * inside a transaction. */
 bool pen_end_job(struct pen_store *store, int64_t job, enum pen_job_state state, const char *error,
                  struct pen_status *st);
 

@@ -241,6 +241,15 @@ bool pen_sqlite_artefacts_drop(struct pen_driver *driver, const struct pen_artef
     return pen_sqlite_run(&query, st);
 }
 
+bool pen_sqlite_job_artefacts_drop(struct pen_driver *driver, int64_t job, const char *layer,
+                                   struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_ARTEFACTS_DROP);
+    pen_sqlite_int(&query, job);
+    pen_sqlite_text(&query, layer);
+    return pen_sqlite_run(&query, st);
+}
+
 bool pen_sqlite_artefact_find(struct pen_driver *driver, const struct pen_artefact_key *key,
                               struct pen_artefact_row *artefact, bool *found, struct pen_status *st)
 {

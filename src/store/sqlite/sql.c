@@ -385,6 +385,7 @@ static const char *const sql_text[] = {
                           " LEFT JOIN cached c ON c.artefact = a.id WHERE job = ? AND view = ? AND "
                           "layer = ? AND format = ?",
     [SQL_ARTEFACTS_DROP] = "DELETE FROM artefact WHERE job = ? AND view = ? AND layer = ?",
+    [SQL_JOB_ARTEFACTS_DROP] = "DELETE FROM artefact WHERE job = ? AND layer = ?",
     [SQL_PIXELS_PART] = "SELECT p.data FROM pixels r JOIN large_object_part p"
                         " ON p.object = r.object WHERE r.batch = ? AND p.part = ?",
     [SQL_ARTEFACT_PART] = "SELECT p.data FROM artefact r JOIN large_object_part p"

@@ -134,6 +134,7 @@ enum pen_sqlite_sql {
     SQL_ARTEFACT_PUT,
     SQL_ARTEFACT_FIND,
     SQL_ARTEFACTS_DROP,
+    SQL_JOB_ARTEFACTS_DROP,
     SQL_PIXELS_PART,
     SQL_ARTEFACT_PART,
     SQL_OBJECT_ADD,
@@ -494,6 +495,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(artefact_put)                                                                               \
     OP(artefact_find)                                                                              \
     OP(artefacts_drop)                                                                             \
+    OP(job_artefacts_drop)                                                                         \
     OP(object_add)                                                                                 \
     OP(object_write)                                                                               \
     OP(object_release)                                                                             \
