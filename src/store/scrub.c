@@ -8,10 +8,11 @@ struct next {
     const struct pen_scrub *scrub;
     enum pen_blob_kind kind;
     struct pen_blob_row row;
-    bool found;
+    bool found, loaded;
+    struct pen_status why; /* it was not loaded, or is damaged */
 };
 
-/* Finds the next blob of any kind and loads it. */
+/* Finds the next blob of any kind and loads it. Fails: only if none can be looked for. */
 static bool load_next(struct pen_store *store, void *arg, struct pen_status *st)
 {
     struct next *next = arg;
@@ -21,8 +22,11 @@ static bool load_next(struct pen_store *store, void *arg, struct pen_status *st)
         if (!store->driver->ops->blob_next(store->driver, next->kind, after, &next->row,
                                            &next->found, st))
             return false;
-        if (next->found)
-            return pen_blob_load(store, next->kind, next->row.number, next->row.bytes, st);
+        if (next->found) {
+            next->loaded =
+                pen_blob_load(store, next->kind, next->row.number, next->row.bytes, &next->why);
+            return true;
+        }
     }
     return true;
 }
@@ -44,7 +48,7 @@ static bool check(struct pen_store *store, const struct next *next, struct pen_s
            pen_fail(st, PEN_STORAGE, "its bytes are not those that were stored");
 }
 
-static void tell(const struct next *next, const struct pen_status *st)
+static void tell(const struct next *next)
 {
     static const char *const kinds[] = {[PEN_BLOB_SCENE] = "scene",
                                         [PEN_BLOB_PIXELS] = "pixels of a batch",
@@ -52,9 +56,11 @@ static void tell(const struct next *next, const struct pen_status *st)
     const struct pen_log_about about = {.job = next->row.job[0] ? next->row.job : NULL};
     pen_log_about(PEN_LOG_ERROR, &about, "the store's background check: %s%s%s %lld: %s",
                   kinds[next->kind], next->row.name[0] ? " " : "", next->row.name,
-                  (long long)next->row.number, st->msg);
+                  (long long)next->row.number, next->why.msg);
 }
 
+/* Goes on from a blob before anything is said of it: one that can never be read must not keep the
+ * others from being checked. */
 bool pen_policy_scrub(struct pen_store *store, struct pen_scrub *scrub, bool *more,
                       struct pen_status *st)
 {
@@ -70,11 +76,13 @@ bool pen_policy_scrub(struct pen_store *store, struct pen_scrub *scrub, bool *mo
     scrub->kind = (int)next.kind;
     scrub->after = next.row.number;
     pen_store_tally_add(store, PEN_TALLY_SCRUBBED, 1);
-    if (check(store, &next, st))
+    if (next.loaded && check(store, &next, &next.why))
         return true;
-    if (st->code != PEN_STORAGE)
+    if (next.why.code != PEN_STORAGE) {
+        *st = next.why;
         return false;
+    }
     scrub->damaged++;
-    tell(&next, st);
+    tell(&next);
     return true;
 }

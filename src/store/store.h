@@ -572,8 +572,9 @@ bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_statu
 
 /* The background check of stored scene documents, pixels, pictures and reports, which the check at
  * a start leaves out. Each call checks the next one by its checksum; what is damaged is logged with
- * its job, and counted (PEN_TALLY_DAMAGED). It begins at {0}; *more is false at the end of a pass,
- * and *scrub is {0} again. Fails: as a reader's call, if the store itself cannot be read. */
+ * its job, and counted (PEN_TALLY_DAMAGED); so is what cannot be read. It begins at {0}; *more is
+ * false at the end of a pass, and *scrub is {0} again. Fails: as a reader's call, if the store
+ * itself cannot be read; PEN_NO_MEMORY, for one, after which the next call goes on. */
 struct pen_scrub {
     int kind;      /* of the last one that was checked */
     int64_t after; /* its number */

@@ -138,6 +138,28 @@ static int64_t file_bytes(void)
 }
 
 /* Every slice is small: a large job takes many, and its space is returned by others. */
+static bool remove_now(void *user, int first_tile, int tile_count, const float *rgb, int64_t pixels)
+{
+    struct pen_status st;
+    (void)first_tile, (void)tile_count, (void)rgb, (void)pixels;
+    store_must(pen_store_delete(bed.store, user, NULL, &st), &st, "delete");
+    store_purge_slices(bed.store);
+    return true;
+}
+
+/* It is not damaged. */
+START_TEST(test_removal__a_job_that_goes_while_it_is_read_is_not_found)
+{
+    struct store_job in;
+    struct pen_status st = {0};
+    store_bed_open(&bed);
+    finish_job(&in, 1, 0);
+    expect_code(pen_store_pixels(bed.store, in.id, 0, remove_now, in.id, &st), &st, PEN_NOT_FOUND,
+                "pixels");
+    store_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_removal__a_large_job_goes_in_many_slices_and_its_space_returns)
 {
     enum { PICTURES = 12, MIB = 1 << 20 };
@@ -209,4 +231,5 @@ PEN_SUITE("removed jobs", test_removal__every_call_about_a_removed_job_says_gone
           test_removal__statistics_are_dropped_on_demand_and_forgotten_with_age,
           test_removal__a_removed_job_is_neither_listed_nor_counted,
           test_removal__a_large_job_goes_in_many_slices_and_its_space_returns,
+          test_removal__a_job_that_goes_while_it_is_read_is_not_found,
           test_removal__goes_on_after_a_kill)

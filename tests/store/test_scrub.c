@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The background check: it reads every stored document, picture and batch of pixels once a pass,
  * and finds each one whose bytes have changed. */
+#include <string.h>
+
 #include "support/store.h"
 #include "support/store_sql.h"
 #include "support/suite.h"
@@ -114,5 +116,41 @@ START_TEST(test_scrub__goes_on_while_jobs_are_removed)
 }
 END_TEST
 
+/* A large picture without some of its parts, then without any. */
+START_TEST(test_scrub__tells_what_cannot_be_read_and_goes_on)
+{
+    enum { LARGE = 3 << 20 };
+    static const char *const changes[] = {"DELETE FROM large_object_part WHERE part = 1",
+                                          "DELETE FROM large_object_part"};
+    static char picture[LARGE];
+    struct store_job job;
+    struct pen_status st;
+    struct pen_buf out = {0};
+    int64_t damaged;
+    fill();
+    store_job_init(&job, 0, 1, 2);
+    store_put(bed.store,
+              &(struct store_artefact){job.id, 0, "beauty", "pfm", picture, sizeof picture});
+    store_put(bed.store, &(struct store_artefact){job.id, 0, "normal", "pfm", "after", 5});
+    const int count = blobs();
+    for (int i = 0; i < 2; i++) {
+        store_run_sql(&bed, changes[i], NULL, 0);
+        ck_assert_int_eq(pass(&damaged), count);
+        ck_assert_int_eq(damaged, 1);
+        ck_assert(!pen_store_artefact(bed.store, job.id, 0, "beauty", "pfm", &out, &st));
+        ck_assert_int_eq(st.code, PEN_STORAGE);
+        ck_assert_ptr_nonnull(strstr(st.msg, "damaged"));
+    }
+    store_run_sql(&bed, "UPDATE artefact SET data = x'00' WHERE layer = 'normal'", NULL, 0);
+    ck_assert_int_eq(pass(&damaged), count);
+    ck_assert_int_eq(damaged, 2);
+    store_must(pen_store_delete(bed.store, job.id, NULL, &st), &st, "delete");
+    store_purge_slices(bed.store);
+    pen_buf_release(&out);
+    store_bed_close(&bed);
+}
+END_TEST
+
 PEN_SUITE("store's background check", test_scrub__reads_everything_once,
-          test_scrub__finds_what_has_changed, test_scrub__goes_on_while_jobs_are_removed)
+          test_scrub__finds_what_has_changed, test_scrub__goes_on_while_jobs_are_removed,
+          test_scrub__tells_what_cannot_be_read_and_goes_on)

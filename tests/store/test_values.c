@@ -312,6 +312,7 @@ START_TEST(test_values__damage_in_a_part_is_noticed)
     ck_assert_int_eq(st.code, PEN_STORAGE);
     store_run_sql(&bed, "DELETE FROM large_object_part WHERE part = 2", NULL, 0);
     ck_assert(!pen_store_kept(bed.store, &claim, PEN_KEPT_STATE, &out, &st));
+    ck_assert_int_eq(st.code, PEN_STORAGE);
     pen_buf_release(&out);
     store_must(keep("small", 5, &st), &st, "keep");
     expect_objects_gone();

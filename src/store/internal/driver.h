@@ -458,7 +458,7 @@ struct pen_driver_ops {
 
     bool (*blob_write)(struct pen_driver *driver, enum pen_blob_kind kind, int64_t number,
                        size_t offset, const void *data, size_t bytes, struct pen_status *st);
-    /* Fails: PEN_NOT_FOUND (there is no such blob, or it is shorter). */
+    /* Fails: PEN_NOT_FOUND (there is no such blob), PEN_STORAGE (it is shorter). */
     bool (*blob_read)(struct pen_driver *driver, enum pen_blob_kind kind, int64_t number,
                       size_t offset, void *to, size_t bytes, struct pen_status *st);
     /* The blob of a kind with the next number after `after`; row->bytes is its length, and the job

@@ -87,7 +87,8 @@ bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int
 bool pen_charge_time(struct pen_store *store, const struct pen_claim *claim, struct pen_status *st);
 
 /* Blobs. pen_blob_begin gives the first range, which is stored with its row; pen_blob_finish writes
- * the other ranges; pen_blob_load reads a whole blob into store->blob. */
+ * the other ranges; pen_blob_load reads a whole blob into store->blob. Fails: PEN_NOT_FOUND (its
+ * row is gone), PEN_STORAGE (also: the row has less), PEN_NO_MEMORY. */
 struct pen_blob_start pen_blob_begin(const void *data, size_t bytes);
 bool pen_blob_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t number,
                      const void *data, size_t bytes, struct pen_status *st);

@@ -51,10 +51,11 @@ bool pen_sqlite_blob_write(struct pen_driver *driver, enum pen_blob_kind kind, i
     return ok;
 }
 
+/* The row is there, and what it should have is not, or not all of it. */
 static bool is_shorter(enum pen_blob_kind kind, int64_t number, size_t bytes, struct pen_status *st)
 {
-    return pen_fail(st, PEN_NOT_FOUND, "%s %lld is shorter than %zu bytes", places[kind].table,
-                    (long long)number, bytes);
+    return pen_fail(st, PEN_STORAGE, "%s %lld is damaged: it is shorter than %zu bytes",
+                    places[kind].table, (long long)number, bytes);
 }
 
 bool pen_sqlite_blob_read(struct pen_driver *driver, enum pen_blob_kind kind, int64_t number,
