@@ -190,14 +190,17 @@ bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snaps
 bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, bool keep_stats, struct pen_status *st)
 {
     json_t *stats = keep_stats ? pen_jobs_stats(jobs, id, st) : NULL;
-    if (keep_stats && !stats && (st->code == PEN_NO_MEMORY || st->code == PEN_UNAVAILABLE))
-        return false; /* the next try may read them */
+    /* A job that had not ended has statistics soon, even if it has ended by now. */
+    if (keep_stats && !stats && st->code == PEN_CONFLICT)
+        return pen_fail(st, PEN_CONFLICT, "job %s has not ended; cancel it before deleting it", id);
+    if (keep_stats && !stats && st->code != PEN_STORAGE)
+        return false; /* there is no such job, or the next try may read them */
     char *text = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
     json_decref(stats);
     if (stats && !text)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
-    /* Where they cannot be read the job has none, or they are damaged and not worth keeping; where
-     * the store cannot be read, it removes nothing either. */
+    /* Where they cannot be read they are damaged and not worth keeping; where the store cannot be
+     * read, it removes nothing either. */
     bool ok = pen_store_delete(jobs->store, id, keep_stats && !text ? "{}" : text, st);
     free(text);
     return ok;

@@ -217,6 +217,40 @@ START_TEST(test_list__cancel_and_delete_follow_the_state)
 }
 END_TEST
 
+/* Ends the job right after a call has read it. */
+static void end_job(void *user, const struct pen_store_call *call)
+{
+    bool *ended = user;
+    if (strcmp(call->name, "job") != 0 || *ended)
+        return;
+    *ended = true;
+    store_work_off(bed.bed.store, "w");
+    ck_assert_int_eq(store_job_state(bed.bed.store, id), PEN_JOB_SUCCEEDED);
+}
+
+/* Its statistics must not be lost because it had none a moment before. */
+START_TEST(test_list__job_that_ends_while_it_is_deleted_stays_with_its_statistics)
+{
+    bool ended = false;
+    const struct pen_store_observer observer = {.called = end_job, .user = &ended};
+    struct pen_status st = {0};
+    jobs_bed_open(&bed);
+    submit_named('a');
+    pen_store_observe(pen_jobs_store(bed.jobs), &observer);
+    ck_assert(!pen_jobs_delete(bed.jobs, id, true, &st));
+    pen_store_observe(pen_jobs_store(bed.jobs), NULL);
+    ck_assert(ended);
+    ck_assert_int_eq(st.code, PEN_CONFLICT);
+    ck_assert_ptr_nonnull(strstr(st.msg, "cancel it before"));
+    store_must(pen_jobs_delete(bed.jobs, id, true, &st), &st, "delete");
+    json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
+    store_must(stats != NULL, &st, "stats");
+    ck_assert_uint_gt(json_object_size(stats), 0);
+    json_decref(stats);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 /* The estimate belongs to the revision: reading the same revision later gives the same. */
 START_TEST(test_list__progress_is_frozen_per_revision)
 {
@@ -410,7 +444,9 @@ END_TEST
 PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps,
           test_list__a_page_ends_at_a_mebibyte, test_list__state_filters,
           test_list__name_and_label_filter, test_list__wrong_cursors_and_limits_are_refused,
-          test_list__cancel_and_delete_follow_the_state, test_list__progress_is_frozen_per_revision,
+          test_list__cancel_and_delete_follow_the_state,
+          test_list__job_that_ends_while_it_is_deleted_stays_with_its_statistics,
+          test_list__progress_is_frozen_per_revision,
           test_list__first_eta_is_the_estimate_of_the_worker,
           test_list__only_long_jobs_are_estimated, test_list__built_in_scenes_are_listed_by_name,
           test_list__problem_of_one_status, test_list__problem_of_several_errors,
