@@ -12,6 +12,7 @@
 #include "base/clock.h"
 #include "math/fn.h"
 #include "math/scale.h"
+#include "scene/freeze_without_rays.h"
 #include "scene/internal/effects.h"
 
 /* Primitive numbers must fit into pen_prim_ref. */
@@ -220,20 +221,34 @@ static bool freeze_all(struct pen_freezer *f)
     freeze_background(f);
     f->scene->ambient = f->desc->ambient;
     if (!freeze_views(f) || !freeze_frame(f) || !freeze_materials(f) || !freeze_lights(f) ||
-        !pen_freeze_prims(f) || !pen_freeze_own_spaces(f) || !pen_freeze_layers(f))
+        !pen_freeze_prims(f) || !pen_freeze_own_spaces(f) || (f->rays && !pen_freeze_layers(f)))
         return false;
     pen_effects_find(f->scene);
     return pen_freeze_solids(f);
 }
 
-struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
-                                   enum pen_accelerator accelerator, size_t cap_bytes,
-                                   struct pen_status *st)
+static bool build_accel(struct pen_freezer *f, enum pen_accelerator accelerator)
+{
+    struct pen_scene *scene = f->scene;
+    scene->accel = accelerator == PEN_ACCEL_MANUAL
+                       ? pen_freeze_manual(f)
+                       : pen_accel_build(&scene->prims, accelerator, scene->arena, f->st);
+    return scene->accel != NULL;
+}
+
+/* `accelerator`: NULL if no ray will be traced. */
+static struct pen_scene *freeze(const struct pen_scene_desc *desc,
+                                const enum pen_accelerator *accelerator, size_t cap_bytes,
+                                struct pen_status *st)
 {
     int64_t begun = pen_clock_ns();
     struct pen_arena *arena = pen_arena_new(cap_bytes);
     struct pen_scene *scene = arena ? pen_arena_alloc(arena, 1, sizeof *scene) : NULL;
-    struct pen_freezer f = {.desc = desc, .scene = scene, .st = st};
+    struct pen_freezer f = {.desc = desc,
+                            .scene = scene,
+                            .st = st,
+                            .cap_bytes = cap_bytes,
+                            .rays = accelerator != NULL};
     if (!scene) {
         pen_freeze_no_memory(&f);
         pen_arena_free(arena);
@@ -246,15 +261,25 @@ struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
     bool ok = freeze_all(&f);
     free(f.buffer);
     scene->freeze_ms = (double)(pen_clock_ns() - begun) * 1e-6;
-    if (ok)
-        scene->accel = accelerator == PEN_ACCEL_MANUAL
-                           ? pen_freeze_manual(&f)
-                           : pen_accel_build(&scene->prims, accelerator, arena, st);
+    ok = ok && (!f.rays || build_accel(&f, *accelerator));
     fesetenv(&caller);
-    if (scene->accel)
+    if (ok)
         return scene;
     pen_arena_free(arena);
     return NULL;
+}
+
+struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
+                                   enum pen_accelerator accelerator, size_t cap_bytes,
+                                   struct pen_status *st)
+{
+    return freeze(desc, &accelerator, cap_bytes, st);
+}
+
+struct pen_scene *pen_scene_freeze_without_rays(const struct pen_scene_desc *desc,
+                                                struct pen_status *st)
+{
+    return freeze(desc, NULL, 0, st);
 }
 
 void pen_scene_free(struct pen_scene *scene)

@@ -23,7 +23,7 @@ enum {
     SOME = 15,       /* a list is halved at the median of so many of it, */
     SOME_MOST = 127, /* and a long list at that of a sixteenth of it, but at most these */
     DEPTH = 48,
-    PLACES = 16 /* of one primitive that are kept apart */
+    PLACES = 16 /* of one primitive: those with its first partners, and one for all others */
 };
 
 /* Surfaces of different classes never coincide. */
@@ -42,10 +42,13 @@ struct begin {
     double lo;
 };
 
+/* A place in the list of its primitive. */
 struct place {
-    uint32_t prim;
     struct pen_layer_place there;
+    uint32_t next;
 };
+
+static const uint32_t NO_PLACE = UINT32_MAX;
 
 struct finder {
     const struct pen_prims *prims;
@@ -53,8 +56,9 @@ struct finder {
     uint32_t *list;      /* of surfaces */
     struct begin *begin; /* of those that are compared */
     uint32_t count;
-    struct place *place; /* in any order; the same ones more than once */
-    size_t places, room;
+    uint32_t *first;     /* by primitive: its first place; they are in the order of partners */
+    struct place *place; /* all that the scene will keep, and no others */
+    size_t places, room, most;
     bool no_memory;
 };
 
@@ -163,18 +167,48 @@ static uint8_t last_part(uint32_t kind)
     return PEN_PART_SIDE;
 }
 
+/* There are at most PLACES places for a primitive, and as many as the scene has memory for. */
+static bool make_room(struct finder *f)
+{
+    if (f->places < f->room)
+        return true;
+    size_t room = 2 * f->room + 64;
+    room = room < f->most ? room : f->most;
+    struct place *more = f->places < room ? realloc(f->place, room * sizeof *more) : NULL;
+    if (!more)
+        return false;
+    f->place = more;
+    f->room = room;
+    return true;
+}
+
+/* Adds a place to the list of its primitive, in which each partner has one place, and those after
+ * the first PLACES - 1 partners have one together: the last. A partner that is not among the first
+ * of those found so far is not among the first of all, so the order in which pairs are found makes
+ * no difference. */
 static void add_place(struct finder *f, uint32_t prim, struct pen_layer_place there)
 {
-    if (f->places == f->room) {
-        size_t room = 2 * f->room + 64;
-        struct place *more = realloc(f->place, room * sizeof *more);
-        f->no_memory = f->no_memory || !more;
-        if (!more)
+    uint32_t last = NO_PLACE, count = 0;
+    for (uint32_t at = f->first[prim]; at != NO_PLACE; at = f->place[at].next, count++) {
+        struct pen_layer_place *here = &f->place[at].there;
+        if (here->partner == there.partner || count == PLACES - 1) {
+            here->box = pen_box_union(here->box, there.box);
+            here->partner = here->partner == there.partner ? here->partner : PEN_NO_PRIM;
             return;
-        f->place = more;
-        f->room = room;
+        }
+        if (there.partner < here->partner) {
+            const struct pen_layer_place later = *here;
+            *here = there;
+            there = later;
+        }
+        last = at;
     }
-    f->place[f->places++] = (struct place){prim, there};
+    if (!make_room(f)) {
+        f->no_memory = true;
+        return;
+    }
+    *(last == NO_PLACE ? &f->first[prim] : &f->place[last].next) = (uint32_t)f->places;
+    f->place[f->places++] = (struct place){there, NO_PLACE};
 }
 
 /* The common box of two surfaces is a place of both primitives. */
@@ -364,8 +398,13 @@ static void find_in_runs(struct finder *f)
 static bool alloc_finder(struct finder *f)
 {
     size_t count = 0;
-    for (uint32_t i = 0; i < f->prims->count; i++)
+    f->first = malloc(((size_t)f->prims->count + 1) * sizeof *f->first);
+    if (!f->first)
+        return false;
+    for (uint32_t i = 0; i < f->prims->count; i++) {
         count += last_part(f->prims->ref[i].kind) + 1u;
+        f->first[i] = NO_PLACE;
+    }
     f->surface = malloc((count + 1) * sizeof *f->surface);
     f->list = malloc((count + 1) * sizeof *f->list);
     f->begin = malloc((count + 1) * sizeof *f->begin);
@@ -380,61 +419,39 @@ static void find(struct finder *f)
     find_in_runs(f);
 }
 
-static int compare_places(const void *a, const void *b)
-{
-    const struct place *p = a, *q = b;
-    if (p->prim != q->prim)
-        return p->prim < q->prim ? -1 : 1;
-    return (p->there.partner > q->there.partner) - (p->there.partner < q->there.partner);
-}
-
-/* Leaves each pair once; where a primitive has many partners, one place for all of them. Returns
- * how many places are left. */
-static size_t merge_places(struct place *place, size_t count)
-{
-    size_t kept = 0, begin = 0;
-    if (count > 0)
-        qsort(place, count, sizeof *place, compare_places);
-    for (size_t i = 0; i < count; i++) {
-        if (i == 0 || place[i].prim != place[i - 1].prim)
-            begin = kept;
-        place[kept++] = place[i];
-        if (kept > begin + 1 &&
-            (compare_places(&place[kept - 1], &place[kept - 2]) == 0 || kept > begin + PLACES)) {
-            struct pen_layer_place *to = &place[kept - 2].there, *from = &place[kept - 1].there;
-            to->box = pen_box_union(to->box, from->box);
-            to->partner = to->partner == from->partner ? from->partner : PEN_NO_PRIM;
-            kept--;
-        }
-    }
-    return kept;
-}
-
 /* The scene keeps the places only if there are any. */
-static bool keep(struct pen_freezer *f, struct finder *finder)
+static bool keep(struct pen_freezer *f, const struct finder *finder)
 {
-    uint32_t prims = finder->prims->count;
-    size_t count = merge_places(finder->place, finder->places), at = 0;
-    if (count == 0)
+    const uint32_t prims = finder->prims->count;
+    uint32_t count = 0;
+    if (finder->places == 0)
         return true;
     uint32_t *first = pen_arena_alloc(f->scene->arena, (size_t)prims + 1, sizeof *first);
-    struct pen_layer_place *place = pen_arena_alloc(f->scene->arena, count, sizeof *place);
+    struct pen_layer_place *place = pen_arena_alloc(f->scene->arena, finder->places, sizeof *place);
     if (!first || !place)
         return false;
     for (uint32_t i = 0; i < prims; i++) {
-        first[i] = (uint32_t)at;
-        for (; at < count && finder->place[at].prim == i; at++)
-            place[at] = finder->place[at].there;
+        first[i] = count;
+        for (uint32_t at = finder->first[i]; at != NO_PLACE; at = finder->place[at].next)
+            place[count++] = finder->place[at].there;
     }
-    first[prims] = (uint32_t)at;
+    first[prims] = count;
     f->scene->layer_first = first;
     f->scene->layer_place = place;
     return true;
 }
 
+/* How many places the scene's memory has room for. */
+static size_t places_most(const struct pen_freezer *f)
+{
+    const size_t left = f->cap_bytes ? f->cap_bytes - pen_arena_used(f->scene->arena) : SIZE_MAX;
+    const size_t most = left / sizeof(struct pen_layer_place);
+    return most < NO_PLACE ? most : NO_PLACE;
+}
+
 bool pen_freeze_layers(struct pen_freezer *f)
 {
-    struct finder finder = {.prims = &f->scene->prims};
+    struct finder finder = {.prims = &f->scene->prims, .most = places_most(f)};
     bool ok = alloc_finder(&finder);
     if (ok)
         find(&finder);
@@ -442,6 +459,7 @@ bool pen_freeze_layers(struct pen_freezer *f)
     free(finder.surface);
     free(finder.list);
     free(finder.begin);
+    free(finder.first);
     free(finder.place);
     return ok || pen_freeze_no_memory(f);
 }

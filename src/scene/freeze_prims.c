@@ -99,7 +99,8 @@ static bool cut_shape(struct pen_freezer *f, const struct filler *a, uint32_t ki
 {
     const struct pen_kind *row = &pen_kinds[kind];
     void *prim = (char *)a->array[kind] + index * row->bytes;
-    return !row->fn->cut || row->fn->cut(prim, f->scene->arena) || pen_freeze_no_memory(f);
+    return !f->rays || !row->fn->cut || row->fn->cut(prim, f->scene->arena) ||
+           pen_freeze_no_memory(f);
 }
 
 static bool fill_primitive(struct pen_freezer *f, const struct pen_scene_prim *scene_prim,

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene/freeze_without_rays.h"
 #include "support/alloc.h"
 #include "support/kit.h"
 #include "support/suite.h"
@@ -547,6 +548,68 @@ START_TEST(test_freeze__layers_of_a_lattice)
 }
 END_TEST
 
+enum { PILE = 400, PILE_PLACES = 16 };
+
+/* Triangles in one place. */
+static void make_pile(struct pen_object_desc triangle[PILE])
+{
+    kit_init(&kit);
+    const struct pen_object_desc first =
+        *kit_triangle(&kit, pen_vec3(0, 1, 0), pen_vec3(1, -1, 0), pen_vec3(-1, -1, 0), -1);
+    for (int i = 0; i < PILE; i++)
+        triangle[i] = first;
+    kit.desc.objects = triangle;
+    kit.desc.object_count = PILE;
+    kit.desc.primitive_count = PILE;
+}
+
+/* Of many partners the first have a place each, and all others one; more are not kept while they
+ * are being found, either. */
+START_TEST(test_freeze__layers_of_a_pile)
+{
+    static struct pen_object_desc triangle[PILE];
+    make_pile(triangle);
+    alloc_take_largest();
+    struct pen_scene *scene = kit_freeze(&kit);
+    ck_assert_uint_lt(alloc_take_largest(), 1 << 20);
+    for (uint32_t i = 0; i < PILE; i++) {
+        const struct pen_layer_place *place = &scene->layer_place[scene->layer_first[i]];
+        ck_assert_uint_eq(scene->layer_first[i + 1] - scene->layer_first[i], PILE_PLACES);
+        for (uint32_t k = 0; k < PILE_PLACES; k++) {
+            const uint32_t partner = k == PILE_PLACES - 1 ? PEN_NO_PRIM : k < i ? k : k + 1;
+            ck_assert_uint_eq(place[k].partner, partner);
+        }
+    }
+    const size_t used = pen_arena_used(scene->arena);
+    pen_scene_free(scene);
+
+    struct pen_status st = {0};
+    scene = pen_scene_freeze(&kit.desc, PEN_ACCEL_AUTO, used, &st);
+    ck_assert(scene != NULL);
+    pen_scene_free(scene);
+    for (size_t cap = used - 1; cap > 1000; cap -= cap / 3) {
+        ck_assert(pen_scene_freeze(&kit.desc, PEN_ACCEL_AUTO, cap, &st) == NULL);
+        ck_assert_int_eq(st.code, PEN_NO_MEMORY);
+    }
+}
+END_TEST
+
+/* What only rays need is left out. */
+START_TEST(test_freeze__without_rays)
+{
+    static struct pen_object_desc triangle[PILE];
+    struct pen_status st = {0};
+    make_pile(triangle);
+    struct pen_scene *scene = pen_scene_freeze_without_rays(&kit.desc, &st);
+    ck_assert(scene != NULL);
+    ck_assert_uint_eq(scene->prims.count, PILE);
+    ck_assert_uint_eq(scene->view_count, 1);
+    ck_assert_ptr_null(scene->layer_first);
+    ck_assert_ptr_null(scene->accel);
+    pen_scene_free(scene);
+}
+END_TEST
+
 PEN_SUITE("freeze", test_freeze__primitives_are_numbered_depth_first,
           test_freeze__quadrics_under_similarities, test_freeze__mirrors_keep_the_outside,
           test_freeze__refuses_stretched_quadrics,
@@ -557,4 +620,5 @@ PEN_SUITE("freeze", test_freeze__primitives_are_numbered_depth_first,
           test_freeze__scenes_without_finite_primitives, test_freeze__memory_cap_is_an_error,
           test_freeze__every_allocation_may_fail, test_freeze__groups_are_the_structure_of_manual,
           test_freeze__manual_without_groups_is_cbr, test_freeze__groups_side_by_side,
-          test_freeze__h037_intersections_of_a_small_view_plane, test_freeze__layers_of_a_lattice)
+          test_freeze__h037_intersections_of_a_small_view_plane, test_freeze__layers_of_a_lattice,
+          test_freeze__layers_of_a_pile, test_freeze__without_rays)

@@ -36,6 +36,16 @@ static inline void alloc_spare_new_threads(void)
 #endif
 }
 
+/* The largest allocation since the last call. */
+static size_t alloc_largest_bytes;
+
+static inline size_t alloc_take_largest(void)
+{
+    const size_t largest = alloc_largest_bytes;
+    alloc_largest_bytes = 0;
+    return largest;
+}
+
 /* Lets n allocations succeed, then all fail until alloc_succeed. */
 static inline void alloc_fail_after(long n)
 {
@@ -54,8 +64,10 @@ static inline bool alloc_succeed(void)
 /* The start-up of the sanitizers calls these functions too, before their instrumentation works. */
 #define ALLOC_UNWATCHED __attribute__((no_sanitize("thread"), no_sanitize("address")))
 
-ALLOC_UNWATCHED static bool alloc_refuse(void)
+ALLOC_UNWATCHED static bool alloc_refuse(size_t bytes)
 {
+    if (bytes > alloc_largest_bytes)
+        alloc_largest_bytes = bytes;
     if (!alloc_state.armed ||
         (alloc_state.one_thread && !pthread_equal(pthread_self(), alloc_state.thread)) ||
         alloc_state.left-- > 0)
@@ -79,25 +91,25 @@ typedef void *(*alloc_again)(void *, size_t);
 ALLOC_UNWATCHED void *malloc(size_t bytes)
 {
     ALLOC_SYSTEM(alloc_one, malloc)
-    return alloc_refuse() ? NULL : system_malloc(bytes);
+    return alloc_refuse(bytes) ? NULL : system_malloc(bytes);
 }
 
 ALLOC_UNWATCHED void *calloc(size_t count, size_t size)
 {
     ALLOC_SYSTEM(alloc_two, calloc)
-    return alloc_refuse() ? NULL : system_calloc(count, size);
+    return alloc_refuse(count * size) ? NULL : system_calloc(count, size);
 }
 
 ALLOC_UNWATCHED void *realloc(void *old, size_t bytes)
 {
     ALLOC_SYSTEM(alloc_again, realloc)
-    return alloc_refuse() ? NULL : system_realloc(old, bytes);
+    return alloc_refuse(bytes) ? NULL : system_realloc(old, bytes);
 }
 
 ALLOC_UNWATCHED void *aligned_alloc(size_t alignment, size_t bytes)
 {
     ALLOC_SYSTEM(alloc_two, aligned_alloc)
-    return alloc_refuse() ? NULL : system_aligned_alloc(alignment, bytes);
+    return alloc_refuse(bytes) ? NULL : system_aligned_alloc(alignment, bytes);
 }
 
 #endif

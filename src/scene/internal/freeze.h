@@ -16,6 +16,8 @@ struct pen_freezer {
     const struct pen_scene_desc *desc;
     struct pen_scene *scene;
     struct pen_status *st;
+    size_t cap_bytes; /* of the scene's arena; 0: none */
+    bool rays;        /* will be traced; false: what only they need is left out */
     struct pen_prim_summary summary;
     struct pen_local_frame frame;
     struct pen_camera_frame *cameras; /* by view, scene units */
