@@ -88,7 +88,8 @@ double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_se
  * object uses, lights of intensity 0, a picture that will be empty or black, views for which double
  * precision is too coarse (scene/precision.h). Each has code PEN_OK, a JSON Pointer and a sentence.
  * `document` and `at` are those that *desc was read from. When memory runs out, some warnings are
- * missing. */
+ * missing. Cost: a limited number of steps beside what is linear in the document; the last warnings
+ * say what was not checked for it, in the place of others if there are PEN_ERRORS_MAX. */
 void pen_scene_warnings(const json_t *document, const char *at, const struct pen_scene_desc *desc,
                         struct pen_errors *warnings);
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The corners (a vertex with its two neighbours) of all triangles and polygons are put into a k-d
  * tree (Bentley, Comm. ACM 18(9), 1975); each edge looks up the corners within its tolerance.
- * Cost: O(n log n) for n edges, and what each edge finds. */
+ * Cost: O(n log n) for n edges, and what each edge visits, which may be all corners where they lie
+ * along one line. So visits are counted, up to a limit. */
 #include "scene/tjunction.h"
 
 #include <math.h>
@@ -34,6 +35,7 @@ struct search {
     struct corner *tree;  /* the same corners, as a k-d tree */
     struct edge_key *keys;
     uint32_t *edge_owner; /* by corner number: the first loop with an edge that the corner splits */
+    uint64_t steps;       /* visits of corners that are left */
 };
 
 /* One edge whose corners are searched. */
@@ -42,6 +44,7 @@ struct probe {
     struct pen_vec3 d; /* unit */
     double length, tolerance;
     uint32_t *edge_owner;
+    uint64_t *steps;
 };
 
 static bool is_loop(const struct pen_object_desc *object)
@@ -136,22 +139,30 @@ static void find_unshared_edges(struct search *s)
     }
 }
 
+/* Of equal coordinates the corners' numbers decide, so that the tree, and with it the number of
+ * visits, is the same whatever way qsort sorts. */
+static int compare_along(const void *a, const void *b, int axis)
+{
+    const struct corner *p = a, *q = b;
+    const double x = pen_component(p->p, axis), y = pen_component(q->p, axis);
+    if (x != y)
+        return x < y ? -1 : 1;
+    return (p->number > q->number) - (p->number < q->number);
+}
+
 static int compare_x(const void *a, const void *b)
 {
-    double x = ((const struct corner *)a)->p.x, y = ((const struct corner *)b)->p.x;
-    return (x > y) - (x < y);
+    return compare_along(a, b, 0);
 }
 
 static int compare_y(const void *a, const void *b)
 {
-    double x = ((const struct corner *)a)->p.y, y = ((const struct corner *)b)->p.y;
-    return (x > y) - (x < y);
+    return compare_along(a, b, 1);
 }
 
 static int compare_z(const void *a, const void *b)
 {
-    double x = ((const struct corner *)a)->p.z, y = ((const struct corner *)b)->p.z;
-    return (x > y) - (x < y);
+    return compare_along(a, b, 2);
 }
 
 /* Orders the array as a k-d tree: the middle element splits it along x, y, z in turn. */
@@ -220,8 +231,9 @@ static double most(double a, double b)
 static void search_tree(const struct probe *probe, const struct corner *tree, uint32_t count,
                         int axis, double lo, double hi)
 {
-    if (count == 0 || lo > hi)
+    if (count == 0 || lo > hi || *probe->steps == 0)
         return;
+    --*probe->steps;
     uint32_t middle = count / 2;
     double start = pen_component(probe->edge->p, axis), step = pen_component(probe->d, axis);
     double split = pen_component(tree[middle].p, axis);
@@ -249,8 +261,8 @@ static void search_edge(struct search *s, const struct corner *edge)
     double length = pen_length(d);
     if (!(length > 0 && isfinite(length)))
         return;
-    struct probe probe = {edge, pen_scale(d, 1 / length), length, TOLERANCE * length,
-                          s->edge_owner};
+    struct probe probe = {
+        edge, pen_scale(d, 1 / length), length, TOLERANCE * length, s->edge_owner, &s->steps};
     search_tree(&probe, s->tree, s->count, 0, -probe.tolerance, length + probe.tolerance);
 }
 
@@ -277,20 +289,23 @@ static void search(struct search *s, const struct pen_scene_desc *desc, pen_tjun
     }
 }
 
-void pen_tjunctions_find(const struct pen_scene_desc *desc, pen_tjunction_fn *found, void *user)
+bool pen_tjunctions_find(const struct pen_scene_desc *desc, uint64_t steps_max,
+                         pen_tjunction_fn *found, void *user)
 {
     uint64_t corners = count_corners(desc->objects, desc->object_count);
     if (corners == 0 || corners > PEN_TJUNCTION_EDGES_MAX)
-        return;
-    struct search s = {0};
+        return corners == 0;
+    struct search s = {.steps = steps_max};
     s.edges = calloc(corners, sizeof *s.edges);
     s.tree = calloc(corners, sizeof *s.tree);
     s.edge_owner = calloc(corners, sizeof *s.edge_owner);
     s.keys = calloc(corners, sizeof *s.keys);
-    if (s.edges && s.tree && s.edge_owner && s.keys)
+    const bool ok = s.edges && s.tree && s.edge_owner && s.keys;
+    if (ok)
         search(&s, desc, found, user);
     free(s.edges);
     free(s.tree);
     free(s.edge_owner);
     free(s.keys);
+    return ok && s.steps > 0;
 }

@@ -22,8 +22,11 @@ struct pen_tjunction {
 
 typedef void pen_tjunction_fn(void *user, const struct pen_tjunction *found);
 
-/* Calls `found` for every vertex at a T-junction, in document order. When memory runs out,
- * nothing is found. */
-void pen_tjunctions_find(const struct pen_scene_desc *desc, pen_tjunction_fn *found, void *user);
+/* Calls `found` for vertices at a T-junction, in document order: for all of them if the search
+ * takes fewer than steps_max steps, of some 25 ns each. Edges are searched in document order; which
+ * of them are within the steps depends on nothing but the scene. Returns whether all were searched;
+ * if memory runs out, or there are more than PEN_TJUNCTION_EDGES_MAX, none is. */
+bool pen_tjunctions_find(const struct pen_scene_desc *desc, uint64_t steps_max,
+                         pen_tjunction_fn *found, void *user);
 
 #endif

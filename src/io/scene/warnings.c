@@ -5,8 +5,13 @@
 #include <stdlib.h>
 
 #include "io/scene/reader.h"
+#include "scene/freeze_without_rays.h"
 #include "scene/precision.h"
 #include "scene/tjunction.h"
+
+/* What is done only to warn takes at most so many steps of some 30 ns for each kind of check. It is
+ * a count, not a time, so that a scene gets the same warnings everywhere. */
+enum { STEPS_MAX = 8 << 20 };
 
 static void warn(struct pen_reader *r, const struct pen_place *at, const char *what)
 {
@@ -171,18 +176,36 @@ static void warn_open_solids(struct pen_reader *r, const struct pen_scene_desc *
     }
 }
 
+/* The primitives, and more for each vertex of a loop. */
+static uint64_t count_parts(const struct pen_object_desc *objects, uint32_t count)
+{
+    uint64_t parts = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (objects[i].kind == PEN_OBJECT_GROUP)
+            parts += count_parts(objects[i].u.group.objects, objects[i].u.group.count);
+        else if (objects[i].kind == PEN_OBJECT_TRIANGLE || objects[i].kind == PEN_OBJECT_POLYGON)
+            parts += 1 + objects[i].u.polygon.count;
+        else
+            parts++;
+    }
+    return parts;
+}
+
 /* Warnings about the frozen scene. One that cannot be frozen gets none here; rendering refuses it.
- */
-static void warn_frozen(struct pen_reader *r, const json_t *document,
+ * Every view looks at every primitive. Returns false if that takes too long. */
+static bool warn_frozen(struct pen_reader *r, const json_t *document,
                         const struct pen_scene_desc *desc)
 {
     struct pen_status st;
-    struct pen_scene *scene = pen_scene_freeze(desc, PEN_ACCEL_NONE, 0, &st);
+    if (count_parts(desc->objects, desc->object_count) * desc->view_count > STEPS_MAX)
+        return false;
+    struct pen_scene *scene = pen_scene_freeze_without_rays(desc, &st);
     if (!scene)
-        return;
+        return true;
     warn_precision(r, document, desc, scene);
     warn_open_solids(r, desc, scene);
     pen_scene_free(scene);
+    return true;
 }
 
 struct tjunction_warnings {
@@ -212,6 +235,23 @@ static void warn_tjunction(void *user, const struct pen_tjunction *found)
     pen_errors_add(w->reader->errors, &st);
 }
 
+/* The last warnings, which take the place of others where there are too many. */
+static void warn_unchecked(struct pen_reader *r, bool frozen, bool tjunctions)
+{
+    const struct pen_place root = {0};
+    const size_t room = (size_t)(PEN_ERRORS_MAX - !frozen - !tjunctions);
+    if (r->errors->count > room)
+        r->errors->count = room;
+    if (!frozen)
+        warn(r, &root,
+             "precision, narrow primitives and surfaces that refract were not checked: there are "
+             "too many primitives for so many views");
+    if (!tjunctions)
+        warn(r, &root,
+             "not all edges were searched for T-junctions (vertices of other primitives inside "
+             "them): there are too many, or too many lie along one another");
+}
+
 void pen_scene_warnings(const json_t *document, const char *at, const struct pen_scene_desc *desc,
                         struct pen_errors *warnings)
 {
@@ -219,6 +259,8 @@ void pen_scene_warnings(const json_t *document, const char *at, const struct pen
     warn_empty_or_black(&r, desc);
     warn_unused_materials(&r, document, desc);
     warn_dark_lights(&r, desc);
-    warn_frozen(&r, document, desc);
-    pen_tjunctions_find(desc, warn_tjunction, &(struct tjunction_warnings){&r, desc});
+    const bool frozen = warn_frozen(&r, document, desc);
+    const bool tjunctions = pen_tjunctions_find(desc, STEPS_MAX, warn_tjunction,
+                                                &(struct tjunction_warnings){&r, desc});
+    warn_unchecked(&r, frozen, tjunctions);
 }
