@@ -290,8 +290,9 @@ bool pen_http_executor_submit(struct executor *executor, enum queue_id id, bool 
                               struct request *request)
 {
     struct queue *queue = &executor->queue[id];
-    if (id == QUEUE_INTAKE && request->work_bytes == 0)
-        request->work_bytes = pen_http_request_work(request);
+    if (request->work_bytes == 0)
+        request->work_bytes =
+            request->is_handled ? request->reply.bytes : pen_http_request_work(request);
     pthread_mutex_lock(&executor->lock);
     const bool taken =
         !executor->closed && (!is_new || queue->waiting.count < waiting_max(request->http, id));

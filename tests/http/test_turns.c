@@ -229,7 +229,64 @@ START_TEST(test_turns__large_pictures_of_two_clients)
 }
 END_TEST
 
+/* A scene of some 60 KB whose check takes a while: triangles along one line. */
+static struct pen_buf long_check(void)
+{
+    struct pen_buf scene = {0};
+    pen_buf_puts(&scene, "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9],"
+                         " \"look_at\": [0, 0, 0]}, \"objects\": [");
+    for (int i = 0; i < 700; i++)
+        pen_buf_printf(&scene,
+                       "%s{\"type\": \"triangle\", \"vertices\": [[0, %d.1e-12, 0], [1, %d.3e-12, "
+                       "0], [0, 0, %d.7e-12]]}",
+                       i ? "," : "", i % 97 + 1, i, i + 1);
+    pen_buf_puts(&scene, "]}");
+    pen_buf_add(&scene, "", 1);
+    ck_assert(!scene.failed);
+    return scene;
+}
+
+/* A client has many scenes checked, and then a small one, and a picture made. */
+START_TEST(test_turns__small_checks_and_pictures_come_first)
+{
+    enum { CHECKS = 12 };
+    static const char small[] = "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\":"
+                                " [0, 0, 9], \"look_at\": [0, 0, 0]}, \"objects\": []}";
+    struct server server;
+    struct pen_buf scene = long_check();
+    char path[80], line[120], head[200];
+    int fd[CHECKS], done[2] = {0, 0};
+    server_start(&server, &(struct server_options){0});
+    server_submit(&server, path);
+    snprintf(line, sizeof line, "GET %s/preview HTTP/1.1", path);
+    snprintf(head, sizeof head,
+             "POST /v1/validate HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+             "Content-Length: %zu\r\n\r\n",
+             scene.bytes - 1);
+    for (int i = 0; i < CHECKS; i++) {
+        fd[i] = server_connect(&server);
+        ck_assert(client_send(fd[i], head) && client_send(fd[i], (const char *)scene.data));
+    }
+    client_pause(50);
+    for (int k = 0; k < 2; k++) {
+        const char *asked = k == 0 ? "POST /v1/validate HTTP/1.1" : line;
+        ck_assert_int_eq(server_status(&server, asked, k == 0 ? small : NULL), 200);
+        for (int i = 0; i < CHECKS; i++)
+            done[k] += client_sees_answer(fd[i]);
+    }
+    printf("# of %d long checks %d were before a short one, %d before a picture\n", CHECKS, done[0],
+           done[1]);
+    ck_assert_int_le(done[0], CHECKS / 2);
+    ck_assert_int_lt(done[1], CHECKS);
+    for (int i = 0; i < CHECKS; i++)
+        close(fd[i]);
+    pen_buf_release(&scene);
+    server_stop(&server);
+}
+END_TEST
+
 PEN_SUITE("turns", test_turns__clients_take_turns, test_turns__small_requests_come_first,
           test_turns__none_is_overtaken_for_ever, test_turns__a_plain_queue_keeps_the_order,
           test_turns__nothing_is_read_for_clients_that_have_gone, test_turns__only_so_many_wait,
-          test_turns__large_pictures_of_two_clients)
+          test_turns__large_pictures_of_two_clients,
+          test_turns__small_checks_and_pictures_come_first)
