@@ -28,6 +28,7 @@ enum {
     TOUCH_MS = 60000,    /* a use is noted once a minute */
     TELL_MS = 600000,    /* between log lines about a store that is too large */
     GRACE_MS = 60000,    /* how long a job is kept at least after its end */
+    WRITING_MS = 60000,  /* how long retention waits for values that are being written */
     SLACK_PART = 8,      /* retention by bytes begins an eighth below the limit */
     UNFINISHED_PART = 2, /* the results of unfinished jobs: half of the limit at most */
     CACHE_PART = 8       /* cached forms: an eighth of keep_bytes at most */
@@ -198,27 +199,47 @@ static int64_t too_large_for_jobs_by(struct pen_store *store, const struct load 
     return all > load->keep ? all - load->keep : 0;
 }
 
+/* Whether space is about to become free: something is still to go that was removed already, or a
+ * value is being written, which may replace another, or go if its writer has died. For values that
+ * are being written it is no more than WRITING_MS: others may follow them all the time. */
+static bool frees_soon(struct pen_store *store, bool *soon, struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    struct pen_job_key removed;
+    int64_t object, now_ms;
+    bool writing;
+    if (!driver->ops->removed_next(driver, &removed, soon, st) ||
+        (!*soon && !pen_value_unused(store, &object, soon, st)) ||
+        !driver->ops->object_unused(driver, INT64_MAX, INT64_MAX, &object, &writing, st) ||
+        !driver->ops->now(driver, &now_ms, st))
+        return false;
+    if (!writing)
+        store->waits_ms = 0;
+    else if (store->waits_ms == 0 || store->waits_ms > now_ms)
+        store->waits_ms = now_ms;
+    *soon = *soon || (writing && now_ms - store->waits_ms <= WRITING_MS);
+    return true;
+}
+
 /* What is to be removed for lack of bytes: nothing, if all ended jobs and statistics are too
- * little, since they would go for nothing. Nothing either while something is still to go that was
- * removed already, or is on its way into the store and may replace something. */
+ * little, since they would go for nothing. Nothing either while space is about to become free. */
 static bool find_excess(struct pen_store *store, int64_t keep_bytes, struct excess *excess,
                         struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
-    struct pen_job_key removed;
     struct load load = {.keep = keep_bytes};
-    int64_t object, bytes;
-    bool pending, unused;
+    int64_t bytes;
+    bool soon;
     *excess = (struct excess){0};
     if (keep_bytes == 0)
         return true;
-    if (!driver->ops->removed_next(driver, &removed, &pending, st) ||
-        !driver->ops->object_unused(driver, INT64_MAX, &object, &unused, st) ||
-        !read_load(store, &load, st))
+    if (!frees_soon(store, &soon, st) || !read_load(store, &load, st))
         return false;
     const int64_t by = too_large_by(&load), for_jobs_by = too_large_for_jobs_by(store, &load),
                   most = by > for_jobs_by ? by : for_jobs_by;
-    if (pending || unused || most == 0)
+    if (most == 0)
+        store->waits_ms = 0;
+    if (soon || most == 0)
         return true;
     if (!driver->ops->ended_bytes(driver, most, &bytes, st))
         return false;

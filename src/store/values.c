@@ -7,7 +7,7 @@
  *
  * An object that no row has is removed in slices like a deleted job, at once if its row was removed
  * or got another value, else OBJECT_MS after its last range: whoever wrote it has failed or died.
- */
+ * One that would be kept for longer was written by a clock that was ahead, and goes at once. */
 #include <time.h>
 
 #include "store/internal/policy.h"
@@ -119,13 +119,12 @@ bool pen_value_write(struct pen_store *store, pen_body *write, void *arg, const 
     return ok;
 }
 
-static bool find_unused(struct pen_store *store, int64_t *object, bool *found,
-                        struct pen_status *st)
+bool pen_value_unused(struct pen_store *store, int64_t *object, bool *found, struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     int64_t now_ms;
     return driver->ops->now(driver, &now_ms, st) &&
-           driver->ops->object_unused(driver, now_ms, object, found, st);
+           driver->ops->object_unused(driver, now_ms, now_ms + OBJECT_MS, object, found, st);
 }
 
 /* Unless another handle has removed the last one meanwhile. */
@@ -134,7 +133,7 @@ static bool shrink_unused(struct pen_store *store, void *arg, struct pen_status 
     int64_t object;
     bool found;
     (void)arg;
-    return find_unused(store, &object, &found, st) &&
+    return pen_value_unused(store, &object, &found, st) &&
            (!found || store->driver->ops->object_shrink(store->driver, object, SLICE_BYTES, st));
 }
 
@@ -142,6 +141,6 @@ bool pen_values_shrink(struct pen_store *store, bool *more, struct pen_status *s
 {
     int64_t object;
     *more = false;
-    return find_unused(store, &object, more, st) &&
+    return pen_value_unused(store, &object, more, st) &&
            (!*more || pen_store_write(store, shrink_unused, NULL, st));
 }

@@ -261,13 +261,18 @@ static int64_t put_object(const struct pen_artefact_key *key, int64_t object, si
     return number;
 }
 
-static bool is_unused(int64_t before_ms, int64_t object)
+static bool is_unused_or_after(int64_t before_ms, int64_t after_ms, int64_t object)
 {
     int64_t number = 0;
     bool found = false;
-    DRIVER_DO(bed.driver, object_unused, before_ms, &number, &found);
+    DRIVER_DO(bed.driver, object_unused, before_ms, after_ms, &number, &found);
     ck_assert(!found || number == object);
     return found;
+}
+
+static bool is_unused(int64_t before_ms, int64_t object)
+{
+    return is_unused_or_after(before_ms, INT64_MAX, object);
 }
 
 /* Removes it; returns in how many slices of a range. */
@@ -290,6 +295,7 @@ START_TEST(test_driver_blobs__large_object_is_the_value_of_its_row_and_goes_with
     const struct pen_artefact_key key = {job, 0, "beauty", "pfm"}, layer = key;
     const int64_t object = store_object(LARGEST);
     ck_assert(is_unused(1001, object) && !is_unused(1000, object));
+    ck_assert(is_unused_or_after(1, 999, object) && !is_unused_or_after(1, 1000, object));
     const int64_t number = put_object(&key, object, LARGEST);
     expect_artefact(&key, number, 5, LARGEST);
     ck_assert(!is_unused(INT64_MAX, object));

@@ -8,7 +8,7 @@
 
 #include "base/log.h"
 #include "support/random.h"
-#include "support/store.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 static const int64_t hour_ms = 3600000;
@@ -425,6 +425,44 @@ START_TEST(test_retention__nothing_goes_for_nothing)
 }
 END_TEST
 
+/* Another range of a large value was written just now. */
+static void write_range(void)
+{
+    char sql[100];
+    snprintf(sql, sizeof sql, "INSERT OR REPLACE INTO large_object VALUES (1, 9999, %lld)",
+             (long long)time_ms + 60000);
+    store_run_sql(&bed, sql, NULL, 0);
+}
+
+/* It may replace another value soon; but not all of many that follow each other do. */
+START_TEST(test_retention__waits_a_minute_for_values_that_are_being_written)
+{
+    enum { MIB = 1 << 20, ROUND_MS = 10000 };
+    open_bed(&(struct pen_retention){.keep_bytes = 8 * MIB});
+    for (int n = 0; n < 7; n++, time_ms += hour_ms)
+        add_job(n, MIB);
+    for (int i = 0; i < 2; i++, time_ms += ROUND_MS) {
+        write_range();
+        ck_assert_int_eq(keep_house(), 0);
+    }
+    time_ms += 60000; /* its writer has died: it goes, and then jobs */
+    ck_assert_int_eq(keep_house(), 1);
+    ck_assert(is_kept(1) && !is_kept(0));
+    add_job(7, MIB);
+    time_ms += hour_ms;
+    int removed = 0, rounds = 0;
+    for (; removed == 0 && rounds < 20; rounds++, time_ms += ROUND_MS) {
+        write_range();
+        removed = keep_house();
+    }
+    ck_assert_int_eq(removed, 1);
+    ck_assert_int_gt(rounds, 60000 / ROUND_MS);
+    time_ms += 60000;
+    keep_house();
+    store_bed_close(&bed);
+}
+END_TEST
+
 static bool has_form(const char *id, int view)
 {
     struct pen_buf out = {0};
@@ -482,4 +520,5 @@ PEN_SUITE("what a store keeps", test_retention__without_limits_nothing_is_remove
           test_retention__intake_is_refused_at_the_limit_and_returns_by_itself,
           test_retention__statistics_are_within_the_bytes_too,
           test_retention__nothing_goes_for_nothing,
+          test_retention__waits_a_minute_for_values_that_are_being_written,
           test_retention__cached_forms_are_bounded_and_the_least_used_go)

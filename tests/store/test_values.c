@@ -249,6 +249,14 @@ START_TEST(test_values__that_were_not_finished_go_after_a_minute)
     time_ms++;
     ck_assert_int_gt(store_purge_slices(bed.store), 0);
     expect_objects_gone();
+    /* by a clock that was an hour ahead when it was killed */
+    snprintf(sql, sizeof sql, "INSERT INTO large_object (bytes, expires_ms) VALUES (9999, %lld)",
+             (long long)time_ms + 3600000);
+    store_run_sql(&bed, sql, NULL, 0);
+    store_run_sql(&bed, "INSERT INTO large_object_part SELECT id, 0, ? FROM large_object", noise,
+                  MIB);
+    ck_assert_int_gt(store_purge_slices(bed.store), 0);
+    expect_objects_gone();
     close_bed();
 }
 END_TEST

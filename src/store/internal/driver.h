@@ -475,9 +475,10 @@ struct pen_driver_ops {
     bool (*object_write)(struct pen_driver *driver, int64_t number, size_t offset, const void *data,
                          size_t bytes, int64_t expires_ms, bool *there, struct pen_status *st);
     bool (*object_release)(struct pen_driver *driver, int64_t number, struct pen_status *st);
-    /* Finds one that was released, or that was kept until before_ms at most and that no row has. */
-    bool (*object_unused)(struct pen_driver *driver, int64_t before_ms, int64_t *number,
-                          bool *found, struct pen_status *st);
+    /* Finds one that was released, or that no row has and whose time is before before_ms or after
+     * after_ms. */
+    bool (*object_unused)(struct pen_driver *driver, int64_t before_ms, int64_t after_ms,
+                          int64_t *number, bool *found, struct pen_status *st);
     /* Removes about so many bytes of such an object, with the last of them the object. */
     bool (*object_shrink)(struct pen_driver *driver, int64_t number, int64_t bytes,
                           struct pen_status *st);

@@ -19,6 +19,7 @@ struct pen_store {
     bool work;                 /* this call made a batch claimable: give PEN_SIGNAL_WORK */
     bool changed;              /* this call changed a job: give PEN_SIGNAL_CHANGES */
     int64_t told_ms;           /* when retention.c last logged that the store is too large */
+    int64_t waits_ms;          /* since when retention.c waits for values being written; 0: not */
     bool outcome_unknown;      /* the last call failed, and its changes may be stored */
     bool lacks_space;          /* as pen_store_lacks_space */
     char
@@ -118,7 +119,9 @@ void pen_value_drop(struct pen_store *store, const struct pen_value *value);
 /* Stores a value without a fence in *value, then its row by `write`; gives it up if that fails. */
 bool pen_value_write(struct pen_store *store, pen_body *write, void *arg, const void *data,
                      size_t bytes, struct pen_value *value, struct pen_status *st);
-/* Removes a slice of a large object that no row has any more. *more: there was one. */
+/* Finds a large object that no row has any more, and whose writer has ended. */
+bool pen_value_unused(struct pen_store *store, int64_t *object, bool *found, struct pen_status *st);
+/* Removes a slice of such an object. *more: there was one. */
 bool pen_values_shrink(struct pen_store *store, bool *more, struct pen_status *st);
 
 /* What a batch keeps are artefacts of its view, in this layer; each part's name is its format. */

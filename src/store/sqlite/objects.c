@@ -55,11 +55,12 @@ bool pen_sqlite_object_release(struct pen_driver *driver, int64_t number, struct
     return pen_sqlite_run_with(pen_sqlite_of(driver), SQL_OBJECT_RELEASE, number, st);
 }
 
-bool pen_sqlite_object_unused(struct pen_driver *driver, int64_t before_ms, int64_t *number,
-                              bool *found, struct pen_status *st)
+bool pen_sqlite_object_unused(struct pen_driver *driver, int64_t before_ms, int64_t after_ms,
+                              int64_t *number, bool *found, struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_OBJECT_UNUSED);
     pen_sqlite_int(&query, before_ms);
+    pen_sqlite_int(&query, after_ms);
     if (!pen_sqlite_next(&query, found, st))
         return false;
     if (*found) {

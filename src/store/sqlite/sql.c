@@ -395,8 +395,8 @@ static const char *const sql_text[] = {
     [SQL_OBJECT_PART_ADD] = "INSERT INTO large_object_part (object, part, data) VALUES (?, ?, ?)",
     [SQL_OBJECT_USE] = "UPDATE large_object SET expires_ms = NULL WHERE id = ? AND expires_ms > 0",
     [SQL_OBJECT_RELEASE] = "UPDATE large_object SET expires_ms = 0 WHERE id = ?",
-    [SQL_OBJECT_UNUSED] = "SELECT id FROM large_object WHERE expires_ms < ?"
-                          " ORDER BY expires_ms LIMIT 1",
+    [SQL_OBJECT_UNUSED] = "SELECT id FROM large_object WHERE expires_ms IS NOT NULL"
+                          " AND (expires_ms < ? OR expires_ms > ?) ORDER BY expires_ms LIMIT 1",
     [SQL_OBJECT_PARTS_REMOVE] = "DELETE FROM large_object_part WHERE rowid IN (SELECT rowid"
                                 " FROM large_object_part WHERE object = ? LIMIT ?)",
     [SQL_OBJECT_REMOVE] = "DELETE FROM large_object WHERE id = ?",
