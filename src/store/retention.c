@@ -38,6 +38,7 @@ static const int64_t empty_bytes = INT64_C(256) << 10; /* what a store without j
 static const int64_t cache_bytes = INT64_C(256) << 20;
 
 static const char *const names[] = {"keep_ms", "keep_bytes", "keep_jobs"};
+static const char ahead_name[] = "ahead_ms"; /* since when jobs are found that ended ahead of now */
 
 static bool write_retention(struct pen_store *store, void *arg, struct pen_status *st)
 {
@@ -256,26 +257,71 @@ static bool write_drop_stats(struct pen_store *store, void *arg, struct pen_stat
                                              st);
 }
 
+/* A job that has ended, and when. */
+struct ended {
+    char id[PEN_ID_BYTES];
+    int64_t ms;
+    bool found;
+};
+
+static bool find_ended(struct pen_store *store, int64_t after_ms, struct ended *out,
+                       struct pen_status *st)
+{
+    return store->driver->ops->first_ended(store->driver, after_ms, out->id, &out->ms, &out->found,
+                                           st);
+}
+
+static bool write_ahead(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    return store->driver->ops->meta_put(store->driver, ahead_name, *(const int64_t *)arg, st);
+}
+
+/* The ended job that goes before others. Jobs can have ended later than now, by a clock that was
+ * ahead. They count as ended when such a job was first found: else they would stay for as long as
+ * the clock was ahead, and others go for them. */
+static bool find_next(struct pen_store *store, int64_t now_ms, struct ended *next,
+                      struct pen_status *st)
+{
+    struct ended ahead;
+    int64_t stored_ms, since_ms;
+    if (!find_ended(store, 0, next, st) || !find_ended(store, now_ms + GRACE_MS, &ahead, st) ||
+        !store->driver->ops->meta_get(store->driver, ahead_name, &stored_ms, st))
+        return false;
+    since_ms = stored_ms == 0 || stored_ms > now_ms ? now_ms : stored_ms;
+    if (!ahead.found)
+        since_ms = 0;
+    if (since_ms != stored_ms && !pen_store_write(store, write_ahead, &since_ms, st))
+        return false;
+    if (ahead.found && since_ms <= next->ms) {
+        *next = ahead;
+        next->ms = since_ms;
+    }
+    return true;
+}
+
 bool pen_policy_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
                         struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     struct pen_retention keep;
-    int64_t ended_ms, count, now_ms;
-    bool any, more;
+    struct ended next;
+    int64_t count, now_ms;
+    bool more;
     struct excess excess;
     *found = false;
     if (!pen_policy_retention(store, &keep, st))
         return false;
     if (keep.keep_ms == 0 && keep.keep_bytes == 0 && keep.keep_jobs == 0)
         return true;
-    if (!driver->ops->first_ended(driver, id, &ended_ms, &count, &any, st) ||
-        !driver->ops->now(driver, &now_ms, st) || !find_excess(store, keep.keep_bytes, &excess, st))
+    if (!driver->ops->now(driver, &now_ms, st) || !find_next(store, now_ms, &next, st) ||
+        !driver->ops->count_ended(driver, &count, st) ||
+        !find_excess(store, keep.keep_bytes, &excess, st))
         return false;
-    if (!any)
+    if (!next.found)
         return !excess.stats || pen_store_write(store, write_drop_stats, &more, st);
-    *found = (excess.above || ended_ms < now_ms - GRACE_MS) &&
-             (excess.any || (keep.keep_ms > 0 && ended_ms < now_ms - keep.keep_ms) ||
+    memcpy(id, next.id, sizeof next.id);
+    *found = (excess.above || next.ms < now_ms - GRACE_MS) &&
+             (excess.any || (keep.keep_ms > 0 && next.ms < now_ms - keep.keep_ms) ||
               (keep.keep_jobs > 0 && count > keep.keep_jobs));
     return true;
 }

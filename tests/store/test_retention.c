@@ -425,6 +425,47 @@ START_TEST(test_retention__nothing_goes_for_nothing)
 }
 END_TEST
 
+/* A clock that was a year ahead, and was set back. */
+START_TEST(test_retention__jobs_of_a_clock_that_was_ahead_count_from_when_it_was_set_back)
+{
+    const int64_t day_ms = 24 * hour_ms, year_ms = 365 * day_ms;
+    open_bed(&(struct pen_retention){.keep_ms = 2 * day_ms});
+    add_job(1, 0);
+    time_ms += year_ms;
+    add_job(2, 0);
+    time_ms -= year_ms;
+    for (int day = 0; day < 2; day++) {
+        ck_assert_int_eq(keep_house(), 0);
+        time_ms += day_ms / 2;
+        add_job(10 + day, 0);
+        time_ms += day_ms / 2;
+    }
+    time_ms++;
+    ck_assert_int_eq(keep_house(), 2);
+    ck_assert(!is_kept(1) && !is_kept(2) && is_kept(10) && is_kept(11));
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_retention__jobs_of_a_clock_that_was_ahead_go_before_later_ones)
+{
+    enum { MIB = 1 << 20 };
+    open_bed(&(struct pen_retention){.keep_bytes = 6 * MIB});
+    time_ms += hour_ms;
+    for (int n = 0; n < 4; n++)
+        add_job(n, MIB);
+    time_ms -= hour_ms;
+    add_job(4, MIB);
+    ck_assert_int_eq(keep_house(), 0); /* a minute for their clients, as ever */
+    time_ms += 61000;
+    add_job(5, MIB / 2);
+    ck_assert_int_eq(keep_house(), 1);
+    for (int n = 0; n < 6; n++)
+        ck_assert_int_eq(is_kept(n), n >= 1);
+    store_bed_close(&bed);
+}
+END_TEST
+
 /* Another range of a large value was written just now. */
 static void write_range(void)
 {
@@ -520,5 +561,7 @@ PEN_SUITE("what a store keeps", test_retention__without_limits_nothing_is_remove
           test_retention__intake_is_refused_at_the_limit_and_returns_by_itself,
           test_retention__statistics_are_within_the_bytes_too,
           test_retention__nothing_goes_for_nothing,
+          test_retention__jobs_of_a_clock_that_was_ahead_count_from_when_it_was_set_back,
+          test_retention__jobs_of_a_clock_that_was_ahead_go_before_later_ones,
           test_retention__waits_a_minute_for_values_that_are_being_written,
           test_retention__cached_forms_are_bounded_and_the_least_used_go)

@@ -334,9 +334,10 @@ struct pen_driver_ops {
      * least; *emptied: none is left. */
     bool (*job_shrink)(struct pen_driver *driver, int64_t job, int64_t bytes, bool *emptied,
                        struct pen_status *st);
-    /* Counts the ended jobs, and finds the one that ended first. */
-    bool (*first_ended)(struct pen_driver *driver, char id[PEN_ID_BYTES], int64_t *ended_ms,
-                        int64_t *count, bool *found, struct pen_status *st);
+    bool (*count_ended)(struct pen_driver *driver, int64_t *count, struct pen_status *st);
+    /* The job that ended first of those that ended after after_ms. */
+    bool (*first_ended)(struct pen_driver *driver, int64_t after_ms, char id[PEN_ID_BYTES],
+                        int64_t *ended_ms, bool *found, struct pen_status *st);
     /* How much would become free if all ended jobs and the statistics of removed ones went, about
      * and rather too much; counted until it is `enough`. */
     bool (*ended_bytes)(struct pen_driver *driver, int64_t enough, int64_t *bytes,

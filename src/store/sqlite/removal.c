@@ -133,14 +133,17 @@ bool pen_sqlite_ended_bytes(struct pen_driver *driver, int64_t enough, int64_t *
            add_lengths(store, SQL_BYTES_OF_STATS, STATS_ROW_BYTES, enough, bytes, st);
 }
 
-bool pen_sqlite_first_ended(struct pen_driver *driver, char id[PEN_ID_BYTES], int64_t *ended_ms,
-                            int64_t *count, bool *found, struct pen_status *st)
+bool pen_sqlite_count_ended(struct pen_driver *driver, int64_t *count, struct pen_status *st)
 {
-    struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    struct pen_sqlite_query counting = pen_sqlite_query(store, SQL_COUNT_ENDED);
-    if (!pen_sqlite_value(&counting, count, st))
-        return false;
-    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_FIRST_ENDED);
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_COUNT_ENDED);
+    return pen_sqlite_value(&query, count, st);
+}
+
+bool pen_sqlite_first_ended(struct pen_driver *driver, int64_t after_ms, char id[PEN_ID_BYTES],
+                            int64_t *ended_ms, bool *found, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_FIRST_ENDED);
+    pen_sqlite_int(&query, after_ms);
     if (!pen_sqlite_next(&query, found, st))
         return false;
     if (!*found)

@@ -176,8 +176,8 @@ static const char *const sql_text[] = {
     [SQL_BATCHES_OF_JOB] = "SELECT b.id, coalesce(length(p.data), 0) FROM batch b"
                            " LEFT JOIN pixels p ON p.batch = b.id WHERE b.job = ? LIMIT ?",
     [SQL_BATCH_REMOVE] = "DELETE FROM batch WHERE id = ?",
-    [SQL_FIRST_ENDED] = "SELECT id, finished_ms FROM job WHERE finished_ms > 0 AND removed_ms = 0"
-                        " ORDER BY finished_ms, number LIMIT 1",
+    [SQL_FIRST_ENDED] = "SELECT id, finished_ms FROM job WHERE finished_ms > 0 AND finished_ms > ?"
+                        " AND removed_ms = 0 ORDER BY finished_ms, number LIMIT 1",
     [SQL_COUNT_ENDED] = "SELECT count(*) FROM job WHERE finished_ms > 0 AND removed_ms = 0",
     [SQL_BYTES_OF_ENDED] =
         "SELECT length(s.document) + length(CAST(j.request AS BLOB))"

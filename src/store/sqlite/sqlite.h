@@ -454,6 +454,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(job_shrink)                                                                                 \
     OP(removed_next)                                                                               \
     OP(ended_bytes)                                                                                \
+    OP(count_ended)                                                                                \
     OP(first_ended)                                                                                \
     OP(removed_add)                                                                                \
     OP(removed_get)                                                                                \
