@@ -9,6 +9,8 @@
  *  - By bytes it begins an eighth below keep_bytes, or where a job was just refused for lack of
  *    space, as far as that job needs. It removes nothing unless all that it could remove would be
  *    enough: below keep_bytes, or where it begins, if the store is below keep_bytes.
+ *  - Of removed jobs the statistics stay. All of them together have an eighth of keep_bytes at
+ *    most; the oldest go, before any ended job does.
  *  - A new job is refused if the results of all unfinished jobs are expected to take more than
  *    what keep_bytes leaves, or more than half of it unless the job is the only one: the other half
  *    is for what has ended. What they take is expected from their pixels and layers, and counted
@@ -24,7 +26,8 @@
 
 enum {
     INTAKE_PART = 32,    /* new jobs: a 32nd of the disk must be free, … */
-    STATS_ROWS = 100,    /* statistics of removed jobs that go at once, if nothing else is left */
+    STATS_ROWS = 100,    /* statistics of removed jobs that go in one transaction */
+    STATS_PART = 8,      /* statistics: an eighth of keep_bytes at most */
     TOUCH_MS = 60000,    /* a use is noted once a minute */
     TELL_MS = 600000,    /* between log lines about a store that is too large */
     GRACE_MS = 60000,    /* how long a job is kept at least after its end */
@@ -48,7 +51,8 @@ static bool write_retention(struct pen_store *store, void *arg, struct pen_statu
         if (!store->driver->ops->meta_put(store->driver, names[i], values[i], st))
             return false;
     }
-    return store->driver->ops->expected_count(store->driver, r->keep_bytes > 0, st);
+    return store->driver->ops->expected_count(store->driver, r->keep_bytes > 0, st) &&
+           store->driver->ops->stats_count(store->driver, r->keep_bytes > 0, st);
 }
 
 bool pen_policy_set_retention(struct pen_store *store, const struct pen_retention *retention,
@@ -257,6 +261,43 @@ static bool write_drop_stats(struct pen_store *store, void *arg, struct pen_stat
                                              st);
 }
 
+struct trim {
+    int64_t most;
+    bool more;
+};
+
+static bool write_trim_stats(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    struct trim *trim = arg;
+    struct pen_driver *driver = store->driver;
+    int64_t bytes;
+    for (int i = 0; i < STATS_ROWS && trim->more; i++) {
+        if (!driver->ops->meta_get(driver, "stats_bytes", &bytes, st))
+            return false;
+        trim->more = bytes > trim->most;
+        if (trim->more &&
+            !driver->ops->removed_purge(driver, INT64_MIN, INT64_MAX, 1, &trim->more, st))
+            return false;
+    }
+    return true;
+}
+
+/* Drops the oldest statistics until the others have their part of a store with a limit by bytes:
+ * else they would grow until every ended job goes for them. */
+static bool trim_stats(struct pen_store *store, int64_t keep_bytes, struct pen_status *st)
+{
+    struct trim trim = {.most = keep_bytes / STATS_PART};
+    int64_t bytes = 0;
+    if (keep_bytes > 0 && !store->driver->ops->meta_get(store->driver, "stats_bytes", &bytes, st))
+        return false;
+    trim.more = bytes > trim.most;
+    while (trim.more) {
+        if (!pen_store_write(store, write_trim_stats, &trim, st))
+            return false;
+    }
+    return true;
+}
+
 /* A job that has ended, and when. */
 struct ended {
     char id[PEN_ID_BYTES];
@@ -314,7 +355,7 @@ bool pen_policy_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *fo
     if (keep.keep_ms == 0 && keep.keep_bytes == 0 && keep.keep_jobs == 0)
         return true;
     if (!driver->ops->now(driver, &now_ms, st) || !find_next(store, now_ms, &next, st) ||
-        !driver->ops->count_ended(driver, &count, st) ||
+        !driver->ops->count_ended(driver, &count, st) || !trim_stats(store, keep.keep_bytes, st) ||
         !find_excess(store, keep.keep_bytes, &excess, st))
         return false;
     if (!next.found)

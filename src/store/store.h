@@ -543,8 +543,9 @@ bool pen_store_set_retention(struct pen_store *store, const struct pen_retention
                              struct pen_status *st);
 bool pen_store_retention(struct pen_store *store, struct pen_retention *out, struct pen_status *st);
 
-/* Finds the next job that retention removes; the caller makes its statistics and deletes it. If
- * there is no ended job left and the store is still too large, drops statistics of removed jobs. */
+/* Finds the next job that retention removes; the caller makes its statistics and deletes it. Drops
+ * statistics of removed jobs, the oldest first, that are beyond their part of keep_bytes, and
+ * others if there is no ended job left and the store is still too large. */
 bool pen_store_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
                        struct pen_status *st);
 

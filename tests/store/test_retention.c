@@ -378,6 +378,54 @@ START_TEST(test_retention__statistics_are_within_the_bytes_too)
 }
 END_TEST
 
+static bool has_stats(int n)
+{
+    struct store_job in;
+    struct pen_status st;
+    struct pen_buf out = {0};
+    store_job_init(&in, n, 1, 1);
+    const bool ok = pen_store_removed_stats(bed.store, in.id, &out, &st);
+    pen_buf_release(&out);
+    ck_assert_msg(ok || st.code == PEN_NOT_FOUND, "%s", st.msg);
+    return ok;
+}
+
+/* They have an eighth of the bytes, 7 of these; older ones go before any job. */
+START_TEST(test_retention__old_statistics_go_before_fresh_results)
+{
+    enum { MIB = 1 << 20, JOBS = 54, KEPT = 7 };
+    static char stats[64 << 10];
+    const struct pen_retention none = {0}, keep = {.keep_bytes = 4 * MIB};
+    struct store_job in;
+    struct pen_status st;
+    open_bed(&keep);
+    memset(stats, 'x', sizeof stats - 1);
+    for (int n = 0; n < JOBS; n++, time_ms += hour_ms) {
+        add_job(n, 0);
+        store_job_init(&in, n, 1, 1);
+        store_must(pen_store_delete(bed.store, in.id, stats, &st), &st, "delete");
+        store_purge_slices(bed.store);
+    }
+    add_job(JOBS, 0);
+    time_ms += 61000;
+    ck_assert_int_eq(keep_house(), 0);
+    ck_assert(is_kept(JOBS));
+    for (int n = 0; n < JOBS; n++)
+        ck_assert_int_eq(has_stats(n), n >= JOBS - KEPT);
+    /* Some that are dropped make space for others; a start counts anew. */
+    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "drop");
+    store_audit_clean(bed.store);
+    store_must(pen_store_set_retention(bed.store, &none, &st), &st, "none");
+    add_job(JOBS + 1, 0);
+    store_job_init(&in, JOBS + 1, 1, 1);
+    store_must(pen_store_delete(bed.store, in.id, stats, &st), &st, "delete");
+    store_must(pen_store_set_retention(bed.store, &keep, &st), &st, "again");
+    ck_assert_int_eq(keep_house(), 0);
+    ck_assert(has_stats(JOBS - KEPT) && has_stats(JOBS + 1));
+    store_bed_close(&bed);
+}
+END_TEST
+
 /* What is too large are other things: here keys, as stores of earlier versions have them. */
 START_TEST(test_retention__nothing_goes_for_nothing)
 {
@@ -560,6 +608,7 @@ PEN_SUITE("what a store keeps", test_retention__without_limits_nothing_is_remove
           test_retention__job_that_alone_takes_more_than_the_bytes_is_too_large,
           test_retention__intake_is_refused_at_the_limit_and_returns_by_itself,
           test_retention__statistics_are_within_the_bytes_too,
+          test_retention__old_statistics_go_before_fresh_results,
           test_retention__nothing_goes_for_nothing,
           test_retention__jobs_of_a_clock_that_was_ahead_count_from_when_it_was_set_back,
           test_retention__jobs_of_a_clock_that_was_ahead_go_before_later_ones,

@@ -125,7 +125,8 @@ static const struct pen_option options[] = {
      .max = 36500,
      .env = "PENUMBRA_KEEP_DAYS",
      .help = "remove jobs that ended more than N days ago; 0, the default, keeps them. Of every "
-             "job that is removed the statistics stay for five years"},
+             "job that is removed the statistics stay for five years, within an eighth of "
+             "--keep-bytes"},
     {.name = "keep-bytes",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, keep_bytes),

@@ -349,9 +349,12 @@ struct pen_driver_ops {
     bool (*removed_get)(struct pen_driver *driver, const char *id, struct pen_buf *stats,
                         bool *has_stats, bool *found, struct pen_status *st);
     bool (*removed_drop_stats)(struct pen_driver *driver, const char *id, struct pen_status *st);
-    /* Removes at most `limit` such rows of jobs whose own rows are all gone: those from before
-     * before_ms, and those without statistics from before bare_before_ms. *more: there may be more.
-     */
+    /* Counts anew what the statistics of removed jobs take, or ends counting; it is the number of
+     * the name "stats_bytes". */
+    bool (*stats_count)(struct pen_driver *driver, bool counted, struct pen_status *st);
+    /* Removes at most `limit` such rows of jobs whose own rows are all gone, the oldest first:
+     * those with statistics from before before_ms, and those without from before bare_before_ms.
+     * *more: there may be more. */
     bool (*removed_purge)(struct pen_driver *driver, int64_t bare_before_ms, int64_t before_ms,
                           int limit, bool *more, struct pen_status *st);
     /* Removes the scene unless a job names it; number 0: all scenes that no job names. */

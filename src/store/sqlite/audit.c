@@ -59,6 +59,9 @@ static const struct rule rules[] = {
     {"what the results of unfinished jobs are expected to take is counted wrong, as",
      "SELECT value FROM meta WHERE name = 'expected_bytes' AND value <>"
      " (SELECT coalesce(sum(" PEN_SQLITE_EXPECTED_BYTES "), 0) FROM job j WHERE j.state < 2)"},
+    {"what the statistics of removed jobs take is counted wrong, as",
+     "SELECT value FROM meta WHERE name = 'stats_bytes' AND value <>"
+     " (SELECT coalesce(sum(" PEN_SQLITE_STATS_BYTES "), 0) FROM removed)"},
     {"an unfinished job without a lane, or of another priority or address than its lane",
      "SELECT j.id FROM job j WHERE j.state < 2 AND NOT EXISTS (SELECT 1 FROM lane l"
      " JOIN peer p ON p.id = l.peer WHERE l.id = j.lane AND p.priority = j.priority"

@@ -67,6 +67,22 @@ bool pen_sqlite_job_shrink(struct pen_driver *driver, int64_t job, int64_t bytes
            (!*emptied || shrink_by(store, &batches, job, &bytes, emptied, st));
 }
 
+bool pen_sqlite_stats_count(struct pen_driver *driver, bool counted, struct pen_status *st)
+{
+    struct pen_sqlite_query query =
+        pen_sqlite_query(pen_sqlite_of(driver), counted ? SQL_STATS_COUNT : SQL_STATS_DROP);
+    return pen_sqlite_run(&query, st);
+}
+
+/* Adds the statistics of a job to the sum that is counted, or subtracts them. */
+static bool change_stats(struct pen_driver *driver, enum pen_sqlite_sql sql, const char *id,
+                         struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), sql);
+    pen_sqlite_text(&query, id);
+    return pen_sqlite_run(&query, st);
+}
+
 bool pen_sqlite_removed_add(struct pen_driver *driver, const char *id, int64_t now_ms,
                             const char *stats, struct pen_status *st)
 {
@@ -74,7 +90,7 @@ bool pen_sqlite_removed_add(struct pen_driver *driver, const char *id, int64_t n
     pen_sqlite_text(&query, id);
     pen_sqlite_int(&query, now_ms);
     pen_sqlite_text(&query, stats);
-    return pen_sqlite_run(&query, st);
+    return pen_sqlite_run(&query, st) && change_stats(driver, SQL_STATS_ENTER, id, st);
 }
 
 bool pen_sqlite_removed_get(struct pen_driver *driver, const char *id, struct pen_buf *stats,
@@ -98,16 +114,21 @@ bool pen_sqlite_removed_drop_stats(struct pen_driver *driver, const char *id, st
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_REMOVED_DROP_STATS);
     pen_sqlite_text(&query, id);
-    return pen_sqlite_run(&query, st);
+    return change_stats(driver, SQL_STATS_LEAVE, id, st) && pen_sqlite_run(&query, st);
 }
 
 bool pen_sqlite_removed_purge(struct pen_driver *driver, int64_t bare_before_ms, int64_t before_ms,
                               int limit, bool *more, struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_REMOVED_PURGE);
-    pen_sqlite_int(&query, bare_before_ms);
-    pen_sqlite_int(&query, before_ms);
-    return pen_sqlite_run_limited(&query, limit, more, st);
+    static const enum pen_sqlite_sql statements[] = {SQL_STATS_PURGE, SQL_REMOVED_PURGE};
+    for (int i = 0; i < 2; i++) {
+        struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), statements[i]);
+        pen_sqlite_int(&query, bare_before_ms);
+        pen_sqlite_int(&query, before_ms);
+        if (!pen_sqlite_run_limited(&query, limit, more, st))
+            return false;
+    }
+    return true;
 }
 
 /* Adds the lengths that a query gives, and so much for the row of each, until it is enough. */

@@ -92,6 +92,17 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 #define LANE_OF                                                                                    \
     " WHERE label = ?3 AND peer = (SELECT id FROM peer WHERE priority = ?1 AND address = ?2)"
 
+/* The removed jobs of which nothing stays (removed_purge in driver.h). */
+#define PURGED                                                                                     \
+    " WHERE rowid IN (SELECT rowid FROM removed"                                                   \
+    " WHERE removed_ms < iif(stats IS NULL, ?1, ?2)"                                               \
+    " AND NOT EXISTS (SELECT 1 FROM job WHERE job.id = removed.id)"                                \
+    " ORDER BY removed_ms, rowid LIMIT ?3)"
+
+#define CHANGE_STATS(sign, where)                                                                  \
+    "UPDATE meta SET value = value " sign " (SELECT coalesce(sum(" PEN_SQLITE_STATS_BYTES "), 0)"  \
+    " FROM removed" where ") WHERE name = 'stats_bytes'"
+
 static const char *const sql_text[] = {
     [SQL_BEGIN_READ] = "BEGIN",
     [SQL_BEGIN_WRITE] = "BEGIN IMMEDIATE",
@@ -192,10 +203,14 @@ static const char *const sql_text[] = {
     [SQL_REMOVED_ADD] = "INSERT INTO removed (id, removed_ms, stats) VALUES (?, ?, ?)",
     [SQL_REMOVED_GET] = "SELECT stats FROM removed WHERE id = ?",
     [SQL_REMOVED_DROP_STATS] = "UPDATE removed SET stats = NULL WHERE id = ?",
-    [SQL_REMOVED_PURGE] = "DELETE FROM removed WHERE rowid IN (SELECT rowid FROM removed"
-                          " WHERE ((stats IS NULL AND removed_ms < ?1) OR removed_ms < ?2)"
-                          " AND NOT EXISTS (SELECT 1 FROM job WHERE job.id = removed.id)"
-                          " ORDER BY removed_ms LIMIT ?3)",
+    [SQL_REMOVED_PURGE] = "DELETE FROM removed" PURGED,
+    [SQL_STATS_COUNT] = "INSERT INTO meta (name, value) SELECT 'stats_bytes',"
+                        " coalesce(sum(" PEN_SQLITE_STATS_BYTES "), 0) FROM removed WHERE true"
+                        " ON CONFLICT (name) DO UPDATE SET value = excluded.value",
+    [SQL_STATS_DROP] = "DELETE FROM meta WHERE name = 'stats_bytes'",
+    [SQL_STATS_ENTER] = CHANGE_STATS("+", " WHERE id = ?1"),
+    [SQL_STATS_LEAVE] = CHANGE_STATS("-", " WHERE id = ?1"),
+    [SQL_STATS_PURGE] = CHANGE_STATS("-", PURGED),
 
     [SQL_ANY_OPEN] = "SELECT 1 FROM batch WHERE state = 0 LIMIT 1",
     /* Where ?4 allows it, peers first that have waited so long that they come before one of higher

@@ -23,6 +23,9 @@
     "(SELECT coalesce(sum(v.width * v.height), 0) FROM view v WHERE v.job = j.number)"             \
     " * (10 + 12 * max(0, coalesce(json_array_length(j.request, '$.layers'), 1) - 1))"
 
+/* What the statistics of a removed job take, with their row. */
+#define PEN_SQLITE_STATS_BYTES "iif(stats IS NULL, 0, length(CAST(stats AS BLOB)) + 512)"
+
 /* The statements; their texts are in sql.c, in this order. */
 enum pen_sqlite_sql {
     SQL_BEGIN_READ,
@@ -75,6 +78,11 @@ enum pen_sqlite_sql {
     SQL_REMOVED_GET,
     SQL_REMOVED_DROP_STATS,
     SQL_REMOVED_PURGE,
+    SQL_STATS_COUNT,
+    SQL_STATS_DROP,
+    SQL_STATS_ENTER,
+    SQL_STATS_LEAVE,
+    SQL_STATS_PURGE,
     SQL_ANY_OPEN,
     SQL_OPEN_ABOVE,
     SQL_OPEN_AGED,
@@ -460,6 +468,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(removed_get)                                                                                \
     OP(removed_drop_stats)                                                                         \
     OP(removed_purge)                                                                              \
+    OP(stats_count)                                                                                \
     OP(scene_remove_unused)                                                                        \
     OP(keys_remove)                                                                                \
     OP(any_open)                                                                                   \
