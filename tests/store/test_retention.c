@@ -552,6 +552,53 @@ START_TEST(test_retention__waits_a_minute_for_values_that_are_being_written)
 }
 END_TEST
 
+/* A job whose document has so many bytes, which are those of every such job. */
+static void submit_with_document(int n, size_t bytes)
+{
+    static char document[2 << 20];
+    struct store_job in;
+    struct pen_status st;
+    struct random random = random_begin(18);
+    for (size_t i = 0; i < bytes; i++) /* it cannot be compressed */
+        document[i] = (char)random_bits(&random);
+    store_job_init(&in, n, 1, 1);
+    in.job.created_ms = time_ms;
+    in.job.scene = document;
+    in.job.scene_bytes = bytes;
+    memset(in.sha256, 0xd0, sizeof in.sha256);
+    store_must(pen_store_submit(bed.store, &in.job, &result, NULL, &st), &st, "submit");
+}
+
+/* One document counts once, and not at all while it stays for an unfinished job. */
+START_TEST(test_retention__jobs_that_share_a_document_do_not_go_for_nothing)
+{
+    enum { MIB = 1 << 20, JOBS = 6, DOCUMENT = 3 * MIB / 2 };
+    static char picture[29 * MIB / 10];
+    struct pen_status st;
+    pen_log_set_level(PEN_LOG_ERROR);
+    open_bed(&(struct pen_retention){.keep_bytes = 8 * MIB});
+    for (int n = 0; n < JOBS; n++) {
+        submit_with_document(n, DOCUMENT);
+        store_work_off(bed.store, "w");
+    }
+    submit_with_document(JOBS, DOCUMENT);
+    const struct pen_claim claim = store_claim(bed.store, "w");
+    for (int view = 0; view < 2; view++)
+        store_must(pen_store_artefact_put(bed.store, claim.job_id, view, "depth", "pfm", picture,
+                                          sizeof picture, &st),
+                   &st, "picture");
+    time_ms += hour_ms;
+    ck_assert_int_eq(keep_house(), 0);
+    for (int n = 0; n < JOBS; n++)
+        ck_assert(is_kept(n));
+    /* Once all of them have ended they go, the one with the large pictures last. */
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    time_ms += hour_ms;
+    ck_assert_int_eq(keep_house(), JOBS + 1);
+    store_bed_close(&bed);
+}
+END_TEST
+
 static bool has_form(const char *id, int view)
 {
     struct pen_buf out = {0};
@@ -612,5 +659,6 @@ PEN_SUITE("what a store keeps", test_retention__without_limits_nothing_is_remove
           test_retention__nothing_goes_for_nothing,
           test_retention__jobs_of_a_clock_that_was_ahead_count_from_when_it_was_set_back,
           test_retention__jobs_of_a_clock_that_was_ahead_go_before_later_ones,
+          test_retention__jobs_that_share_a_document_do_not_go_for_nothing,
           test_retention__waits_a_minute_for_values_that_are_being_written,
           test_retention__cached_forms_are_bounded_and_the_least_used_go)

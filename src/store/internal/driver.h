@@ -339,7 +339,8 @@ struct pen_driver_ops {
     bool (*first_ended)(struct pen_driver *driver, int64_t after_ms, char id[PEN_ID_BYTES],
                         int64_t *ended_ms, bool *found, struct pen_status *st);
     /* How much would become free if all ended jobs and the statistics of removed ones went, about
-     * and rather too much; counted until it is `enough`. */
+     * and rather too much; counted until it is `enough`. A scene document counts once, and not at
+     * all if an unfinished job names it. */
     bool (*ended_bytes)(struct pen_driver *driver, int64_t enough, int64_t *bytes,
                         struct pen_status *st);
     /* What stays of a removed job: its id, when it was removed, and its statistics (NULL: none).

@@ -92,6 +92,12 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 #define LANE_OF                                                                                    \
     " WHERE label = ?3 AND peer = (SELECT id FROM peer WHERE priority = ?1 AND address = ?2)"
 
+/* Whether the document of job j goes with the ended jobs: no unfinished job names it. It counts
+ * once, for the newest that names it. */
+#define FREES_DOCUMENT                                                                             \
+    "j.scene NOT IN (SELECT u.scene FROM job u WHERE u.state < 2)"                                 \
+    " AND j.number = (SELECT max(o.number) FROM job o WHERE o.scene = j.scene)"
+
 /* The removed jobs of which nothing stays (removed_purge in driver.h). */
 #define PURGED                                                                                     \
     " WHERE rowid IN (SELECT rowid FROM removed"                                                   \
@@ -191,7 +197,7 @@ static const char *const sql_text[] = {
                         " AND removed_ms = 0 ORDER BY finished_ms, number LIMIT 1",
     [SQL_COUNT_ENDED] = "SELECT count(*) FROM job WHERE finished_ms > 0 AND removed_ms = 0",
     [SQL_BYTES_OF_ENDED] =
-        "SELECT length(s.document) + length(CAST(j.request AS BLOB))"
+        "SELECT iif(" FREES_DOCUMENT ", length(s.document), 0) + length(CAST(j.request AS BLOB))"
         " + (SELECT coalesce(sum(" ARTEFACT_BYTES "), 0) FROM artefact a WHERE a.job = j.number)"
         " + (SELECT coalesce(sum(coalesce(" PIXELS_BYTES ", 0)"
         " + coalesce(length(CAST(b.stats AS BLOB)), 0)), 0)"
