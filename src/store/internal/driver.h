@@ -350,8 +350,9 @@ struct pen_driver_ops {
     bool (*removed_get)(struct pen_driver *driver, const char *id, struct pen_buf *stats,
                         bool *has_stats, bool *found, struct pen_status *st);
     bool (*removed_drop_stats)(struct pen_driver *driver, const char *id, struct pen_status *st);
-    /* Counts anew what the statistics of removed jobs take, or ends counting; it is the number of
-     * the name "stats_bytes". */
+    /* Begins to count what the statistics of removed jobs take, unless it is counted already, or
+     * ends counting; it is the number of the name "stats_bytes". Cost: beginning reads all of them.
+     */
     bool (*stats_count)(struct pen_driver *driver, bool counted, struct pen_status *st);
     /* Removes at most `limit` such rows of jobs whose own rows are all gone, the oldest first:
      * those with statistics from before before_ms, and those without from before bare_before_ms.

@@ -211,8 +211,8 @@ static const char *const sql_text[] = {
     [SQL_REMOVED_DROP_STATS] = "UPDATE removed SET stats = NULL WHERE id = ?",
     [SQL_REMOVED_PURGE] = "DELETE FROM removed" PURGED,
     [SQL_STATS_COUNT] = "INSERT INTO meta (name, value) SELECT 'stats_bytes',"
-                        " coalesce(sum(" PEN_SQLITE_STATS_BYTES "), 0) FROM removed WHERE true"
-                        " ON CONFLICT (name) DO UPDATE SET value = excluded.value",
+                        " (SELECT coalesce(sum(" PEN_SQLITE_STATS_BYTES "), 0) FROM removed)"
+                        " WHERE NOT EXISTS (SELECT 1 FROM meta WHERE name = 'stats_bytes')",
     [SQL_STATS_DROP] = "DELETE FROM meta WHERE name = 'stats_bytes'",
     [SQL_STATS_ENTER] = CHANGE_STATS("+", " WHERE id = ?1"),
     [SQL_STATS_LEAVE] = CHANGE_STATS("-", " WHERE id = ?1"),
