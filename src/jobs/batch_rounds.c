@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The rounds of a view with a target error. The store keeps the state between two rounds and, as a
  * round may take hours, between two tiles of a round: so a worker that ends loses the tiles since,
- * and no more; and there the view gives way to a batch of higher priority, and goes on after it.
- * The picture gets the same bytes.
+ * and no more; and there the view gives way to a batch that comes first, and goes on after it. The
+ * picture gets the same bytes.
  *
  * A state has 65 bytes for each pixel, of views of any size. So it is kept at most every ten
  * seconds, and not for more than a twentieth of the time.
@@ -11,7 +11,7 @@
  * rounds that are kept have used up their time, and the time of waiting does not count.
  *
  * Before each tile a render thread asks whether there is a reason to pause: that a state is due, or
- * twice a second whether the store has a batch of higher priority. Only then the threads stop. To
+ * twice a second whether the store has a batch that comes first. Only then the threads stop. To
  * stop them at regular times to look would cost more, as they have to wait for the slowest.
  *
  * Only a time tells for sure how long the rounds take, so those that take longer than the operator
@@ -35,7 +35,6 @@ enum { KEEP_MS = 10000, ASK_MS = 500 };
 struct rounds {
     struct pen_keeper keeper;
     json_t *host;
-    bool outranked; /* the reason for which the render threads were last stopped */
 };
 
 static const char *build_of(const struct rounds *r)
@@ -55,9 +54,7 @@ static bool is_overdue(const struct rounds *r)
 static bool pause_round(void *user)
 {
     struct rounds *r = user;
-    if (is_overdue(r))
-        return true;
-    return pen_keeper_is_due(&r->keeper, &r->outranked);
+    return is_overdue(r) || pen_keeper_is_due(&r->keeper);
 }
 
 /* The share of the view that is done. */
@@ -75,10 +72,10 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
 {
     struct rounds *r = user;
     struct pen_buf state = {0};
-    bool outranked;
+    bool gives_way;
     if (is_overdue(r))
         return false;
-    if (!pen_keeper_is_due(&r->keeper, &outranked) && !r->outranked)
+    if (!pen_keeper_is_due(&r->keeper))
         return true;
     const int64_t begun_ns = pen_clock_ns();
     const double share = share_of(r, stats);
@@ -86,10 +83,9 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
     const struct pen_kept kept = {.done = (int64_t)(share * (double)r->keeper.claim->pixels),
                                   .data = state.data,
                                   .bytes = state.bytes};
-    const bool ok = !state.failed && pen_keeper_keep(&r->keeper, &kept, begun_ns, &outranked);
+    pen_keeper_keep(&r->keeper, state.failed ? NULL : &kept, begun_ns, &gives_way);
     pen_buf_release(&state);
-    r->outranked = false;
-    return !ok || !outranked;
+    return !gives_way;
 }
 
 /* Reads what an earlier worker has kept into a new state. Returns whether there was something. */

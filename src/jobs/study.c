@@ -91,13 +91,16 @@ static struct part_name name_of(int place)
     return name;
 }
 
-/* Keeps a state with the pictures that the store does not have yet. */
+/* Keeps a state with the pictures that the store does not have yet; NULL: there was no memory for
+ * it. Returns whether the study goes on. */
 static bool keep_state(struct pen_study *study, const struct pen_unfinished *u, const char *state,
-                       int64_t begun_ns, bool *outranked)
+                       int64_t begun_ns)
 {
     struct pen_kept_part parts[PEN_STUDY_PICTURES_MAX];
     struct part_name names[PEN_STUDY_PICTURES_MAX];
-    struct pen_kept kept = {.done = u->done, .data = state, .bytes = strlen(state), .parts = parts};
+    struct pen_kept kept = {
+        .done = u->done, .data = state, .bytes = state ? strlen(state) : 0, .parts = parts};
+    bool gives_way;
     for (int i = 0; i < u->picture_count; i++) {
         const struct pen_study_picture *picture = &u->picture[i];
         if (!picture->rgb || picture->hash == study->picture_hash[i])
@@ -108,27 +111,25 @@ static bool keep_state(struct pen_study *study, const struct pen_unfinished *u, 
                                    .data = picture->rgb,
                                    .bytes = picture_bytes(u->width, u->height)};
     }
-    if (!pen_keeper_keep(&study->keeper, &kept, begun_ns, outranked))
-        return false;
-    for (int i = 0; i < u->picture_count; i++)
+    const bool ok = pen_keeper_keep(&study->keeper, state ? &kept : NULL, begun_ns, &gives_way);
+    for (int i = 0; ok && i < u->picture_count; i++)
         if (u->picture[i].rgb)
             study->picture_hash[i] = u->picture[i].hash;
-    return true;
+    return !gives_way;
 }
 
 bool pen_study_keep(void *user, const struct pen_unfinished *unfinished)
 {
     struct pen_study *study = user;
-    bool outranked;
-    if (!pen_keeper_is_due(&study->keeper, &outranked))
+    if (!pen_keeper_is_due(&study->keeper))
         return true;
     const int64_t begun_ns = pen_clock_ns();
     json_t *json = unfinished->state(unfinished->study);
     char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
-    const bool ok = text && keep_state(study, unfinished, text, begun_ns, &outranked);
+    const bool goes_on = keep_state(study, unfinished, text, begun_ns);
     free(text);
     json_decref(json);
-    return !ok || !outranked;
+    return goes_on;
 }
 
 static bool read_picture(void *user, int place, uint64_t hash, int width, int height, float *rgb)

@@ -9,6 +9,8 @@
  *   - The disk has no space for this result, but for smaller ones: the worker waits as long as the
  *     batch took, 5 s at least and at most a minute, and then gives the batch back if a batch of
  *     another job is open, or else after a minute. The store fails the job after many such tries.
+ *   - A batch gives way to one that comes first: it is given back, with its state or without
+ *     (internal/keep.h).
  *   - The store cannot be read for a batch: the batch starts again once the store can be read.
  *
  * A result is kept until the store has stored or refused it. A commit whose outcome is unknown is
@@ -368,6 +370,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
     w->lease_ms = o->lease_ms > 0 ? o->lease_ms : LEASE_MS;
     w->context.trace = o->trace;
     w->context.keep_ms = o->keep_ms;
+    w->context.patience_ms = o->patience_ms;
     w->context.batch_ms = o->batch_ms;
     w->context.max_seconds = o->max_seconds;
     w->context.fault = o->fault;

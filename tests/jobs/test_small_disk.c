@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* A worker on a disk with too little space for one job's result: it goes on with others, and stores
  * that result when there is space. Takes root's rights; without them nothing is tested. */
+#include <stdatomic.h>
+#include <string.h>
+#include <unistd.h>
+
 #include "support/jobs.h"
 #include "support/small_disk.h"
 #include "support/suite.h"
@@ -67,5 +71,64 @@ START_TEST(test_small_disk__large_layer_waits_and_others_go_on)
 }
 END_TEST
 
+static atomic_int pixels_begun;
+
+static bool is_slow(void *user, const char *job_name)
+{
+    (void)user;
+    return job_name && strcmp(job_name, "slow") == 0;
+}
+
+/* The first pixels take longer than the worker takes to look for another job. */
+static bool begin_slowly(void *user, int x, int y)
+{
+    (void)user;
+    (void)x;
+    (void)y;
+    if (atomic_fetch_add(&pixels_begun, 1) < 20000)
+        usleep(50);
+    return true;
+}
+
+/* A view in rounds whose state has no room on the disk: jobs of higher priority, of which the next
+ * comes as soon as the last one is done, get their turn, and it gets its own in the end. */
+START_TEST(test_small_disk__rounds_without_room_give_way_and_end)
+{
+    enum { DISK_MIB = 64, FREE_BYTES = 3 << 20, URGENT_MAX = 40 };
+    static const struct pen_worker_fault slow = {.wanted = is_slow, .pixel = begin_slowly};
+    static const char lengthy[] = "{\"scene\": \"builtin:spheres\", \"name\": \"slow\","
+                                  " \"render\": {\"width\": 260, \"height\": 260, \"tile\": 16,"
+                                  " \"target_error\": 0.0005, \"max_samples\": 16}}",
+                      urgent[] = "{\"scene\": \"builtin:spheres\", \"priority\": 5, \"render\":"
+                                 " {\"width\": 16, \"height\": 12}}";
+    char id[PEN_ID_BYTES], other[PEN_ID_BYTES];
+    int urgent_ones = 0;
+    if (!open_small_disk(DISK_MIB))
+        return;
+    bed.patience_ms = 50;
+    bed.fault = &slow;
+    jobs_submit(&bed, lengthy, id);
+    small_disk_fill(bed.bed.folder, FREE_BYTES);
+    jobs_worker_start(&bed);
+    while (store_job_state(bed.bed.store, id) == PEN_JOB_QUEUED)
+        usleep(10000);
+    while (store_job_state(bed.bed.store, id) == PEN_JOB_RUNNING) {
+        jobs_submit(&bed, urgent, other);
+        ck_assert_int_eq(jobs_wait(&bed, other), PEN_JOB_SUCCEEDED);
+        ck_assert(!jobs_has_kept(&bed, id, PEN_KEPT_STATE));
+        urgent_ones++;
+        ck_assert_int_lt(urgent_ones, URGENT_MAX);
+    }
+    ck_assert_int_ge(urgent_ones, 2); /* the last one may have come after its end */
+    ck_assert_int_eq(store_job_state(bed.bed.store, id), PEN_JOB_SUCCEEDED);
+    struct pen_job_record job = store_job_get(bed.bed.store, id);
+    ck_assert_int_eq(job.attempts, 1); /* nothing was charged */
+    pen_job_record_release(&job);
+    bed.fault = NULL;
+    close_small_disk();
+}
+END_TEST
+
 PEN_SUITE("worker on a small disk", test_small_disk__large_picture_waits_and_others_go_on,
+          test_small_disk__rounds_without_room_give_way_and_end,
           test_small_disk__large_layer_waits_and_others_go_on)

@@ -37,6 +37,7 @@ static void *work(void *user)
                                          .keep_ms = random_fewer(),
                                          .max_seconds = bed->max_seconds,
                                          .batch_ms = bed->batch_ms,
+                                         .patience_ms = bed->patience_ms,
                                          .fault = bed->fault};
     struct pen_status st;
     bool ok = pen_worker_run(&options, &bed->stop, &st);

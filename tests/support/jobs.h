@@ -18,7 +18,7 @@ struct jobs_bed {
     atomic_bool stop;
     bool working;
     int max_seconds;                      /* as in pen_worker_options */
-    int64_t batch_ms;                     /* the same */
+    int64_t batch_ms, patience_ms;        /* the same */
     const struct pen_worker_fault *fault; /* of the workers that are started; may be NULL */
 };
 

@@ -24,6 +24,15 @@ struct pen_batch_pace {
 /* Of so many jobs whose batches come in turn. */
 enum { PEN_BATCH_PACES = 16 };
 
+/* How often this worker has given a batch back whose state it could not keep. */
+struct pen_batch_losses {
+    int64_t batch;
+    int count; /* 0: no batch is here */
+};
+
+/* Of so many batches that have lost work last. */
+enum { PEN_BATCH_LOSSES = 64 };
+
 struct pen_batch_context {
     struct pen_store *store;
     struct pen_thread_pool *pool;
@@ -44,10 +53,12 @@ struct pen_batch_context {
     int64_t begun_ns;               /* when this worker has begun with it, by pen_clock_ns */
     struct pen_adaptive *adaptive;  /* of that view, with a target error; else NULL */
     int64_t split_ns;               /* when its tiles end, by pen_clock_ns, if not in rounds */
-    int64_t keep_ms, batch_ms;      /* as in pen_worker_options */
-    int max_seconds;                /* the same */
+    int64_t keep_ms, patience_ms, batch_ms; /* as in pen_worker_options */
+    int max_seconds;                        /* the same */
     struct pen_batch_pace pace[PEN_BATCH_PACES];
-    int pace_next;   /* the one that the next new job takes */
+    int pace_next; /* the one that the next new job takes */
+    struct pen_batch_losses losses[PEN_BATCH_LOSSES];
+    int losses_next; /* the one that the next batch takes */
     double store_ms; /* time spent waiting for the store and for compression; not in the job's
                         statistics yet */
 };

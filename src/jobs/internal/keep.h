@@ -1,8 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* When a batch that takes long keeps its state in the store, so that a worker that ends loses
- * little of it, and when it gives way to a batch of higher priority: only once its state is kept.
+ * little of it, and when it gives way to a batch that comes first: once its state is kept.
  *
- * A state is kept no more often than asked, and not for more than a twentieth of the time. */
+ * A state is kept no more often than asked, and not for more than a twentieth of the time. After a
+ * try that fails the next one waits: half a second, a second, two, and so on to a minute.
+ *
+ * A state that finds no room, on the disk or in memory, does not hold up others without end: when
+ * one has waited for ten seconds, the batch gives way nevertheless. It loses what it has done since
+ * its state was last kept, which is logged, and is not charged to the job. So that the batch ends,
+ * however many others come, this time doubles with each such loss of it in this worker. */
 #ifndef PEN_JOBS_INTERNAL_KEEP_H
 #define PEN_JOBS_INTERNAL_KEEP_H
 
@@ -11,11 +17,15 @@
 struct pen_keeper {
     struct pen_batch_context *context;
     const struct pen_claim *claim;
-    int64_t wait_ms;          /* the shortest time between two states */
-    int times;                /* and how many times as long as keeping one takes */
-    int64_t ask_ms;           /* the shortest time between questions for a higher priority */
-    int64_t asked_ns;         /* when it was last asked whether a batch of higher priority waits */
-    int64_t kept_ns, took_ns; /* when the state was last kept, and how long that took */
+    int64_t wait_ms;           /* the shortest time between two states */
+    int times;                 /* and how many times as long as keeping one takes */
+    int64_t ask_ms;            /* the shortest time between questions for a higher priority */
+    int64_t asked_ns;          /* when it was last asked whether a batch that comes first waits */
+    int64_t outranked_ns;      /* since when one is known to wait; 0: none is */
+    int64_t kept_ns;           /* when the state was last kept, or the batch begun */
+    int64_t tried_ns, took_ns; /* when keeping it was last tried, and how long that took */
+    int64_t retry_ms; /* how long the next try waits, since the last one has failed; else 0 */
+    bool lacks_room;  /* the last try has failed for want of room */
 };
 
 /* Both times are those of the kind of batch; the worker's options may have another `wait_ms`
@@ -23,12 +33,13 @@ struct pen_keeper {
 struct pen_keeper pen_keeper_make(struct pen_batch_context *context, const struct pen_claim *claim,
                                   int64_t wait_ms, int64_t ask_ms);
 
-/* Whether the state is to be kept now: its time has come, or a batch of higher priority waits. */
-bool pen_keeper_is_due(struct pen_keeper *keeper, bool *outranked);
+/* Whether the state is to be kept now: its time has come, or a batch that comes first waits. */
+bool pen_keeper_is_due(struct pen_keeper *keeper);
 
-/* Keeps the state, which the caller has begun to make at `begun_ns`. Returns whether it is kept. A
- * failure may be ignored: the next time may succeed, and the heartbeat notices a lost lease. */
+/* Keeps the state, which the caller has begun to make at `begun_ns`; NULL: there was no memory to
+ * make it. Returns whether it is kept. A failure may be ignored: the next time may succeed, and the
+ * heartbeat notices a lost lease. *gives_way: the batch is to be given back now. */
 bool pen_keeper_keep(struct pen_keeper *keeper, const struct pen_kept *kept, int64_t begun_ns,
-                     bool *outranked);
+                     bool *gives_way);
 
 #endif
