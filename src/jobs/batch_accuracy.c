@@ -59,10 +59,10 @@ static bool store_format(const struct accuracy *a, const char *format, struct pe
 {
     struct pen_buf text = {0};
     const bool page = strcmp(format, "html") == 0;
-    const bool ok = (page ? pen_accuracy_write_html(&a->accuracy, a->report, &text, st)
-                          : pen_accuracy_write(a->report, format, &text, st)) &&
-                    pen_store_artefact_put(a->study.context->store, a->study.claim,
-                                           PEN_REPORT_LAYER, format, text.data, text.bytes, st);
+    const bool ok =
+        (page ? pen_accuracy_write_html(&a->accuracy, a->report, &text, st)
+              : pen_accuracy_write(a->report, format, &text, st)) &&
+        pen_batch_store(a->study.context, a->study.claim, PEN_REPORT_LAYER, format, &text, st);
     pen_buf_release(&text);
     return ok;
 }

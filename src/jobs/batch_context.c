@@ -74,6 +74,17 @@ bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_
                     context->max_seconds);
 }
 
+bool pen_batch_store(struct pen_batch_context *context, const struct pen_claim *claim,
+                     const char *layer, const char *format, const struct pen_buf *data,
+                     struct pen_status *st)
+{
+    pen_heartbeat_pause(context->heart);
+    const bool ok =
+        pen_store_artefact_put(context->store, claim, layer, format, data->data, data->bytes, st);
+    pen_heartbeat_resume(context->heart);
+    return ok;
+}
+
 bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,
                            struct pen_batch_output *output, struct pen_status *st)
 {

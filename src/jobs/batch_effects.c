@@ -12,9 +12,9 @@ static bool store_format(const struct pen_study *study, const struct pen_bill *b
                          const char *scene, const char *format, struct pen_status *st)
 {
     struct pen_buf text = {0};
-    const bool ok = pen_bill_write(bill, scene, format, &text, st) &&
-                    pen_store_artefact_put(study->context->store, study->claim, PEN_REPORT_LAYER,
-                                           format, text.data, text.bytes, st);
+    const bool ok =
+        pen_bill_write(bill, scene, format, &text, st) &&
+        pen_batch_store(study->context, study->claim, PEN_REPORT_LAYER, format, &text, st);
     pen_buf_release(&text);
     return ok;
 }

@@ -12,8 +12,7 @@ static bool store_layer(struct pen_batch_context *context, const struct pen_clai
 {
     struct pen_buf file = {0};
     const bool ok = pen_layer_render(context->pool, task, st) && pen_pfm_write(film, &file, st) &&
-                    pen_store_artefact_put(context->store, claim, pen_layer_name(task->layer),
-                                           "pfm", file.data, file.bytes, st);
+                    pen_batch_store(context, claim, pen_layer_name(task->layer), "pfm", &file, st);
     pen_buf_release(&file);
     return ok;
 }

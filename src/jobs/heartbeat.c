@@ -77,9 +77,18 @@ static bool fail_late_job(struct pen_heartbeat *heart, const struct pen_claim *c
     return ok;
 }
 
-/* Handles a claim that has ended while its render threads still work: fails the job if its time is
- * up, and reports the threads as stuck if they do not stop. Called and returns with the lock held,
- * and releases it meanwhile. */
+/* Whether render threads have been told to stop for so long that they count as stuck. While the
+ * clock is stopped none work: the worker waits for the store, which may take long. Called with the
+ * lock held. */
+static bool are_stuck(const struct pen_heartbeat *heart)
+{
+    const int64_t told_ns = heart->ended_ns > heart->since_ns ? heart->ended_ns : heart->since_ns;
+    return heart->since_ns != 0 && pen_clock_ns() - told_ns >= (int64_t)STUCK_MS * 1000000;
+}
+
+/* Handles a claim that has ended before the worker is done with it: fails the job if its time is
+ * up, and reports the render threads as stuck if they do not stop. Called and returns with the lock
+ * held, and releases it meanwhile. */
 static void handle_ended_claim(struct pen_heartbeat *heart, const struct pen_claim *claim,
                                uint64_t claim_number)
 {
@@ -93,7 +102,7 @@ static void handle_ended_claim(struct pen_heartbeat *heart, const struct pen_cla
     }
     bool stored = heart->ended == PEN_CLAIM_LOST || heart->failed; /* the store is up to date */
     if (!heart->active || heart->claims != claim_number || !stored || !heart->options->stuck ||
-        pen_clock_ns() - heart->ended_ns < (int64_t)STUCK_MS * 1000000)
+        !are_stuck(heart))
         return;
     struct pen_log_about about = pen_claim_about(claim);
     pen_log_about(PEN_LOG_ERROR, &about, "the render threads do not stop");

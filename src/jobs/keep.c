@@ -100,8 +100,10 @@ bool pen_keeper_keep(struct pen_keeper *k, const struct pen_kept *kept, int64_t 
                      bool *gives_way)
 {
     struct pen_status st;
+    pen_heartbeat_pause(k->context->heart);
     const bool ok = kept ? pen_store_keep(k->context->store, k->claim, kept, gives_way, &st)
                          : pen_fail(&st, PEN_NO_MEMORY, "no memory for it");
+    pen_heartbeat_resume(k->context->heart);
     k->tried_ns = pen_clock_ns();
     k->took_ns = k->tried_ns - begun_ns;
     k->context->store_ms += (double)k->took_ns * 1e-6;

@@ -75,9 +75,11 @@ void pen_study_progress(void *user, int done, int total)
     if (done > 0 && done < total && now_ns - study->progress_ns < (int64_t)PROGRESS_MS * 1000000)
         return;
     study->progress_ns = now_ns;
+    pen_heartbeat_pause(study->context->heart);
     pen_store_progress(store, study->claim, done, &ignored);
     if (pen_store_checkpoint_due(store)) /* no run is timed at this moment */
         pen_store_checkpoint(store, &ignored);
+    pen_heartbeat_resume(study->context->heart);
 }
 
 struct part_name {

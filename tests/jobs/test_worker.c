@@ -267,10 +267,17 @@ static void wait_for_state(enum pen_job_state wanted)
     ck_assert_int_eq(store_job_state(bed.bed.store, id), wanted);
 }
 
-START_TEST(test_worker__cancel_reaches_a_running_batch)
+static void cancel_job(void)
 {
     struct pen_job_snapshot snapshot;
     struct pen_status st;
+    store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
+    ck_assert_int_eq(snapshot.state, PEN_JOB_CANCELLED);
+    json_decref(snapshot.json);
+}
+
+START_TEST(test_worker__cancel_reaches_a_running_batch)
+{
     char next[PEN_ID_BYTES];
     int kinds[2];
     jobs_bed_open(&bed);
@@ -281,10 +288,8 @@ START_TEST(test_worker__cancel_reaches_a_running_batch)
     wait_for_state(PEN_JOB_RUNNING);
     usleep(300000);
     jobs_submit(&bed, jobs_scene(one_batch), next);
-    store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
+    cancel_job();
     int64_t begin_ns = pen_clock_ns();
-    ck_assert_int_eq(snapshot.state, PEN_JOB_CANCELLED);
-    json_decref(snapshot.json);
     /* The next job is done only after the worker has left the first one. */
     ck_assert_int_eq(jobs_wait(&bed, next), PEN_JOB_SUCCEEDED);
     int64_t took_ms = (pen_clock_ns() - begin_ns) / 1000000;
@@ -304,6 +309,70 @@ static void check_error(const char *type, int status)
     ck_assert_str_eq(json_string_value(json_object_get(job, "state")), "failed");
     json_decref(job);
 }
+
+static atomic_int stuck_reports, slow_calls;
+static atomic_bool holds_up, in_call;
+
+/* On a busy machine render threads may be slow to stop after a call, which does not matter here. */
+static void count_stuck(void *user)
+{
+    (void)user;
+    atomic_fetch_add(&stuck_reports, atomic_load(&in_call));
+}
+
+/* A call that `user` names takes two seconds to return, as when the disk is slow to sync. */
+static void hold_up(void *user, const struct pen_store_call *call)
+{
+    if (strcmp(call->name, (const char *)user) != 0 || !atomic_load(&holds_up))
+        return;
+    atomic_fetch_add(&slow_calls, 1);
+    atomic_store(&in_call, true);
+    usleep(2000000);
+    atomic_store(&in_call, false);
+}
+
+static void begin_with_slow(const struct pen_store_observer *observer)
+{
+    jobs_bed_open(&bed);
+    bed.observer = observer;
+    bed.stuck = count_stuck;
+    atomic_store(&holds_up, true);
+    jobs_worker_start(&bed);
+}
+
+/* Long after a batch is done for readers, its worker may still wait for the store. Its render
+ * threads, which have ended, are not taken for stuck. */
+START_TEST(test_worker__slow_commit_is_not_a_stuck_thread)
+{
+    static const struct pen_store_observer slow = {.called = hold_up, .user = (void *)"commit"};
+    begin_with_slow(&slow);
+    jobs_submit(&bed, jobs_scene(one_batch), id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    jobs_worker_stop(&bed);
+    ck_assert_int_eq(atomic_load(&slow_calls), 1);
+    ck_assert_int_eq(atomic_load(&stuck_reports), 0);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+/* The same of a batch that is cancelled while its worker keeps its state. */
+START_TEST(test_worker__slow_keep_is_not_a_stuck_thread)
+{
+    static const struct pen_store_observer slow = {.called = hold_up, .user = (void *)"keep"};
+    begin_with_slow(&slow);
+    jobs_submit(&bed,
+                "{\"scene\": \"builtin:lens\", \"views\": [\"middle\"], \"render\": {\"width\": 64,"
+                " \"height\": 48, \"tile\": 8, \"target_error\": 0.0001, \"max_samples\": 65536}}",
+                id);
+    while (atomic_load(&slow_calls) == 0)
+        usleep(1000);
+    cancel_job();
+    atomic_store(&holds_up, false);
+    jobs_worker_stop(&bed);
+    ck_assert_int_eq(atomic_load(&stuck_reports), 0);
+    jobs_bed_close(&bed);
+}
+END_TEST
 
 START_TEST(test_worker__job_that_takes_too_long_fails)
 {
@@ -521,7 +590,9 @@ PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
           test_worker__job_of_higher_priority_comes_within_a_long_batch,
           test_worker__large_batches_give_the_pixels_of_a_direct_render,
           test_worker__each_view_is_rendered_from_its_camera,
-          test_worker__cancel_reaches_a_running_batch, test_worker__job_that_takes_too_long_fails,
+          test_worker__cancel_reaches_a_running_batch,
+          test_worker__slow_commit_is_not_a_stuck_thread,
+          test_worker__slow_keep_is_not_a_stuck_thread, test_worker__job_that_takes_too_long_fails,
           test_worker__short_job_that_takes_longer_than_its_timeout_fails,
           test_worker__job_whose_time_was_spent_by_other_workers_fails,
           test_worker__job_that_was_started_long_ago_has_its_time_left,

@@ -38,7 +38,9 @@ static void *work(void *user)
                                          .max_seconds = bed->max_seconds,
                                          .batch_ms = bed->batch_ms,
                                          .patience_ms = bed->patience_ms,
-                                         .fault = bed->fault};
+                                         .fault = bed->fault,
+                                         .observer = bed->observer,
+                                         .stuck = bed->stuck};
     struct pen_status st;
     bool ok = pen_worker_run(&options, &bed->stop, &st);
     if (!ok)

@@ -91,6 +91,12 @@ bool pen_batch_is_overdue(const struct pen_batch_context *context, const struct 
                           int64_t begun_ns);
 bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_status *st);
 
+/* Stores an artefact of the claim's view, and waits for the store meanwhile. Fails: as
+ * pen_store_artefact_put. */
+bool pen_batch_store(struct pen_batch_context *context, const struct pen_claim *claim,
+                     const char *layer, const char *format, const struct pen_buf *data,
+                     struct pen_status *st);
+
 /* Puts statistics into the output as they are stored, with commit_ms and store_before_ms (stats.h).
  * Takes the reference; NULL is an allocation that failed. Fails: PEN_NO_MEMORY. */
 bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,

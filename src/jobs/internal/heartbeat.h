@@ -43,7 +43,8 @@ void pen_heartbeat_cancel(struct pen_heartbeat *heart);
 /* Makes the thread call pen_store_checkpoint at its next check. */
 void pen_heartbeat_request_checkpoint(struct pen_heartbeat *heart);
 
-/* Stops the clock of the active claim while the worker waits for the store, and starts it again. */
+/* Stops the clock of the active claim while the worker waits for the store, and starts it again.
+ * Render threads must not work meanwhile: none are reported as stuck. */
 void pen_heartbeat_pause(struct pen_heartbeat *heart);
 void pen_heartbeat_resume(struct pen_heartbeat *heart);
 
