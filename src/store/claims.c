@@ -153,7 +153,7 @@ enum { TURN_MS = 60000, AGED_TURN_MS = 5000 };
 bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int64_t now_ms,
                    bool *outranked, struct pen_status *st)
 {
-    const int64_t held_ms = now_ms - claim->claimed_ms;
+    const int64_t held_ms = pen_since_ms(claim->claimed_ms, now_ms);
     return driver->ops->open_above(driver, claim->batch, now_ms, held_ms >= AGED_TURN_MS,
                                    held_ms >= TURN_MS, outranked, st);
 }
@@ -274,14 +274,16 @@ bool pen_policy_fail(struct pen_store *store, const struct pen_claim *claim, con
 
 struct extension {
     const struct pen_claim *claim;
-    int64_t until_ms;
+    int64_t now_ms, until_ms;
     bool held;
 };
 
+/* Mends times, too, since a worker with a batch that takes long does nothing else that would. */
 static bool write_extension(struct pen_store *store, void *arg, struct pen_status *st)
 {
     struct extension *extension = arg;
-    return pen_charge_time(store, extension->claim, st) &&
+    return store->driver->ops->times_mend(store->driver, extension->now_ms, st) &&
+           pen_charge_time(store, extension->claim, st) &&
            store->driver->ops->batch_extend(store->driver, extension->claim->batch,
                                             extension->claim->attempt, extension->until_ms,
                                             &extension->held, st);
@@ -297,9 +299,10 @@ bool pen_policy_heartbeat(struct pen_store *store, struct pen_claim *claim, int6
         return false;
     if (*held)
         claim->job_spent_us = batch.job_spent_us - batch.spent_us;
-    if (!*held || batch.lease_until_ms - now_ms >= lease_ms - lease_ms / 3)
+    const int64_t left_ms = batch.lease_until_ms - now_ms;
+    if (!*held || (left_ms >= lease_ms - lease_ms / 3 && left_ms <= lease_ms))
         return true;
-    struct extension extension = {.claim = claim, .until_ms = now_ms + lease_ms};
+    struct extension extension = {.claim = claim, .now_ms = now_ms, .until_ms = now_ms + lease_ms};
     if (!pen_store_write(store, write_extension, &extension, st))
         return false;
     *held = extension.held;

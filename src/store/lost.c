@@ -10,7 +10,6 @@
 enum {
     PAGE = 16,
     FIRST_PAUSE_MS = 250, /* doubled once before its first use: the second loss pauses for 0.5 s */
-    LONGEST_PAUSE_MS = 60000,
     DOUBLINGS = 8,
     TRIES = 8,           /* to find the same charge before and in the transaction */
     SET_BACKS = 16,      /* for lack of space; then the job fails, */
@@ -37,7 +36,7 @@ struct loss {
 static int64_t pause_ms(int64_t deaths)
 {
     int64_t ms = (int64_t)FIRST_PAUSE_MS << (deaths < DOUBLINGS ? deaths : DOUBLINGS);
-    return ms < LONGEST_PAUSE_MS ? ms : LONGEST_PAUSE_MS;
+    return ms < PEN_PAUSE_MAX_MS ? ms : PEN_PAUSE_MAX_MS;
 }
 
 /* After its first loss a job is retried in its turn; from the second loss on it is paused. */
@@ -69,7 +68,7 @@ static bool write_set_back(struct pen_store *store, void *arg, struct pen_status
     if (!pen_charge_time(store, in->claim, st))
         return false;
     const int64_t deaths = batch.job_deaths > 0 ? batch.job_deaths : 1;
-    if (deaths >= SET_BACKS && now_ms - batch.job_started_ms >= SET_BACK_MS)
+    if (deaths >= SET_BACKS && pen_since_ms(batch.job_started_ms, now_ms) >= SET_BACK_MS)
         return pen_end_job(store, batch.job, PEN_JOB_FAILED, in->error, st);
     return driver->ops->job_set_deaths(driver, batch.job, deaths + 1, now_ms + pause_ms(deaths),
                                        st) &&
@@ -200,7 +199,7 @@ bool pen_policy_expire_leases(struct pen_store *store, const char *dead_worker, 
     struct loss loss = {.lost = {.worker = dead_worker}};
     *opened = 0;
     if (!store->driver->ops->now(store->driver, &loss.lost.before_ms, st) ||
-        !open_lost(store, &loss, st))
+        !pen_times_mend(store, loss.lost.before_ms, st) || !open_lost(store, &loss, st))
         return false;
     *opened = loss.opened;
     return true;

@@ -488,7 +488,46 @@ START_TEST(test_driver_leases__untold_time_is_charged_up_to_the_length_of_a_leas
 }
 END_TEST
 
-DRIVER_SUITE("driver: leases",
+static bool any_ahead(int64_t now_ms)
+{
+    bool any;
+    DRIVER_DO(bed.driver, times_ahead, now_ms, &any);
+    return any;
+}
+
+/* A lease of a second that was taken at 4000, and a peer and a worker of then, as 3000 sees them.
+ */
+START_TEST(test_driver_leases__times_that_lie_ahead_are_mended)
+{
+    const struct pen_worker_new worker = {
+        .id = "a", .host = "host", .pid = 1, .threads = 1, .lease_ms = 1000};
+    struct pen_lost lost = {NULL, 4001};
+    bool any;
+    driver_bed_open(&bed, _i);
+    struct driver_job job = driver_submit_new(bed.driver, 1, 1, 2, 0);
+    ck_assert(driver_lease(bed.driver, job.batch[0], 1, "a", 5000));
+    ck_assert(driver_lease(bed.driver, job.batch[1], 1, "stranger", 5000));
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, share_served, job.batch[0], 4000);
+    DRIVER_DO(bed.driver, worker_put, &worker, 4000);
+    DRIVER_RUN(bed.driver, commit);
+    ck_assert(!any_ahead(4000));
+    ck_assert(any_ahead(3999));
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, times_mend, 3000);
+    DRIVER_RUN(bed.driver, commit);
+    ck_assert(!any_ahead(3000));
+    ck_assert(any_ahead(2999));
+    DRIVER_DO(bed.driver, any_lost, &lost, &any);
+    ck_assert(any);
+    lost.before_ms = 4000;
+    DRIVER_DO(bed.driver, any_lost, &lost, &any);
+    ck_assert(!any);
+    driver_bed_close(&bed);
+}
+END_TEST
+
+DRIVER_SUITE("driver: leases", test_driver_leases__times_that_lie_ahead_are_mended,
              test_driver_leases__untold_time_is_charged_up_to_the_length_of_a_lease,
              test_driver_leases__next_is_by_priority_then_job_then_batch,
              test_driver_leases__batch_added_later_comes_by_the_age_of_its_job,

@@ -129,6 +129,9 @@ struct pen_batch_row {
     int view;
 };
 
+/* The longest pause of a job. One that ends later is not kept: the clock was set back. */
+enum { PEN_PAUSE_MAX_MS = 60000 };
+
 struct pen_batch_add {
     int64_t job;
     struct pen_batch_new batch;
@@ -369,9 +372,10 @@ struct pen_driver_ops {
 
     bool (*any_open)(struct pen_driver *driver, bool *any, struct pen_status *st);
     /* Finds the open batch that is next by the rules of shares (README.md), of jobs whose pause
-     * ends by paused_until_ms; a quarantined batch only if `quarantined`. Locks the batch.
-     * PostgreSQL: FOR UPDATE OF batch SKIP LOCKED, so that two workers never wait for each other.
-     * *job is the job's number; claim->attempt is the attempt before this claim. */
+     * ends by paused_until_ms, or later than PEN_PAUSE_MAX_MS after it; a quarantined batch only if
+     * `quarantined`. Locks the batch. PostgreSQL: FOR UPDATE OF batch SKIP LOCKED, so that two
+     * workers never wait for each other. *job is the job's number; claim->attempt is the attempt
+     * before this claim. */
     bool (*next_open)(struct pen_driver *driver, int64_t paused_until_ms, bool quarantined,
                       struct pen_claim *claim, int64_t *job, bool *found, struct pen_status *st);
     /* Whether a batch is open, of a job that is not paused at now_ms, that comes before this one:
@@ -445,6 +449,13 @@ struct pen_driver_ops {
 
     /* Lost leases. */
 
+    /* After the clock was set back stored times lie in the future which no call makes that has the
+     * time now_ms. times_ahead tells whether there are any, and times_mend makes them now: since
+     * when peers wait that have jobs, and when workers were seen; and the end of leases that would
+     * last longer than the leases of their workers do: those last so long from now on. */
+    bool (*times_ahead)(struct pen_driver *driver, int64_t now_ms, bool *any,
+                        struct pen_status *st);
+    bool (*times_mend)(struct pen_driver *driver, int64_t now_ms, struct pen_status *st);
     bool (*any_lost)(struct pen_driver *driver, const struct pen_lost *lost, bool *any,
                      struct pen_status *st);
     /* The next jobs that lost a lease, with numbers above `after`, at most `capacity`. Locks them.

@@ -79,6 +79,14 @@ bool pen_admit_bytes(struct pen_store *store, int64_t job, struct pen_status *st
 /* tally.c: counts a time. */
 void pen_timing_add(struct pen_store *store, enum pen_timing timing, int64_t us);
 
+/* times.c: how long ago something was. If it lies in the future, the clock was set back since: that
+ * counts as longer ago than anything. */
+int64_t pen_since_ms(int64_t then_ms, int64_t now_ms);
+
+/* times.c: mends the stored times that lie in the future (times_mend of the driver), if there are
+ * any. Outside a transaction. */
+bool pen_times_mend(struct pen_store *store, int64_t now_ms, struct pen_status *st);
+
 /* As pen_store_outranked. */
 bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int64_t now_ms,
                    bool *outranked, struct pen_status *st);

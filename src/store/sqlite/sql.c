@@ -73,11 +73,15 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 #define ARTEFACT_BYTES "coalesce(" OBJECT_BYTES "a.object), length(a.data))"
 #define PIXELS_BYTES "coalesce(" OBJECT_BYTES "p.object), length(p.data))"
 
+/* The pause of a job j ends by ?1, or so late that the clock was set back. */
+#define GOES_ON "(j.paused_until_ms <= ?1 OR j.paused_until_ms > ?1 + 60000)"
+_Static_assert(PEN_PAUSE_MAX_MS == 60000, "as GOES_ON has it");
+
 /* A peer p has a batch to claim: open, of a job j whose pause ends by ?1. More may be asked of the
  * batch b in between. */
 #define HAS_OPEN                                                                                   \
     "p.jobs > 0 AND EXISTS (SELECT 1 FROM lane l JOIN batch b ON b.lane = l.id AND b.state = 0"    \
-    " JOIN job j ON j.number = b.job WHERE l.peer = p.id AND j.paused_until_ms <= ?1"
+    " JOIN job j ON j.number = b.job WHERE l.peer = p.id AND " GOES_ON
 #define END_OPEN ")"
 
 /* Whether a peer has waited so long, at time `now`, that it comes before one of priority `top`: of
@@ -232,28 +236,27 @@ static const char *const sql_text[] = {
     [SQL_NEXT_LANE] =
         "SELECT l.id, l.balance_us FROM lane l WHERE l.peer = ?3 AND EXISTS (SELECT 1 FROM batch b"
         " JOIN job j ON j.number = b.job WHERE b.lane = l.id AND b.state = 0"
-        " AND j.paused_until_ms <= ?1 AND b.quarantined <= ?2) ORDER BY l.served_us, l.id LIMIT 1",
+        " AND " GOES_ON " AND b.quarantined <= ?2) ORDER BY l.served_us, l.id LIMIT 1",
     [SQL_NEXT_OLDEST] = "SELECT b.job FROM batch b JOIN job j ON j.number = b.job"
-                        " WHERE b.lane = ?3 AND b.state = 0 AND j.paused_until_ms <= ?1"
+                        " WHERE b.lane = ?3 AND b.state = 0 AND " GOES_ON
                         " AND b.quarantined <= ?2 ORDER BY b.job LIMIT 1",
     [SQL_NEXT_LEAST] = "SELECT j.number FROM job j WHERE j.lane = ?3 AND j.state < 2"
-                       " AND j.paused_until_ms <= ?1 AND EXISTS (SELECT 1 FROM batch b"
+                       " AND " GOES_ON " AND EXISTS (SELECT 1 FROM batch b"
                        " WHERE b.lane = j.lane AND b.job = j.number AND b.state = 0"
                        " AND b.quarantined <= ?2) ORDER BY j.spent_us, j.number LIMIT 1",
     [SQL_FIRST_OPEN] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
                        " WHERE b.lane = (SELECT lane FROM job WHERE number = ?1) AND b.job = ?1"
                        " AND b.state = 0 AND b.quarantined <= ?2 ORDER BY b.id LIMIT 1",
-    [SQL_OPEN_ABOVE] =
-        "SELECT 1 FROM batch b JOIN job j ON j.number = b.job"
-        " WHERE b.state = 0 AND b.priority > " OWN " AND j.paused_until_ms <= ?1 LIMIT 1",
+    [SQL_OPEN_ABOVE] = "SELECT 1 FROM batch b JOIN job j ON j.number = b.job"
+                       " WHERE b.state = 0 AND b.priority > " OWN " AND " GOES_ON " LIMIT 1",
     [SQL_OPEN_AGED] =
         "SELECT 1 FROM peer p WHERE " AGED_ABOVE_OWN " AND " HAS_OPEN END_OPEN " LIMIT 1",
     [SQL_OPEN_BESIDE] = "SELECT 1 FROM batch own JOIN batch b ON b.priority = own.priority"
                         " JOIN job j ON j.number = b.job WHERE own.id = ?2 AND b.state = 0"
-                        " AND b.job <> own.job AND j.paused_until_ms <= ?1 LIMIT 1",
+                        " AND b.job <> own.job AND " GOES_ON " LIMIT 1",
     [SQL_OPEN_ELSEWHERE] = "SELECT 1 FROM batch own JOIN batch b ON b.state = 0"
                            " AND b.job <> own.job JOIN job j ON j.number = b.job"
-                           " WHERE own.id = ?2 AND j.paused_until_ms <= ?1 LIMIT 1",
+                           " WHERE own.id = ?2 AND " GOES_ON " LIMIT 1",
     [SQL_HELD_BY] = "SELECT count(*), coalesce(sum(quarantined OR kind = 2), 0) FROM batch"
                     " WHERE state = 1 AND worker = ?",
     [SQL_FIRST_HELD] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
@@ -382,6 +385,18 @@ static const char *const sql_text[] = {
         " FROM artefact a JOIN job j ON j.number = a.job WHERE a.id > ? ORDER BY a.id LIMIT 1",
     [SQL_VIEW_BATCH_DONE] = "UPDATE view SET open_batches = open_batches - 1"
                             " WHERE job = ? AND view = ? RETURNING batches, open_batches",
+
+    [SQL_TIMES_AHEAD] =
+        "SELECT 1 WHERE EXISTS (SELECT 1 FROM peer INDEXED BY peer_by_service WHERE jobs > 0"
+        " AND waiting_since_ms > ?1) OR EXISTS (SELECT 1 FROM worker WHERE seen_ms > ?1)"
+        " OR EXISTS (SELECT 1 FROM batch b INDEXED BY batch_leased JOIN worker w ON w.id = b.worker"
+        " WHERE b.state = 1 AND b.lease_until_ms > ?1 + w.lease_ms)",
+    [SQL_PEERS_MEND] = "UPDATE peer INDEXED BY peer_by_service SET waiting_since_ms = ?1"
+                       " WHERE jobs > 0 AND waiting_since_ms > ?1",
+    [SQL_WORKERS_MEND] = "UPDATE worker SET seen_ms = ?1 WHERE seen_ms > ?1",
+    [SQL_LEASES_MEND] = "UPDATE batch SET lease_until_ms = ?1 + w.lease_ms FROM worker w"
+                        " WHERE batch.state = 1 AND w.id = batch.worker"
+                        " AND batch.lease_until_ms > ?1 + w.lease_ms",
 
     [SQL_ANY_LOST] = "SELECT 1 FROM batch WHERE " LOST " LIMIT 1",
     [SQL_LOST_JOBS] = "SELECT number, deaths, charges, max_attempts FROM job WHERE number > ?3"

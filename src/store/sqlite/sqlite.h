@@ -132,6 +132,10 @@ enum pen_sqlite_sql {
     SQL_NEXT_PIXELS,
     SQL_NEXT_ARTEFACT,
     SQL_VIEW_BATCH_DONE,
+    SQL_TIMES_AHEAD,
+    SQL_PEERS_MEND,
+    SQL_WORKERS_MEND,
+    SQL_LEASES_MEND,
     SQL_ANY_LOST,
     SQL_LOST_JOBS,
     SQL_OPEN_LOST,
@@ -493,6 +497,8 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(blob_next)                                                                                  \
     OP(peers_remove)                                                                               \
     OP(view_batch_done)                                                                            \
+    OP(times_ahead)                                                                                \
+    OP(times_mend)                                                                                 \
     OP(any_lost)                                                                                   \
     OP(lost_jobs)                                                                                  \
     OP(open_lost)                                                                                  \
