@@ -154,9 +154,10 @@ void pen_http_access_log_add(struct access_log *log, const struct request *reque
     const uint64_t bytes = streamed + (sent ? reply->bytes : 0);
     const struct pen_log_about about = {.job = request->job_id, .request = request->id};
     const char *trace = request->fields.traceparent;
-    pen_log_about(level, &about, "%s %.300s %d %llu bytes %lld.%03lld ms%s%s%s", request->method,
-                  request->raw_target, reply->status, (unsigned long long)bytes,
-                  (long long)(us / 1000), (long long)(us % 1000), complete ? "" : " (cut short)",
+    pen_log_about(level, &about, "%.*s %.*s %d %llu bytes %lld.%03lld ms%s%s%s",
+                  LOGGED_METHOD_BYTES, request->method, LOGGED_TARGET_BYTES, request->raw_target,
+                  reply->status, (unsigned long long)bytes, (long long)(us / 1000),
+                  (long long)(us % 1000), complete ? "" : " (cut short)",
                   trace ? " traceparent=" : "", trace ? trace : "");
 }
 

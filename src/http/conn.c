@@ -20,7 +20,7 @@ enum {
     SMALL_BYTES = 4 << 10, /* of a head: always kept; more of it from HEADS_BYTES only */
     DROP_BYTES = 1 << 20   /* dropped at once while a connection lingers */
 };
-static const size_t heads_max = (size_t)48 << 20; /* bytes that are kept unread, together */
+static const size_t heads_max = (size_t)48 << 20; /* heads, and bytes that are kept unread */
 static const int64_t linger_max_ns = 10 * INT64_C(1000000000);
 
 /* Keeps the bytes that were not read, while other connections use the loop's buffer. Returns false
@@ -44,10 +44,16 @@ static bool keep_unread(struct conn *conn)
     return true;
 }
 
+/* Whether there is no memory for so much of what a client has sent. */
+static bool is_much(const struct conn *conn, size_t bytes)
+{
+    return bytes > SMALL_BYTES &&
+           atomic_load_explicit(&conn->loop->http->head_bytes, memory_order_relaxed) > heads_max;
+}
+
 bool pen_http_conn_holds_much(const struct conn *conn)
 {
-    return conn->bytes > SMALL_BYTES &&
-           atomic_load_explicit(&conn->loop->http->head_bytes, memory_order_relaxed) > heads_max;
+    return is_much(conn, conn->bytes);
 }
 
 /* Notes what the kernel said about a read. Returns whether bytes came. */
@@ -247,11 +253,12 @@ static enum conn_step read_head(struct conn *conn)
         return STEP_END;
     if (found == PEN_HEAD_BAD)
         return refuse(conn, 400, "malformed HTTP: a line of the head does not end in CR and LF");
-    if ((found == PEN_HEAD_WHOLE ? head_bytes : conn->bytes) > PEN_HEAD_BYTES)
+    const bool whole = found == PEN_HEAD_WHOLE;
+    if ((whole ? head_bytes : conn->bytes) > PEN_HEAD_BYTES)
         return refuse(conn, 431, "the head of the request is longer than 32768 bytes");
-    if (found == PEN_HEAD_WHOLE)
+    if (whole && !is_much(conn, head_bytes))
         return begin_request(conn, head_bytes);
-    if (pen_http_conn_holds_much(conn))
+    if (whole || pen_http_conn_holds_much(conn))
         return refuse(conn, 503, "there is no memory for this head now; try again later");
     if (conn->used && was_empty && conn->bytes > 0)
         pen_http_loop_wait(conn, WAIT_HEAD);
@@ -441,6 +448,8 @@ void pen_http_conn_run(struct conn *conn)
     enum conn_step step = STEP_ON;
     for (int i = 0; i < STEPS_AT_ONCE && step == STEP_ON; i++)
         step = take_step(conn);
+    if (conn->state == CONN_SEND || conn->state == CONN_STREAM) /* its client keeps it waiting */
+        pen_http_request_drop_head(conn->request);
     if (step == STEP_END || !keep_unread(conn))
         pen_http_conn_close(conn);
     else if (step == STEP_ON)

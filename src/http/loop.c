@@ -14,6 +14,7 @@
 #include "base/clock.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
+#include "http/internal/trim.h"
 
 enum { EVENTS = 128, LINGER_S = 2 };
 static const int64_t second_ns = INT64_C(1000000000);
@@ -65,6 +66,7 @@ void pen_http_loop_remove(struct conn *conn)
     if (conn->reserved)
         atomic_fetch_sub_explicit(&http->reserved, 1, memory_order_relaxed);
     atomic_fetch_sub_explicit(&http->connections, 1, memory_order_relaxed);
+    pen_http_trim_note(http->trim);
 }
 
 static void wake(struct loop *loop)

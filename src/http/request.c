@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #include "base/clock.h"
+#include "http/internal/access_log.h"
 #include "http/internal/http.h"
 #include "http/internal/intake.h"
 #include "http/internal/routes.h"
@@ -97,6 +98,14 @@ static void read_head(struct request *request, size_t bytes)
     request->head = strcmp(head.method, "HEAD") == 0;
 }
 
+/* Counts this head with others that are in memory, in place of what was counted for it before. */
+static void count_head(struct request *request, size_t bytes)
+{
+    atomic_fetch_add_explicit(&request->http->head_bytes, bytes - request->head_bytes,
+                              memory_order_relaxed);
+    request->head_bytes = bytes;
+}
+
 struct request *pen_http_request_new(struct pen_http *http, const char *head, size_t bytes)
 {
     struct request *request = calloc(1, sizeof *request);
@@ -120,6 +129,7 @@ struct request *pen_http_request_new(struct pen_http *http, const char *head, si
         name_request(request);
         request->phase = PHASE_ANSWERED;
     }
+    count_head(request, bytes + strlen(request->raw_target) + 2); /* `target` has a copy */
     return request;
 }
 
@@ -130,8 +140,40 @@ void pen_http_request_free(struct request *request)
     pen_http_request_drop_body(request);
     pen_http_reply_release(&request->reply);
     pen_target_release(&request->target);
+    count_head(request, 0);
     free(request->text);
     free(request);
+}
+
+/* Copies the beginning of a text, and a zero. Returns where the next text goes. */
+static char *keep(char *to, const char *text, size_t bytes)
+{
+    memcpy(to, text, bytes);
+    to[bytes] = '\0';
+    return to + bytes + 1;
+}
+
+void pen_http_request_drop_head(struct request *request)
+{
+    enum { SMALL_BYTES = 512 }; /* a head that is not worth it */
+    const char *trace = request->fields.traceparent ? request->fields.traceparent : "";
+    const size_t method = strnlen(request->method, LOGGED_METHOD_BYTES);
+    const size_t target = strnlen(request->raw_target, LOGGED_TARGET_BYTES);
+    const size_t bytes = method + target + strlen(trace) + 3;
+    char *kept = request->head_bytes > SMALL_BYTES ? malloc(bytes) : NULL;
+    if (!kept)
+        return;
+    char *kept_target = keep(kept, request->method, method);
+    char *kept_trace = keep(kept_target, request->raw_target, target);
+    keep(kept_trace, trace, strlen(trace));
+    pen_target_release(&request->target);
+    free(request->text);
+    request->text = kept;
+    request->method = kept;
+    request->raw_target = kept_target;
+    request->fields = (struct fields){.traceparent = *trace ? kept_trace : NULL};
+    request->arg = NULL;
+    count_head(request, bytes);
 }
 
 bool pen_http_request_only_answers(const struct request *request)

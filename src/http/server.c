@@ -21,6 +21,7 @@
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/static_files.h"
 #include "http/internal/streams.h"
+#include "http/internal/trim.h"
 #include "http/internal/watch.h"
 #include "jobs/jobs.h"
 
@@ -37,6 +38,7 @@ static const int64_t finish_max_ns = INT64_C(1500000000);
 /* Frees the server and those of its parts that exist. No connection may be open. */
 static void release(struct pen_http *http)
 {
+    pen_http_trim_stop(http->trim);
     pen_http_executor_free(http->executor);
     pen_http_watch_free(http->watch);
     pen_http_snapshot_cache_free(http->snapshot_cache);
@@ -59,7 +61,8 @@ static bool start_threads(struct pen_http *http, const struct pen_http_options *
     int address_max = options->waiting_per_address;
     address_max = address_max > 0 ? address_max : WAITING_PER_ADDRESS;
     http->watch = pen_http_watch_start(http, jobs, address_max, st);
-    if (!http->watch)
+    http->trim = http->watch ? pen_http_trim_start(st) : NULL;
+    if (!http->trim)
         return false;
     const struct executor_options executor = {
         .store_url = options->store_url,

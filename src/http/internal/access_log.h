@@ -15,6 +15,9 @@
 struct access_log;
 struct request;
 
+/* The most that a line has of a request's method and target. */
+enum { LOGGED_METHOD_BYTES = 20, LOGGED_TARGET_BYTES = 300 };
+
 /* Fails: NULL when out of memory. */
 struct access_log *pen_http_access_log_new(void);
 /* Tells what is not told yet, and frees it. NULL is allowed. */

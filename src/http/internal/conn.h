@@ -120,7 +120,7 @@ enum conn_step {
     STEP_END   /* the connection was closed or is to be */
 };
 
-/* Whether so much of what clients have sent is kept unread that this one's may not be. */
+/* Whether so much is kept of what clients have sent that this one's unread bytes may not be. */
 bool pen_http_conn_holds_much(const struct conn *conn);
 
 /* Begins to send the answer of the request. */

@@ -32,6 +32,7 @@ struct pen_http {
     struct streams *streams;
     struct static_files *static_files;
     struct pictures *pictures;
+    struct trim *trim;
 
     int connection_max;  /* beyond it new connections replace idle ones */
     atomic_int arriving; /* accepted and not yet with their loops. atomic: relaxed, a bound */
@@ -39,7 +40,8 @@ struct pen_http {
                                     * come (listener.c). atomic: relaxed, it only spares work */
     atomic_int connections;        /* with the loops and not yet closed. atomic: relaxed, a bound */
     atomic_int reserved;           /* connections in reserved slots. atomic: relaxed, a bound */
-    atomic_size_t head_bytes;      /* kept unread of heads. atomic: relaxed, a sum */
+    atomic_size_t head_bytes;      /* heads of requests that are not answered, and what was read
+                                    * and has to wait. atomic: relaxed, a sum */
 
     atomic_bool draining, stopping; /* atomic: relaxed, one request more may still be served */
     atomic_int active;              /* requests whose head was seen and that have not ended.

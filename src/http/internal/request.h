@@ -49,7 +49,9 @@ struct request {
 
     int64_t begun_ns;
     char id[REQUEST_ID_BYTES];
-    char *text;                      /* the head as it was received, in pieces */
+    char *text;                      /* the head as it was received, in pieces; later what
+                                      * pen_http_request_drop_head keeps of it */
+    size_t head_bytes;               /* counted in pen_http.head_bytes for this head */
     const char *raw_target, *method; /* "-" if the head could not be read */
     int minor;                       /* the version is HTTP/1.minor */
     bool head;                       /* the method is HEAD */
@@ -105,6 +107,11 @@ void pen_http_request_free(struct request *request); /* NULL is allowed */
 /* Whether nothing comes of the request but its answer, at least until its handler has made a job.
  */
 bool pen_http_request_only_answers(const struct request *request);
+
+/* Frees the head of a request that is answered, but for what the log tells of it: `fields`,
+ * `target` and `arg` have nothing else afterwards. Where there is no memory for that, the head
+ * stays. Threads: the loop's. */
+void pen_http_request_drop_head(struct request *request);
 
 /* Frees the body and gives its bytes back to the intake budget. */
 void pen_http_request_drop_body(struct request *request);
