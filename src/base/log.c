@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Each line is one write(), so that the lines of processes and threads that share standard error do
- * not mix. A pipe keeps a write of up to PIPE_BUF (4096) bytes whole; longer lines are cut. Control
- * characters are escaped and invalid UTF-8 is replaced, so that no input can forge a line. */
+/* Whole lines are written in one write(), so that those of processes and threads that share
+ * standard error do not mix. A pipe keeps a write of up to PIPE_BUF (4096) bytes whole; longer
+ * lines are cut. Control characters are escaped and invalid UTF-8 is replaced, so that no input can
+ * forge a line. */
 #include "base/log.h"
 
 #include <errno.h>
@@ -13,9 +14,10 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/internal/log_writer.h"
 #include "base/utf8.h"
 
-enum { NAME_BYTES = 16, MESSAGE_BYTES = 2048, LINE_BYTES = 4096 };
+enum { NAME_BYTES = 16, MESSAGE_BYTES = 2048, LINE_BYTES = PEN_LOG_LINE_BYTES };
 
 /* The bytes of a line besides the message and the fields are fewer than 256; the rest is for the
  * escaped message. */
@@ -176,6 +178,17 @@ static int format_line(char line[LINE_BYTES], enum pen_log_level level,
                     stamp, shown_level, process, pid, fields, text);
 }
 
+void pen_log_write(const char *lines, size_t bytes)
+{
+    while (bytes > 0) {
+        const ssize_t written = write(STDERR_FILENO, lines, bytes);
+        if (written < 0 && errno != EINTR)
+            return;
+        lines += written > 0 ? written : 0;
+        bytes -= written > 0 ? (size_t)written : 0;
+    }
+}
+
 static void write_line(enum pen_log_level level, const struct pen_log_about *about,
                        const char *format, va_list args)
 {
@@ -187,11 +200,10 @@ static void write_line(enum pen_log_level level, const struct pen_log_about *abo
     int length = vsnprintf(raw, sizeof raw, format, args);
     if (length >= 0) {
         pen_utf8_copy(message, sizeof message, raw);
-        int bytes = format_line(line, level, about, message);
-        ssize_t written = 0;
-        append_to_ring(line, (size_t)bytes);
-        while (shown && (written = write(STDERR_FILENO, line, (size_t)bytes)) < 0 && errno == EINTR)
-            continue;
+        const size_t bytes = (size_t)format_line(line, level, about, message);
+        append_to_ring(line, bytes);
+        if (shown && !pen_log_writer_take(line, bytes))
+            pen_log_write(line, bytes);
     }
     errno = saved_errno;
 }

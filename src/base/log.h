@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The log: one line for each event on standard error, as text or JSON, in one write() each. Its
- * settings are the library's only mutable global state. Threads: all functions are thread-safe. */
+/* The log: one line for each event on standard error, as text or JSON. Its settings, and the lines
+ * that wait for its thread, are the library's only mutable global state. Threads: all functions are
+ * thread-safe. */
 #ifndef PEN_BASE_LOG_H
 #define PEN_BASE_LOG_H
 
@@ -34,6 +35,17 @@ void pen_log_set_ring(struct pen_log_ring *ring);
 
 /* Copies the last whole lines that fit into `bytes`, at most `lines` of them. */
 void pen_log_ring_last(const struct pen_log_ring *ring, int lines, char *out, size_t bytes);
+
+/* Starts a thread that writes the further lines of this process: to log then blocks on nothing,
+ * even if nobody reads standard error. Lines wait for the thread in 256 KiB of memory. Those that
+ * find no room are lost, and a line tells how many, once half of it is free. A process that ends
+ * without pen_log_writer_stop loses the lines that wait; one that was forked writes its lines
+ * itself. Fails: false, and lines are written as before. */
+bool pen_log_writer_start(void);
+
+/* Ends the thread once it has written all lines. If that takes longer than a second, it is left as
+ * it is. Threads: that which has started it. */
+void pen_log_writer_stop(void);
 
 /* Writes one line: time, level, process name, and the formatted message. */
 void pen_log(enum pen_log_level level, const char *format, ...)

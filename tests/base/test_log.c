@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/log.h"
@@ -165,6 +166,83 @@ START_TEST(test_log__lines_of_threads_do_not_mix)
 }
 END_TEST
 
+/* Reads a pipe to its end. */
+static void *read_all(void *user)
+{
+    static char text[1 << 21];
+    const int *fd = user;
+    size_t used = 0;
+    ssize_t got;
+    while ((got = read(*fd, text + used, sizeof text - 1 - used)) > 0)
+        used += (size_t)got;
+    return text;
+}
+
+/* Nobody reads standard error: lines are logged all the same, and end of the thread does not wait
+ * for long. Once somebody reads, each line was written or is counted as lost. */
+START_TEST(test_log__thread_keeps_callers_from_waiting)
+{
+    enum { LINES = 20000 };
+    int ends[2];
+    pthread_t reader;
+    void *text;
+    fflush(stderr);
+    saved = dup(STDERR_FILENO);
+    ck_assert(pipe(ends) == 0 && dup2(ends[1], STDERR_FILENO) >= 0);
+    ck_assert(pen_log_writer_start());
+    for (int i = 0; i < LINES; i++)
+        pen_log(PEN_LOG_INFO, "line %d", i);
+    pen_log_writer_stop();
+    ck_assert_int_eq(pthread_create(&reader, NULL, read_all, &ends[0]), 0);
+    pen_log_writer_stop();
+    pen_log(PEN_LOG_INFO, "line %d", LINES); /* written here: the thread has ended */
+    dup2(saved, STDERR_FILENO);
+    close(saved);
+    close(ends[1]);
+    pthread_join(reader, &text);
+    close(ends[0]);
+    int written = 0, last = -1;
+    unsigned long long lost = 0;
+    for (char *at = text, *end; *at; at = end + 1) {
+        int number;
+        unsigned long long now;
+        const char *message = strstr(at, "] ");
+        end = strchr(at, '\n');
+        ck_assert(end && message && message < end);
+        if (sscanf(message, "] line %d", &number) == 1) {
+            ck_assert_int_eq(number, last + 1 + (int)lost * (number == LINES));
+            last = number;
+            written++;
+        } else {
+            ck_assert_int_eq(sscanf(message, "] %llu lines of the log were lost", &now), 1);
+            lost += now;
+        }
+    }
+    ck_assert_int_gt(written, 1000);
+    ck_assert_uint_gt(lost, 0);
+    ck_assert_uint_eq((unsigned long long)written + lost, LINES + 1);
+}
+END_TEST
+
+START_TEST(test_log__thread_is_of_its_process_only)
+{
+    log_begin();
+    fcntl(STDERR_FILENO, F_SETFL, O_APPEND);
+    ck_assert(pen_log_writer_start());
+    pen_log(PEN_LOG_INFO, "parent");
+    const pid_t child = fork();
+    if (child == 0) {
+        pen_log(PEN_LOG_INFO, "child");
+        _exit(0);
+    }
+    ck_assert_int_eq(waitpid(child, NULL, 0), child);
+    pen_log_writer_stop();
+    const char *text = log_end();
+    ck_assert_ptr_nonnull(strstr(text, "] parent\n"));
+    ck_assert_ptr_nonnull(strstr(text, "] child\n"));
+}
+END_TEST
+
 START_TEST(test_log__ring_keeps_the_last_lines_of_every_level)
 {
     static struct pen_log_ring ring;
@@ -195,4 +273,5 @@ END_TEST
 PEN_SUITE("log", test_log__ring_keeps_the_last_lines_of_every_level, test_log__text_lines,
           test_log__json_lines, test_log__fields_name_the_job,
           test_log__long_messages_are_cut_to_one_line, test_log__keeps_errno,
-          test_log__lines_of_threads_do_not_mix)
+          test_log__lines_of_threads_do_not_mix, test_log__thread_keeps_callers_from_waiting,
+          test_log__thread_is_of_its_process_only)

@@ -130,15 +130,10 @@ static struct pen_limits limits_of(const struct pen_config *config)
     return limits;
 }
 
-int pen_role_api(const struct pen_config *config, int listen_fd)
+static int serve(const struct pen_config *config, int listen_fd)
 {
     struct pen_event_source events;
     struct pen_status st;
-    pen_log_set_name("api");
-    prctl(PR_SET_NAME, api_process);
-    raise_descriptor_limit();
-    mallopt(M_ARENA_MAX, 2);            /* answers are small: more arenas would only keep memory */
-    mallopt(M_MMAP_THRESHOLD, 1 << 20); /* large ones go back to the system when they are freed */
     if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
     struct pen_http_options options = {.listen_fd = listen_fd,
@@ -160,6 +155,20 @@ int pen_role_api(const struct pen_config *config, int listen_fd)
     pen_event_source_close(&events);
     pen_log(PEN_LOG_INFO, "ended");
     return 0;
+}
+
+int pen_role_api(const struct pen_config *config, int listen_fd)
+{
+    pen_log_set_name("api");
+    prctl(PR_SET_NAME, api_process);
+    raise_descriptor_limit();
+    mallopt(M_ARENA_MAX, 2);            /* answers are small: more arenas would only keep memory */
+    mallopt(M_MMAP_THRESHOLD, 1 << 20); /* large ones go back to the system when they are freed */
+    if (!pen_log_writer_start())        /* threads that serve connections must not block */
+        pen_log(PEN_LOG_WARN, "no thread for the log");
+    const int code = serve(config, listen_fd);
+    pen_log_writer_stop();
+    return code;
 }
 
 /* The worker's own thread. The main thread handles events meanwhile. */

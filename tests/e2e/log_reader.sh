@@ -1,0 +1,26 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Whoever reads standard error may stop: requests are answered, and the log tells later what it lost.
+. "$(dirname "$0")/lib.sh"
+
+# The reader reads nothing until it is told to.
+mkfifo "$work/errors"
+sh -c 'while [ ! -e "$1/go" ]; do sleep 0.1; done; exec cat >"$1/read"' reader "$work" <"$work/errors" &
+reader=$!
+ln -s errors "$work/log" # where daemon_start sends standard error
+daemon_start --log-level debug
+curl -s -m $((60 * patience)) -o /dev/null -H "X-Pad: x" "$url/healthz?$(printf '%300s' '' | tr ' ' '&')#[1-2000]"
+expect requests-are-answered "$?" 0
+call /healthz
+expect alive "$status" 200
+touch "$work/go"
+for _ in $(seq $((100 * patience))); do
+    grep -q 'lines of the log were lost' "$work/read" 2>/dev/null && break
+    sleep 0.1
+done
+expect losses-are-told "$(grep -c 'lines of the log were lost' "$work/read")" 1
+daemon_stop
+wait "$reader"
+expect last-line-was-written "$(grep -c 'api\[.*ended' "$work/read")" 1
+mv "$work/read" "$work/log"
+finish
