@@ -9,13 +9,18 @@
 #include "base/log.h"
 #include "http/internal/request.h"
 
-/* How often requests get lines of level warn: those of BOUNDED kinds so often in a minute. */
-enum kind { REFUSED, FAILED, BOUNDED, UNBOUNDED = BOUNDED };
+/* The kinds of requests that get lines above level debug: so many in a minute, and one more that
+ * tells how many others there were. */
+enum kind { REFUSED, FAILED, CHANGED, KINDS, OTHER = KINDS };
 
 static const int64_t minute_ns = INT64_C(60000000000);
-static const int lines_in_minute[BOUNDED] = {[REFUSED] = 1, [FAILED] = 10};
-static const char *const what[BOUNDED] = {
-    [REFUSED] = "refused (429, 503)", [FAILED] = "failed (5xx)"};
+static const struct {
+    enum pen_log_level level;
+    int lines_in_minute;
+    const char *what;
+} kinds[KINDS] = {[REFUSED] = {PEN_LOG_WARN, 1, "were refused (429, 503)"},
+                  [FAILED] = {PEN_LOG_WARN, 10, "failed (5xx)"},
+                  [CHANGED] = {PEN_LOG_INFO, 600, "changed the store"}};
 
 /* A minute that begins with a request of a kind; all zero: there is none. */
 struct minute {
@@ -31,7 +36,7 @@ struct access_log {
     _Atomic int64_t due_ns; /* when requests that are not told have to be. atomic: relaxed, it
                              * spares others the lock */
     pthread_mutex_t lock;
-    struct minute minute[BOUNDED]; /* guarded by lock */
+    struct minute minute[KINDS]; /* guarded by lock */
 };
 
 struct access_log *pen_http_access_log_new(void)
@@ -45,9 +50,9 @@ struct access_log *pen_http_access_log_new(void)
 }
 
 /* Takes the minutes that are over. Called with the lock held. */
-static void take_minutes(struct access_log *log, int64_t now_ns, struct minute over[BOUNDED])
+static void take_minutes(struct access_log *log, int64_t now_ns, struct minute over[KINDS])
 {
-    for (int kind = 0; kind < BOUNDED; kind++) {
+    for (int kind = 0; kind < KINDS; kind++) {
         struct minute *minute = &log->minute[kind];
         over[kind] = (struct minute){0};
         if (minute->ends_ns <= now_ns) {
@@ -61,7 +66,7 @@ static void take_minutes(struct access_log *log, int64_t now_ns, struct minute o
 static void note_due(struct access_log *log)
 {
     int64_t due_ns = INT64_MAX;
-    for (int kind = 0; kind < BOUNDED; kind++) {
+    for (int kind = 0; kind < KINDS; kind++) {
         const struct minute *minute = &log->minute[kind];
         if (minute->untold > 0 && minute->ends_ns < due_ns)
             due_ns = minute->ends_ns;
@@ -69,15 +74,15 @@ static void note_due(struct access_log *log)
     atomic_store_explicit(&log->due_ns, due_ns, memory_order_relaxed);
 }
 
-static void tell_minutes(const struct minute over[BOUNDED])
+static void tell_minutes(const struct minute over[KINDS])
 {
-    for (int kind = 0; kind < BOUNDED; kind++) {
+    for (int kind = 0; kind < KINDS; kind++) {
         char since[25];
         if (over[kind].untold == 0)
             continue;
         pen_clock_format(over[kind].begun_ms, since);
-        pen_log(PEN_LOG_WARN, "%llu more requests were %s since %s",
-                (unsigned long long)over[kind].untold, what[kind], since);
+        pen_log(kinds[kind].level, "%llu more requests %s since %s",
+                (unsigned long long)over[kind].untold, kinds[kind].what, since);
     }
 }
 
@@ -85,7 +90,7 @@ void pen_http_access_log_free(struct access_log *log)
 {
     if (!log)
         return;
-    struct minute all[BOUNDED];
+    struct minute all[KINDS];
     take_minutes(log, INT64_MAX, all);
     tell_minutes(all);
     pthread_mutex_destroy(&log->lock);
@@ -99,7 +104,7 @@ static bool count(struct access_log *log, enum kind kind, int64_t now_ns)
     struct minute *minute = &log->minute[kind];
     if (minute->ends_ns == 0)
         *minute = (struct minute){.begun_ms = pen_clock_wall_ms(), .ends_ns = now_ns + minute_ns};
-    if (minute->told < lines_in_minute[kind]) {
+    if (minute->told < kinds[kind].lines_in_minute) {
         minute->told++;
         return true;
     }
@@ -110,12 +115,12 @@ static bool count(struct access_log *log, enum kind kind, int64_t now_ns)
 /* Tells what is due, and counts a request. Returns whether it gets a line of its own. */
 static bool bound(struct access_log *log, enum kind kind, int64_t now_ns)
 {
-    struct minute over[BOUNDED];
-    if (kind == UNBOUNDED && now_ns < atomic_load_explicit(&log->due_ns, memory_order_relaxed))
+    struct minute over[KINDS];
+    if (kind == OTHER && now_ns < atomic_load_explicit(&log->due_ns, memory_order_relaxed))
         return false;
     pthread_mutex_lock(&log->lock);
     take_minutes(log, now_ns, over);
-    const bool told = kind != UNBOUNDED && count(log, kind, now_ns);
+    const bool told = kind != OTHER && count(log, kind, now_ns);
     note_due(log);
     pthread_mutex_unlock(&log->lock);
     tell_minutes(over);
@@ -127,15 +132,16 @@ static bool bound(struct access_log *log, enum kind kind, int64_t now_ns)
 static enum kind sort(struct access_log *log, const struct request *request)
 {
     const int status = request->reply.status;
+    const enum kind other = request->changed ? CHANGED : OTHER;
     if (status < 429 || atomic_load_explicit(&request->unwanted, memory_order_relaxed))
-        return UNBOUNDED;
+        return other;
     if (status == 429 || status == 503) {
         atomic_fetch_add_explicit(status == 429 ? &log->refused_429 : &log->refused_503, 1,
                                   memory_order_relaxed);
         return REFUSED;
     }
     if (status < 500 || !request->route)
-        return UNBOUNDED;
+        return other;
     atomic_fetch_add_explicit(&log->failed, 1, memory_order_relaxed);
     return FAILED;
 }
@@ -145,10 +151,8 @@ void pen_http_access_log_add(struct access_log *log, const struct request *reque
 {
     const struct reply *reply = &request->reply;
     const int64_t now_ns = pen_clock_ns();
-    const bool told = bound(log, sort(log, request), now_ns);
-    const enum pen_log_level level = told               ? PEN_LOG_WARN
-                                     : request->changed ? PEN_LOG_INFO
-                                                        : PEN_LOG_DEBUG;
+    const enum kind kind = sort(log, request);
+    const enum pen_log_level level = bound(log, kind, now_ns) ? kinds[kind].level : PEN_LOG_DEBUG;
     const int64_t us = (now_ns - request->begun_ns) / 1000;
     const bool sent = !request->head && reply->status != 304;
     const uint64_t bytes = streamed + (sent ? reply->bytes : 0);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What the log says of requests: those that change the store, and of others little, so that no client
-# can fill a disk with it; and the counters that tell how many there were.
+# What the log says of requests: those that change the store, but not all if they are many, and of
+# others little; and the counters that tell how many there were.
 . "$(dirname "$0")/lib.sh"
 
 metric() { # SERIES: its value
@@ -42,5 +42,18 @@ daemon_stop
 told=$(lines 'POST /v1/jobs 429')
 more=$(sed -n 's/.* \([0-9]*\) more requests were refused (429, 503) since 2.*/\1/p' "$work/log" | awk '{ sum += $1 } END { print sum + 0 }')
 expect all-refusals-are-told "$((told + more))" 30
+
+# Of submits only so many in a minute have lines of their own; a test that takes minutes has more.
+begun=$(date +%s)
+daemon_start
+: >"$work/log"
+repeat 900 /v1/jobs -H 'Content-Type: application/json' -d '{"scene": "builtin:spheres", "render": {"width": 1, "height": 1}}'
+daemon_stop
+minutes=$((($(date +%s) - begun) / 60 + 1))
+told=$(lines 'POST /v1/jobs 202')
+more=$(sed -n 's/.* info .* \([0-9]*\) more requests changed the store since 2.*/\1/p' "$work/log" | awk '{ sum += $1 } END { print sum + 0 }')
+expect submits-are-told "$((told + more))" 900
+expect few-submits-have-lines "$([ "$told" -le $((600 * minutes)) ] && echo yes)" yes
+[ "$minutes" -gt 1 ] || expect others-are-counted "$((more > 0))" 1
 
 finish

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What the log says of requests, so that no client can fill a disk with it.
- *   - A request that has changed the store is a line at level info.
+/* What the log says of requests. Clients decide how many there are, but not how fast the log grows:
+ * above level debug it gets some 600 lines in a minute, of 1000 bytes at most.
  *   - Of requests that were refused for load (429, 503) the first in a minute is a line at level
- *     warn, and of those that failed (other 5xx) the first ten. One line more tells how many
- *     others there were: it comes with the first request after that minute, or with the end.
+ *     warn, and of those that failed (other 5xx) the first ten.
+ *   - Of others that have changed the store the first 600 in a minute are lines at level info.
+ *   - For each of these kinds one line more tells how many others there were: it comes with the
+ *     first request after that minute, or with the end.
  *   - All others are lines at level debug.
  * Threads: any. */
 #ifndef PEN_HTTP_INTERNAL_ACCESS_LOG_H
