@@ -142,10 +142,8 @@ static enum queue_id handle(struct request *request, struct thread *thread, enum
             return QUEUE_INTAKE;
         *outcome = request->route->handle(request, thread->jobs);
     }
-    if (*outcome == OUTCOME_LARGE) {
-        request->is_large = true;
-        return QUEUE_LARGE;
-    }
+    if (*outcome == OUTCOME_MOVED)
+        return request->queue;
     if (*outcome == OUTCOME_ANSWERED) {
         pen_http_answers_count(request);
         pen_http_request_drop_body(request);
@@ -161,7 +159,7 @@ static enum queue_id handle(struct request *request, struct thread *thread, enum
 static bool pass_on(struct request *request, struct executor *executor, enum queue_id to)
 {
     const bool handled = request->is_handled;
-    if (pen_http_executor_submit(executor, to, !handled && to == QUEUE_LARGE, request))
+    if (pen_http_executor_submit(executor, to, !handled && to != QUEUE_INTAKE, request))
         return true;
     if (!handled)
         pen_http_executor_refuse(executor, request);
@@ -297,6 +295,7 @@ bool pen_http_executor_submit(struct executor *executor, enum queue_id id, bool 
     const bool taken =
         !executor->closed && (!is_new || queue->waiting.count < waiting_max(request->http, id));
     if (taken) {
+        request->queue = id;
         pen_http_waiting_add(&queue->waiting, request);
         pthread_cond_signal(&queue->filled);
     }

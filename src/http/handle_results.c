@@ -11,6 +11,7 @@
 #include "io/document.h"
 
 enum {
+    SHORT_READ = 1 << 20,  /* bytes that a store thread reads for an answer; it takes 2 ms */
     LARGE_WORK = 32 << 20, /* bytes of memory; making the picture takes half a second and more */
     LARGE_WAIT_MS = 2000   /* for memory, which readers of another large picture have */
 };
@@ -105,29 +106,43 @@ static bool find_kept(const struct request *request, struct pen_jobs *jobs,
     return pen_http_pictures_find(http->pictures, key, out);
 }
 
+/* Whether an answer that takes so much memory is left to other threads; request->queue then tells
+ * which. */
+static bool is_moved(struct request *request, size_t bytes)
+{
+    const enum queue_id from = request->queue;
+    if (bytes > LARGE_WORK)
+        request->queue = QUEUE_LARGE;
+    else if (bytes > SHORT_READ && from == QUEUE_STORE)
+        request->queue = QUEUE_COMPUTE;
+    if (request->queue == from)
+        return false;
+    request->work_bytes = bytes;
+    return true;
+}
+
 /* A picture that is being made. */
 struct making {
     struct request *request;
     struct picture_room room;
     bool is_made_in_file; /* in the memory of its file, so the file's length is known */
-    bool is_large;        /* it is left to the thread for large work */
+    bool is_moved;        /* it is left to other threads */
 };
 
-/* Large work goes to its thread before memory is set aside for it. What was set aside before is not
+/* Work goes to its thread before memory is set aside for it. What was set aside before is not
  * needed. */
 static bool reserve(void *user, size_t bytes, struct pen_status *st)
 {
     struct making *making = user;
-    pen_http_pictures_give_up(making->request->http->pictures, &making->room);
-    making->is_large = bytes > LARGE_WORK && !making->request->is_large;
-    if (making->is_large) {
-        making->request->work_bytes = bytes;
+    struct request *request = making->request;
+    pen_http_pictures_give_up(request->http->pictures, &making->room);
+    making->is_moved = is_moved(request, bytes);
+    if (making->is_moved)
         return pen_fail(st, PEN_UNAVAILABLE, "the picture is large");
-    }
     making->room =
         (struct picture_room){.bytes = bytes, .file_bytes = making->is_made_in_file ? bytes : 0};
-    return pen_http_pictures_reserve(making->request->http->pictures, &making->room,
-                                     making->request->is_large ? LARGE_WAIT_MS : 0, st);
+    return pen_http_pictures_reserve(request->http->pictures, &making->room,
+                                     request->queue == QUEUE_LARGE ? LARGE_WAIT_MS : 0, st);
 }
 
 static enum outcome answer_made(struct making *making, struct pen_jobs *jobs, bool made,
@@ -137,8 +152,8 @@ static enum outcome answer_made(struct making *making, struct pen_jobs *jobs, bo
     struct request *request = making->request;
     struct pictures *pictures = request->http->pictures;
     struct picture picture;
-    if (making->is_large)
-        return OUTCOME_LARGE;
+    if (making->is_moved)
+        return OUTCOME_MOVED;
     if (!made)
         pen_http_pictures_give_up(pictures, &making->room);
     if (!made || !pen_http_pictures_take(pictures, key, image, &making->room, &picture, st))
@@ -242,7 +257,16 @@ enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *job
     const struct picture_key key = scene_key(request);
     struct picture scene;
     struct pen_status st;
-    if (!find_kept(request, jobs, &key, &scene) && !read_scene(request, jobs, &key, &scene, &st))
+    size_t bytes;
+    if (find_kept(request, jobs, &key, &scene)) {
+        answer_scene(request, &scene);
+        return OUTCOME_ANSWERED;
+    }
+    if (!pen_jobs_scene_bytes(jobs, request->job_id, &bytes, &st))
+        return answer_status(request, jobs, &st);
+    if (is_moved(request, bytes))
+        return OUTCOME_MOVED;
+    if (!read_scene(request, jobs, &key, &scene, &st))
         return answer_status(request, jobs, &st);
     answer_scene(request, &scene);
     return OUTCOME_ANSWERED;

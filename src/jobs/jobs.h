@@ -166,6 +166,10 @@ bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, st
 bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
                     struct pen_status *st);
 
+/* How long that text is; it is not read. Fails: PEN_NOT_FOUND. */
+bool pen_jobs_scene_bytes(struct pen_jobs *jobs, const char *id, size_t *bytes,
+                          struct pen_status *st);
+
 /* The workers: {"workers": [{name, host, pid, threads, started_at, last_seen_at, batches}]}. Owns:
  * the caller. */
 json_t *pen_jobs_workers(struct pen_jobs *jobs, struct pen_status *st);

@@ -57,9 +57,10 @@ bool pen_policy_jobs(struct pen_store *store, const struct pen_job_filter *filte
     return ok;
 }
 
+/* Reads the compressed document, up to `most` bytes of it. */
 struct scene_read {
     const char *id;
-    struct pen_buf *out;
+    size_t most;
 };
 
 static bool read_scene(struct pen_store *store, void *arg, struct pen_status *st)
@@ -72,13 +73,21 @@ static bool read_scene(struct pen_store *store, void *arg, struct pen_status *st
         return false;
     if (!found)
         return pen_fail_missing(store, in->id, st);
-    return pen_blob_load(store, PEN_BLOB_SCENE, number, bytes, st);
+    return pen_blob_load(store, PEN_BLOB_SCENE, number, bytes < in->most ? bytes : in->most, st);
+}
+
+bool pen_policy_scene_bytes(struct pen_store *store, const char *id, size_t *bytes,
+                            struct pen_status *st)
+{
+    struct scene_read in = {id, PEN_FRAME_HEAD_BYTES};
+    return pen_store_read(store, read_scene, &in, st) &&
+           pen_decompressed_bytes(store->blob.data, store->blob.bytes, bytes, st);
 }
 
 bool pen_policy_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                       struct pen_status *st)
 {
-    struct scene_read in = {id, scene};
+    struct scene_read in = {id, SIZE_MAX};
     struct pen_bytes document;
     if (!pen_store_read(store, read_scene, &in, st) ||
         !pen_decompress(store->compressor, store->blob.data, store->blob.bytes, &document, st))

@@ -298,9 +298,12 @@ struct pen_counts {
 };
 bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st);
 
-/* Appends the scene document, as it was sent. Fails: PEN_NOT_FOUND, PEN_STORAGE (damaged). */
+/* Appends the scene document, as it was sent; or measures it, which reads a few of its bytes.
+ * Fails: PEN_NOT_FOUND, PEN_STORAGE (damaged). */
 bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                      struct pen_status *st);
+bool pen_store_scene_bytes(struct pen_store *store, const char *id, size_t *bytes,
+                           struct pen_status *st);
 
 /* Cancels a job, and ends its open and leased batches, in one transaction. A job that has ended
  * stays as it is. Fails: PEN_NOT_FOUND. */

@@ -351,10 +351,71 @@ START_TEST(test_large__readers_of_a_scene_share_one_copy)
 }
 END_TEST
 
+/* Submits a job with a scene of so many bytes, compressed, and writes its path. */
+static void submit_packed(const struct server *server, int bytes, char path[100])
+{
+    struct pen_buf submit = scene_request("POST /v1/jobs", 1, bytes), packed = {0}, text = {0};
+    struct answer answer;
+    const char *body = strstr((const char *)submit.data, "\r\n\r\n") + 4;
+    ck_assert(
+        pen_http_gzip(body, submit.bytes - (size_t)(body - (const char *)submit.data), &packed));
+    pen_buf_printf(&text,
+                   "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Encoding: gzip\r\n"
+                   "Content-Length: %zu\r\n\r\n",
+                   packed.bytes);
+    pen_buf_add(&text, packed.data, packed.bytes);
+    const int fd = server_connect(server);
+    ck_assert_int_eq(send(fd, text.data, text.bytes, MSG_NOSIGNAL), (ssize_t)text.bytes);
+    client_read(fd, false, &answer);
+    ck_assert_msg(answer.status == 202, "%s", answer.body);
+    answer_field(&answer, "Location", path, 100);
+    answer_release(&answer);
+    close(fd);
+    pen_buf_release(&submit);
+    pen_buf_release(&packed);
+    pen_buf_release(&text);
+}
+
+/* More scenes are read than are kept in memory: who reads a job does not wait for them. */
+START_TEST(test_large__scenes_do_not_hold_up_short_reads)
+{
+    enum { SCENES = 10, BYTES = 14 << 20, READS = 60 };
+    struct server server;
+    struct answer answer;
+    char scene[SCENES][100], job[80], head[200];
+    int fd[READS], done = 0;
+    server_start(&server, &(struct server_options){0});
+    for (int i = 0; i < SCENES; i++)
+        submit_packed(&server, BYTES, scene[i]);
+    server_submit(&server, job);
+    for (int i = 0; i < READS; i++) {
+        snprintf(head, sizeof head, "HEAD %s/scene HTTP/1.1\r\nHost: localhost\r\n\r\n",
+                 scene[i % SCENES]);
+        fd[i] = server_connect(&server);
+        ck_assert(client_send(fd[i], head));
+    }
+    client_pause(20);
+    snprintf(head, sizeof head, "GET %s HTTP/1.1", job);
+    ck_assert_int_eq(server_status(&server, head, NULL), 200);
+    for (int i = 0; i < READS; i++)
+        done += client_sees_answer(fd[i]);
+    printf("# %d of %d scenes were before the job\n", done, READS);
+    ck_assert_int_le(done, READS / 2);
+    for (int i = 0; i < READS; i++) {
+        client_read(fd[i], true, &answer);
+        ck_assert_int_eq(answer.status, 200);
+        answer_release(&answer);
+        close(fd[i]);
+    }
+    server_stop(&server);
+}
+END_TEST
+
 PEN_SUITE("large", test_large__bodies_do_not_hold_up_a_small_one,
           test_large__a_large_body_is_not_overtaken_for_ever,
           test_large__bodies_of_clients_that_have_gone_are_dropped,
           test_large__a_client_that_ends_its_side_is_answered,
           test_large__pictures_do_not_hold_up_small_ones,
           test_large__labels_of_jobs_that_are_waited_for_cost_little,
-          test_large__readers_of_a_scene_share_one_copy)
+          test_large__readers_of_a_scene_share_one_copy,
+          test_large__scenes_do_not_hold_up_short_reads)

@@ -20,6 +20,7 @@
 #include "base/buf.h"
 #include "http/internal/addresses.h"
 #include "http/internal/reply.h"
+#include "http/internal/routes.h"
 #include "http/message.h"
 #include "store/store.h"
 
@@ -78,9 +79,9 @@ struct request {
         int64_t since_ns;                /* when its window began */
         size_t bytes;                    /* kept */
     } intake;
-    bool is_large;   /* the thread of QUEUE_LARGE has it */
-    bool is_handled; /* the reply is complete, but for compressing its body */
-    bool changed;    /* it has changed the store */
+    enum queue_id queue; /* in which it waits, or whose thread has it */
+    bool is_handled;     /* the reply is complete, but for compressing its body */
+    bool changed;        /* it has changed the store */
     struct reply reply;
     struct reader_place {                /* see answers.h */
         bool listed;                     /* the loop's: it is a reader of reply.body */

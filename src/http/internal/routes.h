@@ -16,8 +16,8 @@ struct request;
 enum outcome {
     OUTCOME_ANSWERED, /* the reply is complete */
     OUTCOME_WATCHED,  /* the request belongs to the watcher, which resumes it later */
-    OUTCOME_LARGE     /* the handler has seen that it is large work: it is called again by the
-                       * thread of QUEUE_LARGE, with request->is_large set */
+    OUTCOME_MOVED     /* the handler has seen that it is more work than is done on this thread: it
+                       * is called again by a thread of request->queue, which it has changed */
 };
 
 /* Fills request->reply. jobs is NULL where the route has no queue. */
@@ -31,7 +31,8 @@ enum queue_id {
     QUEUE_NONE,    /* in the thread of the connection: it must not block */
     QUEUE_STORE,   /* on a store thread: short reads and writes of the store */
     QUEUE_LISTS,   /* on a list thread: reads that take the longer, the more the store has */
-    QUEUE_COMPUTE, /* on a compute thread: encoding pictures, writing reports, checking scenes */
+    QUEUE_COMPUTE, /* on a compute thread: encoding pictures, writing reports, checking scenes, and
+                    * reads that take the longer, the more a job has or the larger it is */
     QUEUE_INTAKE,  /* on an intake thread: whatever has a large body */
     QUEUE_LARGE    /* on the thread for large work, one after the other: pictures that take much
                     * memory, and compressing large answers */
@@ -74,7 +75,7 @@ bool pen_http_route_check_params(const struct route *route, const struct pen_tar
                                  struct pen_status *st);
 
 /* The queue for a request whose body was received. A picture that the store has in the wanted
- * format needs no compute thread. */
+ * format needs no compute thread, unless it is large. */
 enum queue_id pen_http_route_queue(const struct route *route, const struct request *request);
 
 #endif

@@ -156,6 +156,8 @@ bool pen_policy_jobs(struct pen_store *store, const struct pen_job_filter *filte
                      struct pen_job_record **jobs, int *count, struct pen_status *st);
 bool pen_policy_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                       struct pen_status *st);
+bool pen_policy_scene_bytes(struct pen_store *store, const char *id, size_t *bytes,
+                            struct pen_status *st);
 bool pen_policy_cancel(struct pen_store *store, const char *id, struct pen_status *st);
 bool pen_policy_delete(struct pen_store *store, const char *id, const char *stats,
                        struct pen_status *st);
