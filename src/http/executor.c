@@ -27,14 +27,15 @@ enum {
     WAITING_LEAST = 64            /* new requests that may wait in any queue, however few
                                    * connections there are, and no more in QUEUE_LARGE */
 };
-_Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_LISTS == 2 && QUEUE_COMPUTE == 3 &&
-                   QUEUE_INTAKE == 4 && QUEUE_LARGE == 5,
+_Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_CHANGES == 2 && QUEUE_SUBMIT == 3 &&
+                   QUEUE_LISTS == 4 && QUEUE_COMPUTE == 5 && QUEUE_INTAKE == 6 && QUEUE_LARGE == 7,
                "queues are indexed by enum queue_id");
 
 /* One part in so many of the connections is how many new requests may wait in a queue. Together
  * they leave connections to others, however slow the threads are. */
 static const int waiting_part[QUEUES] = {
-    [QUEUE_STORE] = 4, [QUEUE_LISTS] = 8, [QUEUE_COMPUTE] = 8, [QUEUE_INTAKE] = 8};
+    [QUEUE_STORE] = 4, [QUEUE_CHANGES] = 16, [QUEUE_SUBMIT] = 8,
+    [QUEUE_LISTS] = 8, [QUEUE_COMPUTE] = 8,  [QUEUE_INTAKE] = 8};
 
 struct queue {
     struct waiting waiting; /* guarded by lock */
@@ -224,6 +225,8 @@ struct executor *pen_http_executor_start(const struct executor_options *options,
                                          struct pen_status *st)
 {
     const int count[QUEUES] = {[QUEUE_STORE] = options->store_threads,
+                               [QUEUE_CHANGES] = 1,
+                               [QUEUE_SUBMIT] = options->submit_threads,
                                [QUEUE_LISTS] = options->list_threads,
                                [QUEUE_COMPUTE] = options->compute_threads,
                                [QUEUE_INTAKE] = options->intake_threads,

@@ -40,14 +40,17 @@ static struct pen_submission read_submission(const struct request *request)
     return in;
 }
 
-/* If the store has just refused a job, makes the next /readyz probe the store again. */
-static void expire_readiness(struct pen_http *http, const struct pen_errors *errors)
+/* A job that was stored tells what a probe would tell /readyz. If the store has just refused one,
+ * the next /readyz probes it again. */
+static void note_readiness(struct pen_http *http, const struct pen_errors *errors)
 {
-    enum pen_code code = errors->count ? errors->item[0].code : PEN_OK;
-    if (code != PEN_STORAGE && code != PEN_STORAGE_FULL)
+    const enum pen_code code = errors->count ? errors->item[0].code : PEN_OK;
+    if (code != PEN_OK && code != PEN_STORAGE && code != PEN_STORAGE_FULL)
         return;
     pthread_mutex_lock(&http->ready_lock);
-    http->ready_ns = 0;
+    http->ready_ns = code == PEN_OK ? pen_clock_ns() : 0;
+    if (code == PEN_OK)
+        http->ready = (struct pen_status){.code = PEN_OK};
     pthread_mutex_unlock(&http->ready_lock);
 }
 
@@ -57,11 +60,13 @@ enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jo
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
-        expire_readiness(request->http, &errors);
+        note_readiness(request->http, &errors);
         return answer_errors(request, &errors);
     }
     memcpy(request->job_id, out.id, sizeof request->job_id); /* for the log */
     request->changed = !out.repeated;
+    if (request->changed)
+        note_readiness(request->http, &errors);
     pen_http_reply_body(&request->reply, 202, pen_http_blob_take(&out.answer), "application/json");
     pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", out.id);
     pen_http_reply_field(&request->reply, "Retry-After", "1");
@@ -219,11 +224,11 @@ static bool submit_explanation(struct request *request, struct pen_jobs *jobs)
     in.explain = true;
     in.idempotency_key = NULL;
     const bool ok = pen_jobs_submit(jobs, &in, &out, &errors);
+    note_readiness(request->http, &errors);
     if (ok) {
         memcpy(request->job_id, out.id, sizeof request->job_id);
         request->changed = true;
     } else {
-        expire_readiness(request->http, &errors);
         answer_errors(request, &errors);
     }
     pen_buf_release(&out.answer);

@@ -90,19 +90,23 @@ enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *j
     return OUTCOME_ANSWERED;
 }
 
-/* Whether a write reaches the disk. The store is probed at most once a second, so that a monitor
- * that polls often does not wear the disk. While one thread probes, which may have to wait for a
- * large job to be stored, others are told the result before, if that is not old. */
-static bool probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
+/* Whether a write reaches the disk is told by jobs that were stored (handle_jobs.c), else by a
+ * probe, at most once a second, so that a monitor that polls often does not wear the disk. While
+ * one thread probes, which may have to wait for a large job to be stored, others are told the
+ * result before, if that is not old. If it is, they wait on the thread for changes: of the store
+ * threads, one at most waits for writers. Returns whether *st is the answer. */
+static bool probe(struct request *request, struct pen_jobs *jobs, struct pen_status *st)
 {
+    struct pen_http *http = request->http;
     pthread_mutex_lock(&http->ready_lock);
-    int64_t age = http->ready_ns ? pen_clock_ns() - http->ready_ns : INT64_MAX;
-    bool known = age < probe_again_ns || (http->probing && age < probe_late_ns);
+    const int64_t age = http->ready_ns ? pen_clock_ns() - http->ready_ns : INT64_MAX;
+    const bool known = age < probe_again_ns || (http->probing && age < probe_late_ns);
+    const bool waits = !known && http->probing && request->queue == QUEUE_STORE;
     *st = http->ready;
     http->probing = http->probing || !known;
     pthread_mutex_unlock(&http->ready_lock);
-    if (known)
-        return st->code == PEN_OK;
+    if (known || waits)
+        return known;
     *st = (struct pen_status){.code = PEN_OK};
     pen_store_intake(pen_jobs_store(jobs), st);
     pthread_mutex_lock(&http->ready_lock);
@@ -110,7 +114,7 @@ static bool probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_statu
     http->ready_ns = pen_clock_ns();
     http->ready = *st;
     pthread_mutex_unlock(&http->ready_lock);
-    return st->code == PEN_OK;
+    return true;
 }
 
 /* Fails if pen_http_set_not_ready has set a reason, with that reason. */
@@ -128,12 +132,16 @@ enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jo
     struct pen_http *http = request->http;
     struct pen_status st;
     bool ready = true;
-    if (atomic_load_explicit(&http->draining, memory_order_relaxed))
+    if (atomic_load_explicit(&http->draining, memory_order_relaxed)) {
         ready = pen_fail(&st, PEN_UNAVAILABLE, "the daemon is draining");
-    else if (!probe(http, jobs, &st))
+    } else if (!probe(request, jobs, &st)) {
+        request->queue = QUEUE_CHANGES;
+        return OUTCOME_MOVED;
+    } else if (st.code != PEN_OK) {
         ready = pen_fail(&st, PEN_UNAVAILABLE, "the store does not take writes: %s", st.msg);
-    else
+    } else {
         ready = check_reason(http, &st);
+    }
     if (ready)
         return answer_health(request, "ready",
                              (int64_t)pen_store_tally(pen_jobs_store(jobs), PEN_TALLY_DAMAGED));

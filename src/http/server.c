@@ -27,6 +27,7 @@
 
 enum {
     STORE_THREADS = 4,
+    SUBMIT_THREADS = 4,
     LIST_THREADS = 2,
     COMPUTE_THREADS = 2,
     INTAKE_THREADS = 1,
@@ -68,6 +69,7 @@ static bool start_threads(struct pen_http *http, const struct pen_http_options *
         .store_url = options->store_url,
         .limits = &http->limits,
         .store_threads = options->store_threads > 0 ? options->store_threads : STORE_THREADS,
+        .submit_threads = SUBMIT_THREADS,
         .list_threads = LIST_THREADS,
         .compute_threads = COMPUTE_THREADS,
         .intake_threads = INTAKE_THREADS};

@@ -113,7 +113,7 @@ static void forget(struct watch *watch, struct request *request)
 static void pass_on(struct watch *watch, struct request *request)
 {
     if (request->route->handle_again && request->reply.status == 0) {
-        if (pen_http_executor_submit(watch->http->executor, QUEUE_STORE, false, request))
+        if (pen_http_executor_submit(watch->http->executor, request->route->queue, false, request))
             return;
         pen_http_executor_refuse(watch->http->executor, request);
     }

@@ -3,9 +3,20 @@
  * (README.md, "Submit"). Unique constraints alone tell whether a key, a document or a job is stored
  * already. The document is compressed before the transaction, unless it is stored already, so that
  * the write lock is held for writing only. */
+#include <pthread.h>
 #include <string.h>
+#include <time.h>
 
 #include "store/internal/policy.h"
+
+enum {
+    MANY_BATCHES = 256, /* more take longer to store than most transactions: 5 ms and more */
+    PAUSE_NS = 5000000  /* longer than others sleep while they wait for the write lock */
+};
+
+/* Jobs of many batches are stored one after the other, with a pause after each. So who else wants
+ * to write (another thread, or a worker) waits for one of them, however many there are. */
+static pthread_mutex_t many_batches = PTHREAD_MUTEX_INITIALIZER;
 
 struct submission {
     const struct pen_job_new *job;
@@ -185,6 +196,22 @@ static bool write_submission(struct pen_store *store, void *arg, struct pen_stat
     return in->result != PEN_SUBMIT_CREATED || add_job(store, in, st);
 }
 
+static bool write_many(struct pen_store *store, struct submission *in, struct pen_status *st)
+{
+    const struct timespec pause = {.tv_nsec = PAUSE_NS};
+    pthread_mutex_lock(&many_batches);
+    const bool ok = pen_store_write(store, write_submission, in, st);
+    nanosleep(&pause, NULL);
+    pthread_mutex_unlock(&many_batches);
+    return ok;
+}
+
+static bool write_job(struct pen_store *store, struct submission *in, struct pen_status *st)
+{
+    return in->job->batch_count > MANY_BATCHES ? write_many(store, in, st)
+                                               : pen_store_write(store, write_submission, in, st);
+}
+
 bool pen_policy_submit(struct pen_store *store, const struct pen_job_new *job,
                        enum pen_submit_result *result, struct pen_buf *first_answer,
                        struct pen_status *st)
@@ -193,7 +220,7 @@ bool pen_policy_submit(struct pen_store *store, const struct pen_job_new *job,
     int64_t scene;
     bool found;
     if (!store->driver->ops->scene_find(store->driver, job->scene_sha256, &scene, &found, st) ||
-        (!found && !compress(store, &in, st)) || !pen_store_write(store, write_submission, &in, st))
+        (!found && !compress(store, &in, st)) || !write_job(store, &in, st))
         return false;
     *result = in.result;
     return true;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Who is served next: clients take turns, small requests of a client come before its large ones,
  * only so many wait, and none for a client that has gone. */
+#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -285,8 +286,76 @@ START_TEST(test_turns__small_checks_and_pictures_come_first)
 }
 END_TEST
 
+static void expect_submitted(int fd)
+{
+    struct answer answer;
+    client_read(fd, false, &answer);
+    ck_assert_msg(answer.status == 202, "%d: %.200s", answer.status, answer.body);
+    answer_release(&answer);
+}
+
+/* Another writer keeps the store's one write lock, and more jobs are submitted than there are
+ * threads: a read is answered, and a cancel does not wait for all of them. */
+START_TEST(test_turns__only_writers_wait_for_writers)
+{
+    enum { SUBMITS = 60 };
+    static const char submit[] = "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
+                                 "Content-Length: 28\r\n\r\n{\"scene\": \"builtin:spheres\"}";
+    struct server server;
+    char path[80], head[200];
+    int fd[SUBMITS], done = 0;
+    sqlite3 *db = NULL;
+    server_start(&server, &(struct server_options){0});
+    server_submit(&server, path);
+    ck_assert_int_eq(sqlite3_open(server.store, &db), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
+    for (int i = 0; i < SUBMITS; i++) {
+        fd[i] = server_connect(&server);
+        ck_assert(client_send(fd[i], submit));
+    }
+    client_pause(50);
+    snprintf(head, sizeof head, "GET %s HTTP/1.1", path);
+    ck_assert_int_eq(server_status(&server, head, NULL), 200);
+    for (int i = 0; i < SUBMITS; i++)
+        done += client_sees_answer(fd[i]);
+    ck_assert_int_eq(done, 0);
+    snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
+    const int cancel = server_connect(&server);
+    ck_assert(client_send(cancel, head));
+    client_pause(50);
+    sqlite3_close(db);
+    expect_submitted(cancel);
+    for (int i = 0; i < SUBMITS; i++)
+        done += client_sees_answer(fd[i]);
+    printf("# %d of %d submits were before the cancel\n", done, SUBMITS);
+    ck_assert_int_le(done, SUBMITS - 10);
+    close(cancel);
+    for (int i = 0; i < SUBMITS; i++) {
+        expect_submitted(fd[i]);
+        close(fd[i]);
+    }
+    server_stop(&server);
+}
+END_TEST
+
+/* A job that was stored tells what a probe of the store would. */
+START_TEST(test_turns__a_stored_job_is_as_good_as_a_probe)
+{
+    struct server server;
+    char path[80];
+    server_start(&server, &(struct server_options){0});
+    server_submit(&server, path);
+    pthread_mutex_lock(&server.http->ready_lock);
+    ck_assert_int_gt(server.http->ready_ns, 0);
+    ck_assert_int_eq(server.http->ready.code, PEN_OK);
+    pthread_mutex_unlock(&server.http->ready_lock);
+    server_stop(&server);
+}
+END_TEST
+
 PEN_SUITE("turns", test_turns__clients_take_turns, test_turns__small_requests_come_first,
           test_turns__none_is_overtaken_for_ever, test_turns__a_plain_queue_keeps_the_order,
           test_turns__nothing_is_read_for_clients_that_have_gone, test_turns__only_so_many_wait,
           test_turns__large_pictures_of_two_clients,
-          test_turns__small_checks_and_pictures_come_first)
+          test_turns__small_checks_and_pictures_come_first,
+          test_turns__only_writers_wait_for_writers, test_turns__a_stored_job_is_as_good_as_a_probe)

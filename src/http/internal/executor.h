@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* The threads that may block: store, list, compute and intake threads, and one for large work, each
- * with a jobs handle of its own. All threads of a kind serve one queue of requests: that of the
- * store threads first in, first out, the others by turns of the clients (waiting.h). In each queue
- * only so many new requests wait; more are refused.
+/* The threads that may block: store, submit, list, compute and intake threads, one for changes and
+ * one for large work, each with a jobs handle of its own. All threads of a kind serve one queue of
+ * requests: that of the store threads, whose requests are all short, first in, first out, the
+ * others by turns of the clients (waiting.h). In each queue only so many new requests wait; more
+ * are refused.
  *
  * A request whose client has gone is not worked on if nothing would come of it but its answer. */
 #ifndef PEN_HTTP_INTERNAL_EXECUTOR_H
@@ -19,7 +20,7 @@ struct executor;
 struct executor_options {
     const char *store_url;
     const struct pen_limits *limits;
-    int store_threads, list_threads, compute_threads, intake_threads;
+    int store_threads, submit_threads, list_threads, compute_threads, intake_threads;
 };
 
 /* Starts the threads. Owns: stop, then free. Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads),

@@ -58,9 +58,10 @@ struct pen_http {
     struct answer_memory answers; /* of large answers but pictures, which have their own */
 
     pthread_mutex_t ready_lock;
-    int64_t ready_ns;        /* guarded by ready_lock: when the store was last probed; 0: never */
+    int64_t ready_ns;        /* guarded by ready_lock: when the store was last probed, or took a
+                              * job; 0: never */
     bool probing;            /* guarded by ready_lock: a thread is probing it */
-    struct pen_status ready; /* guarded by ready_lock: the result of that probe */
+    struct pen_status ready; /* guarded by ready_lock: the result */
     char not_ready_reason[PEN_MSG_BYTES]; /* guarded by ready_lock: see pen_http_set_not_ready */
 };
 

@@ -29,7 +29,9 @@ typedef bool route_quick(struct request *request);
 /* Where a handler runs. */
 enum queue_id {
     QUEUE_NONE,    /* in the thread of the connection: it must not block */
-    QUEUE_STORE,   /* on a store thread: short reads and writes of the store */
+    QUEUE_STORE,   /* on a store thread: short reads of the store */
+    QUEUE_CHANGES, /* on the thread for changes: a write to the store about one job */
+    QUEUE_SUBMIT,  /* on a submit thread: storing a job, which takes the longer, the larger it is */
     QUEUE_LISTS,   /* on a list thread: reads that take the longer, the more the store has */
     QUEUE_COMPUTE, /* on a compute thread: encoding pictures, writing reports, checking scenes, and
                     * reads that take the longer, the more a job has or the larger it is */
