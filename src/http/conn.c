@@ -158,7 +158,7 @@ static void give_way(struct conn *conn)
 {
     struct pen_status st;
     pen_fail(&st, PEN_UNAVAILABLE,
-             "there is no memory for a body that comes so slowly now; try again later");
+             "there is no memory for this body beside others now; try again later");
     conn->request->route = NULL; /* a refusal: the client has provoked it, see log_access */
     refuse_rest(conn, 503, &st);
 }
@@ -177,7 +177,7 @@ static void limit_rest(struct conn *conn)
 static void end_body(struct conn *conn)
 {
     struct request *request = conn->request;
-    if (!pen_http_intake_leave(request)) {
+    if (!pen_http_intake_complete(request)) {
         give_way(conn);
         return;
     }

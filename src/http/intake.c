@@ -7,8 +7,13 @@
 #include "http/internal/request.h"
 
 /* All bodies in memory together. EXTRA_BYTES is the most beyond it while others give way, which
- * takes their loops a moment. */
-enum { INTAKE_BYTES = 256 << 20, EXTRA_BYTES = 64 << 20 };
+ * takes their loops a moment. Small bodies may be kept in a reserve beyond both. */
+enum {
+    INTAKE_BYTES = 256 << 20,
+    EXTRA_BYTES = 64 << 20,
+    RESERVE_BYTES = 32 << 20,
+    COMPLETE_BYTES = INTAKE_BYTES / 2 /* of large bodies that are complete */
+};
 
 /* A body whose window has not ended for so long gives way. */
 static const int64_t slow_ns = INT64_C(1000000000);
@@ -36,11 +41,20 @@ static void unlist(struct request *request)
     place->listed = false;
 }
 
-/* Whether `bytes` more of a body fit. Called with the lock held. */
-static bool fits(const struct pen_http *http, size_t bytes)
+/* Whether a body is small, as far as it has come with `bytes` more, and as far as it tells. */
+static bool is_small(const struct request *request, size_t bytes)
 {
-    size_t all = atomic_load_explicit(&http->intake_bytes, memory_order_relaxed) + bytes;
-    return all <= INTAKE_BYTES + http->intake_leaving_bytes && all <= INTAKE_BYTES + EXTRA_BYTES;
+    return request->intake.bytes + bytes <= INTAKE_SMALL && request->declared_bytes <= INTAKE_SMALL;
+}
+
+/* Whether `bytes` more of a body fit. Called with the lock held. */
+static bool fits(const struct request *request, size_t bytes)
+{
+    const struct pen_http *http = request->http;
+    const size_t reserve = is_small(request, bytes) ? RESERVE_BYTES : 0,
+                 all = atomic_load_explicit(&http->intake_bytes, memory_order_relaxed) + bytes;
+    return all <= INTAKE_BYTES + reserve + http->intake_leaving_bytes &&
+           all <= INTAKE_BYTES + reserve + EXTRA_BYTES;
 }
 
 /* Makes room for `bytes` more of a body. Called with the lock held. */
@@ -48,7 +62,7 @@ static bool make_room(const struct request *request, size_t bytes)
 {
     struct pen_http *http = request->http;
     const int64_t now_ns = request->conn->loop->now_ns;
-    while (!fits(http, bytes)) {
+    while (!fits(request, bytes)) {
         struct request *slowest = http->intake_first;
         if (slowest == request)
             slowest = slowest->intake.faster;
@@ -94,7 +108,21 @@ void pen_http_intake_begin_window(struct request *request)
     pthread_mutex_unlock(&request->http->intake_lock);
 }
 
-bool pen_http_intake_leave(struct request *request)
+/* Called with the lock held. */
+static void leave(struct request *request)
+{
+    struct pen_http *http = request->http;
+    struct intake_place *place = &request->intake;
+    if (place->listed)
+        unlist(request);
+    if (place->gives_way)
+        http->intake_leaving_bytes -= place->bytes;
+    if (place->complete)
+        http->intake_complete_bytes -= place->bytes;
+    place->gives_way = place->complete = false;
+}
+
+bool pen_http_intake_complete(struct request *request)
 {
     struct pen_http *http = request->http;
     struct intake_place *place = &request->intake;
@@ -102,11 +130,22 @@ bool pen_http_intake_leave(struct request *request)
         return true;
     pthread_mutex_lock(&http->intake_lock);
     const bool gives_way = place->gives_way;
-    if (place->listed)
-        unlist(request);
-    if (gives_way)
-        http->intake_leaving_bytes -= place->bytes;
-    place->entered = place->gives_way = false;
+    const bool has_room = place->bytes <= INTAKE_SMALL ||
+                          http->intake_complete_bytes + place->bytes <= COMPLETE_BYTES;
+    leave(request);
+    place->complete = !gives_way && has_room && place->bytes > INTAKE_SMALL;
+    if (place->complete)
+        http->intake_complete_bytes += place->bytes;
     pthread_mutex_unlock(&http->intake_lock);
-    return !gives_way;
+    return !gives_way && has_room;
+}
+
+void pen_http_intake_leave(struct request *request)
+{
+    if (!request->intake.entered)
+        return;
+    pthread_mutex_lock(&request->http->intake_lock);
+    leave(request);
+    request->intake.entered = false;
+    pthread_mutex_unlock(&request->http->intake_lock);
 }

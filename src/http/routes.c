@@ -7,6 +7,7 @@
 
 #include "base/utf8.h"
 #include "http/internal/handlers.h"
+#include "http/internal/intake.h"
 #include "http/internal/request.h"
 #include "http/server.h"
 #include "io/scene_json.h"
@@ -128,7 +129,6 @@ static const struct route table[] = {
     {.method = "GET", .path = "/scene.schema.json", .handle = pen_http_handle_api_file},
 };
 
-enum { LARGE_BODY = 64 << 10 }; /* bytes; takes some milliseconds to parse */
 enum { ROUTES = sizeof table / sizeof table[0] };
 
 /* Paths of resources that are not supported yet: they get a 404 with that explanation. */
@@ -265,7 +265,7 @@ bool pen_http_route_check_params(const struct route *route, const struct pen_tar
 enum queue_id pen_http_route_queue(const struct route *route, const struct request *request)
 {
     const struct pen_target *target = &request->target;
-    if (request->body.bytes > LARGE_BODY ||
+    if (request->body.bytes > INTAKE_SMALL ||
         (request->body.bytes > 0 && request->fields.content_encoding))
         return QUEUE_INTAKE;
     if (route->handle != pen_http_handle_image)

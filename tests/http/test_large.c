@@ -351,6 +351,62 @@ START_TEST(test_large__readers_of_a_scene_share_one_copy)
 }
 END_TEST
 
+static void expect_validated(const struct server *server, const struct pen_buf *request, int status)
+{
+    const int fd = send_request(server, request);
+    expect_status(fd, status);
+    close(fd);
+}
+
+/* When the memory for bodies is used up, small ones are still taken. */
+START_TEST(test_large__small_bodies_have_memory_of_their_own)
+{
+    const size_t all = 256 << 20;
+    struct server server;
+    struct pen_buf large = scene_request("POST /v1/validate", 2000, 1);
+    struct pen_buf small = scene_request("POST /v1/validate", 20, 1);
+    server_start(&server, &(struct server_options){0});
+    atomic_fetch_add(&server.http->intake_bytes, all);
+    expect_validated(&server, &small, 200);
+    expect_validated(&server, &large, 503);
+    atomic_fetch_sub(&server.http->intake_bytes, all);
+    expect_validated(&server, &large, 200);
+    pen_buf_release(&large);
+    pen_buf_release(&small);
+    server_stop(&server);
+}
+END_TEST
+
+static size_t add_complete(struct server *server, size_t bytes)
+{
+    pthread_mutex_lock(&server->http->intake_lock);
+    const size_t sum = server->http->intake_complete_bytes += bytes;
+    pthread_mutex_unlock(&server->http->intake_lock);
+    return sum;
+}
+
+/* Large bodies that are complete take half of the memory at most. */
+START_TEST(test_large__complete_bodies_leave_memory_to_others)
+{
+    const size_t half = 128 << 20;
+    struct server server;
+    struct pen_buf large = scene_request("POST /v1/validate", 2000, 1);
+    struct pen_buf small = scene_request("POST /v1/validate", 20, 1);
+    server_start(&server, &(struct server_options){0});
+    add_complete(&server, half - large.bytes / 2);
+    expect_validated(&server, &large, 503);
+    expect_validated(&server, &small, 200);
+    add_complete(&server, large.bytes / 2 - half);
+    ck_assert_uint_eq(add_complete(&server, 0), 0);
+    expect_validated(&server, &large, 200);
+    ck_assert_uint_eq(add_complete(&server, 0), 0);
+    ck_assert_uint_eq(atomic_load(&server.http->intake_bytes), 0);
+    pen_buf_release(&large);
+    pen_buf_release(&small);
+    server_stop(&server);
+}
+END_TEST
+
 /* Submits a job with a scene of so many bytes, compressed, and writes its path. */
 static void submit_packed(const struct server *server, int bytes, char path[100])
 {
@@ -418,4 +474,6 @@ PEN_SUITE("large", test_large__bodies_do_not_hold_up_a_small_one,
           test_large__pictures_do_not_hold_up_small_ones,
           test_large__labels_of_jobs_that_are_waited_for_cost_little,
           test_large__readers_of_a_scene_share_one_copy,
-          test_large__scenes_do_not_hold_up_short_reads)
+          test_large__scenes_do_not_hold_up_short_reads,
+          test_large__small_bodies_have_memory_of_their_own,
+          test_large__complete_bodies_leave_memory_to_others)

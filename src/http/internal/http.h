@@ -53,7 +53,8 @@ struct pen_http {
     pthread_mutex_t intake_lock;                /* see intake.h */
     struct request *intake_first, *intake_last; /* guarded by intake_lock: bodies that are being
                                                  * received, the slowest first */
-    size_t intake_leaving_bytes; /* guarded by intake_lock: of bodies that were told to give way */
+    size_t intake_leaving_bytes;  /* guarded by intake_lock: of bodies that were told to give way */
+    size_t intake_complete_bytes; /* guarded by intake_lock: of large bodies that are complete */
 
     struct answer_memory answers; /* of large answers but pictures, which have their own */
 

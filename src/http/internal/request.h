@@ -73,8 +73,9 @@ struct request {
                               * be made, or of the answer that is to be compressed */
     struct pen_buf body;
     struct intake_place {
-        bool entered;                    /* intake.h counts it; the thread's that has the request */
-        bool listed, gives_way;          /* guarded by pen_http.intake_lock, as what follows */
+        bool entered; /* intake.h counts it; the thread's that has the request */
+        /* Guarded by pen_http.intake_lock, as what follows. */
+        bool listed, gives_way, complete;
         struct request *slower, *faster; /* in the list */
         int64_t since_ns;                /* when its window began */
         size_t bytes;                    /* kept */
