@@ -165,6 +165,14 @@ struct keep {
     bool outranked;
 };
 
+static int64_t kept_bytes(const struct pen_kept *kept)
+{
+    size_t bytes = kept->bytes;
+    for (int i = 0; i < kept->part_count; i++)
+        bytes += kept->parts[i].bytes;
+    return (int64_t)bytes;
+}
+
 /* Stores the values, so far as they are too large for one transaction. */
 static bool store_values(struct pen_store *store, struct keep *keep, struct pen_status *st)
 {
@@ -172,11 +180,21 @@ static bool store_values(struct pen_store *store, struct keep *keep, struct pen_
     keep->values = calloc((size_t)kept->part_count + 1, sizeof *keep->values);
     if (!keep->values)
         return pen_fail(st, PEN_NO_MEMORY, "no memory to keep what a batch has");
-    bool ok = pen_value_store(store, keep->claim, kept->data, kept->bytes, keep->values, st);
+    bool ok = pen_value_store_if(store, keep->claim, pen_admit_kept, kept->data, kept->bytes,
+                                 keep->values, st);
     for (int i = 0; ok && i < kept->part_count; i++)
-        ok = pen_value_store(store, keep->claim, kept->parts[i].data, kept->parts[i].bytes,
-                             &keep->values[i + 1], st);
+        ok = pen_value_store_if(store, keep->claim, pen_admit_kept, kept->parts[i].data,
+                                kept->parts[i].bytes, &keep->values[i + 1], st);
     return ok;
+}
+
+/* Refuses what is not stored yet, if there is no space for it. */
+static bool admit_rest(struct pen_store *store, const struct keep *keep, struct pen_status *st)
+{
+    int64_t bytes = 0;
+    for (int i = 0; i <= keep->kept->part_count; i++)
+        bytes += keep->values[i].object > 0 ? 0 : (int64_t)keep->values[i].bytes;
+    return bytes == 0 || pen_admit_kept(store, bytes, st);
 }
 
 /* Makes the values those that the batch keeps. */
@@ -209,7 +227,8 @@ static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st
     progress.job = batch.job;
     progress.raise = batch.kind == PEN_BATCH_RENDER;
     store->changed = true;
-    return (keep->kept->done < 0 || driver->ops->job_progress(driver, &progress, st)) &&
+    return admit_rest(store, keep, st) &&
+           (keep->kept->done < 0 || driver->ops->job_progress(driver, &progress, st)) &&
            put_kept(store, &batch, keep, st) &&
            pen_outranked(driver, keep->claim, progress.now_ms, &keep->outranked, st);
 }
@@ -218,7 +237,8 @@ bool pen_policy_keep(struct pen_store *store, const struct pen_claim *claim,
                      const struct pen_kept *kept, bool *outranked, struct pen_status *st)
 {
     struct keep keep = {.claim = claim, .kept = kept};
-    const bool ok = store_values(store, &keep, st) && pen_store_write(store, write_kept, &keep, st);
+    const bool ok = pen_admit_kept(store, kept_bytes(kept), st) && store_values(store, &keep, st) &&
+                    pen_store_write(store, write_kept, &keep, st);
     for (int i = 0; !ok && keep.values && i <= kept->part_count; i++)
         pen_value_drop(store, &keep.values[i]);
     free(keep.values);

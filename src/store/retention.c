@@ -15,6 +15,8 @@
  *    what keep_bytes leaves, or more than half of it unless the job is the only one: the other half
  *    is for what has ended. What they take is expected from their pixels and layers, and counted
  *    with them, so that a submit looks at no other job.
+ *  - What a batch keeps is stored only if the store holds no more than keep_bytes with it and with
+ *    what unfinished jobs are expected to store. What it replaces takes its space until it is gone.
  *  - New jobs are also refused while the disk has less free space than INTAKE_PART of it. So
  *    running jobs can be finished, and the disk does not fill.
  *  - A form of a picture that was made for a reader can be made again. All of them together have
@@ -162,6 +164,24 @@ bool pen_admit_bytes(struct pen_store *store, int64_t job, struct pen_status *st
     }
     pen_note_wanted_room(store, bytes);
     return refuse_bytes(store, &load, bytes, st);
+}
+
+bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *st)
+{
+    struct load load;
+    if (!store->driver->ops->meta_get(store->driver, "keep_bytes", &load.keep, st))
+        return false;
+    if (load.keep == 0)
+        return true;
+    if (!read_load(store, &load, st))
+        return false;
+    return load.used + load.expected + bytes <= load.keep ||
+           pen_fail(st, PEN_STORAGE_FULL,
+                    "the store %s has no space left for what a batch keeps, %lld KiB: it holds "
+                    "%lld KiB of the %lld KiB that it may (--keep-bytes), and the jobs that wait "
+                    "or run take about %lld KiB",
+                    store->driver->name, (long long)(bytes >> 10), (long long)(load.used >> 10),
+                    (long long)(load.keep >> 10), (long long)(load.expected >> 10));
 }
 
 /* Logs, now and then, that the store is too large by what retention does not remove. */

@@ -409,7 +409,8 @@ struct pen_kept {
 
 /* Stores what the claim's batch keeps until its commit or the end of its job, in place of what it
  * kept before, with its progress, in one transaction. *outranked: as pen_store_outranked tells.
- * Fails: PEN_STALE (nothing is stored). */
+ * Fails: PEN_STALE; PEN_STORAGE_FULL, also if the store may not hold so much
+ * (pen_retention.keep_bytes). Nothing is stored then. */
 bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
                     const struct pen_kept *kept, bool *outranked, struct pen_status *st);
 

@@ -21,6 +21,7 @@ enum {
 struct range {
     struct pen_value *value;
     const struct pen_claim *fence;
+    pen_value_admit *admit;
     size_t at;
 };
 
@@ -44,7 +45,9 @@ static bool write_range(struct pen_store *store, void *arg, struct pen_status *s
                  bytes = left < PEN_BLOB_RANGE_BYTES ? left : PEN_BLOB_RANGE_BYTES;
     int64_t now_ms;
     bool there;
-    if (!check_held(store, range->fence, st) || !driver->ops->now(driver, &now_ms, st) ||
+    if (!check_held(store, range->fence, st) ||
+        (range->admit && !range->admit(store, (int64_t)left, st)) ||
+        !driver->ops->now(driver, &now_ms, st) ||
         (range->at == 0 && !driver->ops->object_add(driver, value->bytes, &value->object, st)) ||
         !driver->ops->object_write(driver, value->object, range->at,
                                    (const char *)value->data + range->at, bytes, now_ms + OBJECT_MS,
@@ -69,10 +72,10 @@ void pen_value_drop(struct pen_store *store, const struct pen_value *value)
 }
 
 static bool write_object(struct pen_store *store, const struct pen_claim *fence,
-                         struct pen_value *value, struct pen_status *st)
+                         pen_value_admit *admit, struct pen_value *value, struct pen_status *st)
 {
     const struct timespec pause = {.tv_nsec = PAUSE_NS};
-    struct range range = {value, fence, 0};
+    struct range range = {value, fence, admit, 0};
     for (; range.at < value->bytes; range.at += PEN_BLOB_RANGE_BYTES) {
         const int64_t before = value->object;
         if (!pen_store_write(store, write_range, &range, st)) {
@@ -87,12 +90,19 @@ static bool write_object(struct pen_store *store, const struct pen_claim *fence,
     return true;
 }
 
-bool pen_value_store(struct pen_store *store, const struct pen_claim *fence, const void *data,
-                     size_t bytes, struct pen_value *value, struct pen_status *st)
+bool pen_value_store_if(struct pen_store *store, const struct pen_claim *fence,
+                        pen_value_admit *admit, const void *data, size_t bytes,
+                        struct pen_value *value, struct pen_status *st)
 {
     *value =
         (struct pen_value){.data = data, .bytes = bytes, .checksum = pen_checksum(data, bytes)};
-    return bytes <= PEN_BLOB_RANGE_BYTES || write_object(store, fence, value, st);
+    return bytes <= PEN_BLOB_RANGE_BYTES || write_object(store, fence, admit, value, st);
+}
+
+bool pen_value_store(struct pen_store *store, const struct pen_claim *fence, const void *data,
+                     size_t bytes, struct pen_value *value, struct pen_status *st)
+{
+    return pen_value_store_if(store, fence, NULL, data, bytes, value, st);
 }
 
 struct pen_blob_start pen_value_begin(const struct pen_value *value)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a store keeps: by age, number and bytes, over a week of a clock that the test sets; when new
  * jobs are refused; and forms of pictures that are dropped for others. */
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -347,6 +348,90 @@ START_TEST(test_retention__intake_is_refused_at_the_limit_and_returns_by_itself)
 }
 END_TEST
 
+enum { STATE_MIB = 1 << 20 };
+static char state[6 * STATE_MIB];
+
+static enum pen_code keep_state(struct pen_store *store, const struct pen_claim *claim,
+                                size_t bytes)
+{
+    const struct pen_kept kept = {.done = -1, .data = state, .bytes = bytes};
+    struct pen_status st;
+    bool outranked;
+    return pen_store_keep(store, claim, &kept, &outranked, &st) ? PEN_OK : st.code;
+}
+
+static size_t kept_bytes(const struct pen_claim *claim)
+{
+    struct pen_buf out = {0};
+    struct pen_status st;
+    store_must(pen_store_kept(bed.store, claim, PEN_KEPT_STATE, &out, &st), &st, "kept");
+    const size_t bytes = out.bytes;
+    pen_buf_release(&out);
+    return bytes;
+}
+
+/* A state that is replaced takes its space until it is gone. One that is refused costs nothing: the
+ * one before it stays, and jobs are accepted. */
+START_TEST(test_retention__states_are_kept_within_the_bytes)
+{
+    struct pen_status st;
+    open_bed(&(struct pen_retention){.keep_bytes = 8 * STATE_MIB});
+    store_must(try_submit(1, &st), &st, "submit");
+    struct pen_claim claim = store_claim(bed.store, "w");
+    ck_assert_int_eq(keep_state(bed.store, &claim, 3 * STATE_MIB), PEN_OK);
+    ck_assert_int_eq(keep_state(bed.store, &claim, 3 * STATE_MIB - 1), PEN_OK);
+    ck_assert_int_eq(keep_state(bed.store, &claim, 3 * STATE_MIB), PEN_STORAGE_FULL);
+    store_purge_slices(bed.store);
+    ck_assert_int_eq(keep_state(bed.store, &claim, 5 * STATE_MIB), PEN_STORAGE_FULL);
+    ck_assert_uint_eq(kept_bytes(&claim), 3 * STATE_MIB - 1);
+    store_must(try_submit(2, &st), &st, "submit");
+    ck_assert_int_eq(keep_state(bed.store, &claim, 3 * STATE_MIB), PEN_OK);
+    store_purge_slices(bed.store);
+    /* what unfinished jobs are expected to store is left free */
+    store_must(try_submit_large(3, 398000, &st), &st, "submit");
+    ck_assert_int_eq(keep_state(bed.store, &claim, 2 * STATE_MIB), PEN_STORAGE_FULL);
+    ck_assert_int_eq(keep_state(bed.store, &claim, 1000), PEN_OK);
+    store_bed_close(&bed);
+}
+END_TEST
+
+struct keeping {
+    struct pen_store *store;
+    struct pen_claim claim;
+    enum pen_code code;
+};
+
+static void *keep_beside(void *user)
+{
+    struct keeping *keeping = user;
+    keeping->code = keep_state(keeping->store, &keeping->claim, 5 * STATE_MIB);
+    return NULL;
+}
+
+START_TEST(test_retention__states_kept_at_once_are_within_the_bytes_together)
+{
+    struct keeping keeping[2];
+    struct pen_status st;
+    pthread_t threads[2];
+    open_bed(&(struct pen_retention){.keep_bytes = 8 * STATE_MIB});
+    for (int i = 0; i < 2; i++) {
+        store_must(try_submit(i, &st), &st, "submit");
+        keeping[i].claim = store_claim(bed.store, i ? "w" : "v");
+        keeping[i].store = store_bed_handle(&bed);
+    }
+    for (int i = 0; i < 2; i++)
+        ck_assert_int_eq(pthread_create(&threads[i], NULL, keep_beside, &keeping[i]), 0);
+    for (int i = 0; i < 2; i++)
+        pthread_join(threads[i], NULL);
+    ck_assert(keeping[0].code == PEN_STORAGE_FULL || keeping[1].code == PEN_STORAGE_FULL);
+    for (int i = 0; i < 2; i++)
+        pen_store_close(keeping[i].store);
+    store_purge_slices(bed.store);
+    ck_assert_int_eq(keep_state(bed.store, &keeping[0].claim, 1000), PEN_OK);
+    store_bed_close(&bed);
+}
+END_TEST
+
 /* If nothing else is left, statistics go, too, those of jobs that were removed first before others.
  */
 START_TEST(test_retention__statistics_are_within_the_bytes_too)
@@ -654,6 +739,8 @@ PEN_SUITE("what a store keeps", test_retention__without_limits_nothing_is_remove
           test_retention__a_queue_of_large_results_stays_within_the_bytes,
           test_retention__job_that_alone_takes_more_than_the_bytes_is_too_large,
           test_retention__intake_is_refused_at_the_limit_and_returns_by_itself,
+          test_retention__states_are_kept_within_the_bytes,
+          test_retention__states_kept_at_once_are_within_the_bytes_together,
           test_retention__statistics_are_within_the_bytes_too,
           test_retention__old_statistics_go_before_fresh_results,
           test_retention__nothing_goes_for_nothing,

@@ -76,6 +76,10 @@ int64_t pen_wanted_room(struct pen_store *store);
  * the store may hold; inside a transaction. Fails: PEN_STORAGE_FULL, PEN_TOO_LARGE. */
 bool pen_admit_bytes(struct pen_store *store, int64_t job, struct pen_status *st);
 
+/* retention.c: refuses so many bytes that a batch keeps, if the store may not hold them beside what
+ * it has and what unfinished jobs are expected to store. Fails: PEN_STORAGE_FULL. */
+bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *st);
+
 /* tally.c: counts a time. */
 void pen_timing_add(struct pen_store *store, enum pen_timing timing, int64_t us);
 
@@ -118,6 +122,13 @@ struct pen_value {
  * none. Fails: PEN_STALE (the claim is lost), and as any write; nothing is left then. */
 bool pen_value_store(struct pen_store *store, const struct pen_claim *fence, const void *data,
                      size_t bytes, struct pen_value *value, struct pen_status *st);
+/* The same of a value that is stored only while there is space for it: each range only if `admit`
+ * allows as many bytes more as are left of the value. Writers that store several values at once
+ * so stay within the space together. */
+typedef bool pen_value_admit(struct pen_store *store, int64_t bytes, struct pen_status *st);
+bool pen_value_store_if(struct pen_store *store, const struct pen_claim *fence,
+                        pen_value_admit *admit, const void *data, size_t bytes,
+                        struct pen_value *value, struct pen_status *st);
 /* As pen_blob_begin and pen_blob_finish, in the transaction that writes the row. */
 struct pen_blob_start pen_value_begin(const struct pen_value *value);
 bool pen_value_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t number,
