@@ -20,7 +20,9 @@
  *  - New jobs are also refused while the disk has less free space than INTAKE_PART of it. So
  *    running jobs can be finished, and the disk does not fill.
  *  - A form of a picture that was made for a reader can be made again. All of them together have
- *    CACHE_BYTES at most, and go first when the disk runs short. */
+ *    cache_bytes at most, those included that were removed but are not gone yet. They grow only as
+ *    far as the disk keeps twice what intake needs, and the log's space; if it has less, those go
+ *    that were used longest ago. A form without space is not stored. */
 #include <string.h>
 
 #include "base/log.h"
@@ -387,19 +389,57 @@ bool pen_policy_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *fo
     return true;
 }
 
-/* How many bytes all cached forms may have; 0 if the disk runs short. */
-static bool cache_limit(struct pen_store *store, int64_t *limit, struct pen_status *st)
+/* The forms of pictures that are stored, and what they may have. */
+struct forms {
+    int64_t bytes;    /* of those that are there */
+    int64_t released; /* removed, but not gone yet; of other things, too, which go as soon */
+    int64_t most;     /* that all of them may have */
+    int64_t left;     /* how much larger the store may become by them; below 0: it has to shrink */
+};
+
+/* What forms leave of the disk is what intake needs twice, and the log. What is free in the store
+ * is taken before the disk's. */
+static int64_t left_for_forms(const struct pen_room *room)
+{
+    if (room->disk_bytes == 0)
+        return INT64_MAX / 4;
+    return room->disk_free_bytes + room->free_bytes - 2 * intake_bytes(room) - room->log_bytes;
+}
+
+static bool read_forms(struct pen_store *store, struct forms *forms, struct pen_status *st)
+{
+    struct pen_driver *driver = store->driver;
+    struct pen_room room;
+    int64_t keep_bytes;
+    if (!read_room(store, &room, &keep_bytes, st) ||
+        !driver->ops->cached_bytes(driver, &forms->bytes, st) ||
+        !driver->ops->object_released_bytes(driver, &forms->released, st))
+        return false;
+    forms->most = cache_bytes;
+    if (keep_bytes > 0 && keep_bytes / CACHE_PART < forms->most)
+        forms->most = keep_bytes / CACHE_PART;
+    forms->left = left_for_forms(&room);
+    return true;
+}
+
+/* How many bytes the forms may have, those that are there or others instead. What is released will
+ * be free, so that no more forms go than must. */
+static int64_t forms_limit(const struct forms *forms)
+{
+    const int64_t limit = forms->bytes + forms->released + forms->left;
+    return limit < forms->most ? limit : forms->most;
+}
+
+/* Refuses a form that the store or its disk has no space for. */
+static bool admit_form(struct pen_store *store, int64_t bytes, struct pen_status *st)
 {
     struct pen_room room;
     int64_t keep_bytes;
     if (!read_room(store, &room, &keep_bytes, st))
         return false;
-    *limit = cache_bytes;
-    if (keep_bytes > 0 && keep_bytes / CACHE_PART < *limit)
-        *limit = keep_bytes / CACHE_PART;
-    if (room.disk_bytes > 0 && room.disk_free_bytes < 2 * intake_bytes(&room))
-        *limit = 0;
-    return true;
+    return bytes <= left_for_forms(&room) ||
+           pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space for a form of a picture",
+                    store->driver->name);
 }
 
 /* Drops the forms that were used longest ago until the others have at most `limit` bytes. */
@@ -423,6 +463,7 @@ struct cached {
     int64_t limit;
 };
 
+/* Others may have stored forms meanwhile. */
 static bool write_cached(struct pen_store *store, void *arg, struct pen_status *st)
 {
     const struct cached *in = arg;
@@ -431,6 +472,7 @@ static bool write_cached(struct pen_store *store, void *arg, struct pen_status *
     struct pen_job_key job;
     int64_t number, now_ms;
     if (!evict(store, in->limit - (int64_t)in->value.bytes, st) ||
+        (in->value.object == 0 && !admit_form(store, (int64_t)in->value.bytes, st)) ||
         !pen_find_job(store, in->id, &job, st) || !driver->ops->now(driver, &now_ms, st))
         return false;
     key.job = job.number;
@@ -438,15 +480,46 @@ static bool write_cached(struct pen_store *store, void *arg, struct pen_status *
            driver->ops->cached_put(driver, number, (int64_t)in->value.bytes, now_ms, st);
 }
 
+static bool write_evict_to(struct pen_store *store, void *arg, struct pen_status *st)
+{
+    return evict(store, *(const int64_t *)arg, st);
+}
+
+/* Drops forms for one of so many bytes. *fits: there is space for it now. It may come a moment
+ * later, when what was dropped is gone. */
+static bool make_place(struct pen_store *store, int64_t bytes, bool *fits, int64_t *most,
+                       struct pen_status *st)
+{
+    struct forms forms;
+    *fits = false;
+    if (!read_forms(store, &forms, st))
+        return false;
+    int64_t others = forms_limit(&forms) - bytes;
+    *most = forms.most;
+    if (others < 0)
+        return true;
+    if (forms.bytes > others &&
+        (!pen_store_write(store, write_evict_to, &others, st) || !read_forms(store, &forms, st)))
+        return false;
+    *fits = bytes <= forms.left && forms.bytes + forms.released + bytes <= forms.most;
+    return true;
+}
+
 bool pen_policy_cache_put(struct pen_store *store, const char *id,
                           const struct pen_artefact_key *key, const void *data, size_t bytes,
                           struct pen_status *st)
 {
     struct cached in = {.key = key, .id = id};
-    if (!cache_limit(store, &in.limit, st))
+    bool fits;
+    if (!make_place(store, (int64_t)bytes, &fits, &in.limit, st))
         return false;
-    return (int64_t)bytes > in.limit ||
-           pen_value_write(store, write_cached, &in, data, bytes, &in.value, st);
+    if (!fits)
+        return true;
+    const bool ok = pen_value_store_if(store, NULL, admit_form, data, bytes, &in.value, st) &&
+                    pen_store_write(store, write_cached, &in, st);
+    if (!ok)
+        pen_value_drop(store, &in.value);
+    return ok;
 }
 
 static bool write_evict(struct pen_store *store, void *arg, struct pen_status *st)
@@ -456,13 +529,12 @@ static bool write_evict(struct pen_store *store, void *arg, struct pen_status *s
 
 bool pen_policy_evict(struct pen_store *store, bool *more, struct pen_status *st)
 {
-    int64_t limit, bytes;
+    struct forms forms;
     *more = false;
-    if (!cache_limit(store, &limit, st) ||
-        !store->driver->ops->cached_bytes(store->driver, &bytes, st))
+    if (!read_forms(store, &forms, st))
         return false;
-    *more = bytes > limit;
-    return !*more || pen_store_write(store, write_evict, &bytes, st);
+    *more = forms.bytes > 0 && forms.bytes > forms_limit(&forms);
+    return !*more || pen_store_write(store, write_evict, &forms.bytes, st);
 }
 
 struct touch {
@@ -479,10 +551,11 @@ void pen_note_use(struct pen_store *store, const struct pen_artefact_row *artefa
 {
     struct touch touch = {.artefact = artefact->number};
     struct pen_status ignored;
-    int64_t limit;
+    struct pen_room room;
+    int64_t keep_bytes;
     if (!artefact->cached || !store->driver->ops->now(store->driver, &touch.now_ms, &ignored) ||
-        touch.now_ms - artefact->used_ms <= TOUCH_MS || !cache_limit(store, &limit, &ignored) ||
-        limit == 0)
+        touch.now_ms - artefact->used_ms <= TOUCH_MS ||
+        !read_room(store, &room, &keep_bytes, &ignored) || left_for_forms(&room) < 0)
         return;
     pen_store_write(store, write_touch, &touch, &ignored);
     store->outcome_unknown = false;

@@ -555,7 +555,8 @@ bool pen_store_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *fou
 
 /* Stores an artefact of a job that can be made again, from what is committed; one that exists is
  * replaced. It is dropped when others are used later, or space runs short; it is not stored at all
- * if it is too large or space is short. Fails: PEN_NOT_FOUND. */
+ * if it is too large or space is short, also if that is only until what was dropped for it is gone.
+ * Fails: PEN_NOT_FOUND. */
 bool pen_store_cache_put(struct pen_store *store, const char *id, int view, const char *layer,
                          const char *format, const void *data, size_t bytes, struct pen_status *st);
 

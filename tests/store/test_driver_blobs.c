@@ -275,14 +275,23 @@ static bool is_unused(int64_t before_ms, int64_t object)
     return is_unused_or_after(before_ms, INT64_MAX, object);
 }
 
+static int64_t released_bytes(void)
+{
+    int64_t bytes = -1;
+    DRIVER_DO(bed.driver, object_released_bytes, &bytes);
+    return bytes;
+}
+
 /* Removes it; returns in how many slices of a range. */
 static int shrink(int64_t object)
 {
     int slices = 0;
     for (; is_unused(1, object); slices++) {
+        const int64_t before = released_bytes();
         DRIVER_RUN(bed.driver, begin_write);
         DRIVER_DO(bed.driver, object_shrink, object, RANGE);
         DRIVER_RUN(bed.driver, commit);
+        ck_assert(released_bytes() < before || before == 0);
     }
     return slices;
 }
@@ -302,7 +311,9 @@ START_TEST(test_driver_blobs__large_object_is_the_value_of_its_row_and_goes_with
     const int64_t other = store_object(2 * RANGE);
     ck_assert_int_eq(put_object(&key, other, 2 * RANGE), number);
     expect_artefact(&key, number, 5, 2 * RANGE);
+    ck_assert_int_eq(released_bytes(), LARGEST);
     ck_assert_int_gt(shrink(object), LARGEST / RANGE);
+    ck_assert_int_eq(released_bytes(), 0);
     expect_artefact(&key, number, 5, 2 * RANGE);
     DRIVER_RUN(bed.driver, begin_write);
     DRIVER_DO(bed.driver, artefacts_drop, &layer);

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <time.h>
 
 #include "support/small_disk.h"
@@ -274,8 +275,89 @@ START_TEST(test_small_disk__job_that_is_cancelled_waits_for_no_space)
 }
 END_TEST
 
+enum { FORM_BYTES = 2 << 20, FORM_DISK_MIB = 64, INTAKE_BYTES = (FORM_DISK_MIB << 20) / 32 };
+
+static void put_form(int view)
+{
+    static char form[FORM_BYTES];
+    struct pen_status st;
+    struct store_job in;
+    store_job_init(&in, 0, 1, 1);
+    store_must(pen_store_cache_put(bed.store, in.id, view, "beauty", "pfm", form, sizeof form, &st),
+               &st, "form");
+}
+
+static bool has_form(int view)
+{
+    struct pen_buf out = {0};
+    struct pen_status st;
+    struct store_job in;
+    store_job_init(&in, 0, 1, 1);
+    const bool has = pen_store_artefact(bed.store, in.id, view, "beauty", "pfm", &out, &st);
+    ck_assert(has || st.code == PEN_NOT_FOUND);
+    pen_buf_release(&out);
+    return has;
+}
+
+/* As the housekeeping does. Returns how many forms were dropped. */
+static int evict_forms(void)
+{
+    struct pen_status st;
+    int evicted = 0;
+    for (bool more = true; more; evicted += more) {
+        store_must(pen_store_evict(bed.store, &more, &st), &st, "evict");
+        store_purge_slices(bed.store);
+    }
+    return evicted;
+}
+
+static int64_t disk_free_bytes(void)
+{
+    struct statvfs info;
+    ck_assert_int_eq(statvfs(bed.folder, &info), 0);
+    return (int64_t)info.f_bavail * (int64_t)info.f_frsize;
+}
+
+START_TEST(test_small_disk__forms_of_pictures_leave_what_intake_needs)
+{
+    enum { FREE_BYTES = 14 << 20, FORMS = 10, LESS_BYTES = 3 << 20 };
+    struct pen_status st;
+    int stored = 0;
+    store_bed_make(&bed);
+    if (!small_disk_mount(bed.folder, FORM_DISK_MIB))
+        return;
+    store_bed_open(&bed);
+    store_must(pen_store_reserve(bed.store, &st), &st, "reserve");
+    store_must(submit(0, &st), &st, "submit");
+    store_work_off(bed.store, "w");
+    small_disk_fill(bed.folder, FREE_BYTES);
+    for (int view = 0; view < FORMS; view++) {
+        put_form(view);
+        ck_assert_int_ge(disk_free_bytes(), 2 * INTAKE_BYTES);
+        store_must(submit(view + 1, &st), &st, "submit");
+    }
+    for (int view = 0; view < FORMS; view++)
+        stored += has_form(view);
+    ck_assert_int_gt(stored, 1);
+    /* the oldest give way to others, at the latest when they are gone */
+    evict_forms();
+    for (int i = 0; i < 2; i++) {
+        put_form(FORMS);
+        evict_forms();
+    }
+    ck_assert(has_form(FORMS) && !has_form(0));
+    /* when the disk has less, the oldest go, and no more than must */
+    small_disk_fill(bed.folder, LESS_BYTES);
+    ck_assert_int_gt(evict_forms(), 0);
+    ck_assert_int_ge(disk_free_bytes(), 2 * INTAKE_BYTES);
+    ck_assert(has_form(FORMS));
+    close_small_disk();
+}
+END_TEST
+
 PEN_SUITE("small disk", test_small_disk__long_reader_leaves_space_to_copy_the_log,
           test_small_disk__long_reader_leaves_space_to_remove_jobs,
           test_small_disk__overlapping_readers_let_jobs_be_removed,
           test_small_disk__large_result_waits_for_space_and_small_ones_go_on,
-          test_small_disk__job_that_is_cancelled_waits_for_no_space)
+          test_small_disk__job_that_is_cancelled_waits_for_no_space,
+          test_small_disk__forms_of_pictures_leave_what_intake_needs)

@@ -188,7 +188,9 @@ struct pen_artefact_row {
 /* How much space there is. */
 struct pen_room {
     int64_t used_bytes;                  /* of the store, without what is free in it */
+    int64_t free_bytes;                  /* free in it, for what it stores next */
     int64_t disk_bytes, disk_free_bytes; /* of its disk; 0: not known */
+    int64_t log_bytes; /* that its log may take of the disk for a while; the disk being known */
 };
 
 struct pen_driver_ops {
@@ -496,6 +498,8 @@ struct pen_driver_ops {
      * after_ms. */
     bool (*object_unused)(struct pen_driver *driver, int64_t before_ms, int64_t after_ms,
                           int64_t *number, bool *found, struct pen_status *st);
+    /* What is left of those that were released. */
+    bool (*object_released_bytes)(struct pen_driver *driver, int64_t *bytes, struct pen_status *st);
     /* Removes about so many bytes of such an object, with the last of them the object. */
     bool (*object_shrink)(struct pen_driver *driver, int64_t number, int64_t bytes,
                           struct pen_status *st);

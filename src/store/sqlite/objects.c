@@ -70,6 +70,15 @@ bool pen_sqlite_object_unused(struct pen_driver *driver, int64_t before_ms, int6
     return true;
 }
 
+bool pen_sqlite_object_released_bytes(struct pen_driver *driver, int64_t *bytes,
+                                      struct pen_status *st)
+{
+    struct pen_sqlite_query query =
+        pen_sqlite_query(pen_sqlite_of(driver), SQL_OBJECT_RELEASED_BYTES);
+    pen_sqlite_int(&query, PEN_BLOB_RANGE_BYTES);
+    return pen_sqlite_value(&query, bytes, st);
+}
+
 bool pen_sqlite_object_shrink(struct pen_driver *driver, int64_t number, int64_t bytes,
                               struct pen_status *st)
 {

@@ -29,21 +29,6 @@ static bool disk_room(const struct pen_sqlite_store *store, struct pen_room *roo
     return true;
 }
 
-bool pen_sqlite_room(struct pen_driver *driver, struct pen_room *room, struct pen_status *st)
-{
-    enum { PAGE_BYTES = 4096 };
-    struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    struct pen_sqlite_query all = pen_sqlite_query(store, SQL_PAGES),
-                            empty = pen_sqlite_query(store, SQL_FREE_PAGES);
-    int64_t pages, unused;
-    *room = (struct pen_room){0};
-    if (!pen_sqlite_value(&all, &pages, st) || !pen_sqlite_value(&empty, &unused, st))
-        return false;
-    room->used_bytes = (pages - unused) * PAGE_BYTES;
-    disk_room(store, room); /* if that is not known, the disk does not count */
-    return true;
-}
-
 int64_t pen_sqlite_free_bytes(const struct pen_sqlite_store *store)
 {
     struct pen_room room = {0};
@@ -59,6 +44,23 @@ static int64_t reserve_of(const struct pen_room *room)
     if (part < reserve_min_bytes)
         return reserve_min_bytes;
     return part < reserve_max_bytes ? part : reserve_max_bytes;
+}
+
+bool pen_sqlite_room(struct pen_driver *driver, struct pen_room *room, struct pen_status *st)
+{
+    enum { PAGE_BYTES = 4096 };
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    struct pen_sqlite_query all = pen_sqlite_query(store, SQL_PAGES),
+                            empty = pen_sqlite_query(store, SQL_FREE_PAGES);
+    int64_t pages, unused;
+    *room = (struct pen_room){0};
+    if (!pen_sqlite_value(&all, &pages, st) || !pen_sqlite_value(&empty, &unused, st))
+        return false;
+    room->used_bytes = (pages - unused) * PAGE_BYTES;
+    room->free_bytes = unused * PAGE_BYTES;
+    if (disk_room(store, room)) /* if that is not known, the disk does not count */
+        room->log_bytes = reserve_of(room);
+    return true;
 }
 
 int64_t pen_sqlite_reserve_bytes(const struct pen_sqlite_store *store)

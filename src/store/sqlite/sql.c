@@ -433,6 +433,9 @@ static const char *const sql_text[] = {
     [SQL_OBJECT_RELEASE] = "UPDATE large_object SET expires_ms = 0 WHERE id = ?",
     [SQL_OBJECT_UNUSED] = "SELECT id FROM large_object WHERE expires_ms IS NOT NULL"
                           " AND (expires_ms < ? OR expires_ms > ?) ORDER BY expires_ms LIMIT 1",
+    [SQL_OBJECT_RELEASED_BYTES] =
+        "SELECT coalesce(sum(min(o.bytes, ?1 * (SELECT count(*) FROM large_object_part p"
+        " WHERE p.object = o.id))), 0) FROM large_object o WHERE o.expires_ms = 0",
     [SQL_OBJECT_PARTS_REMOVE] = "DELETE FROM large_object_part WHERE rowid IN (SELECT rowid"
                                 " FROM large_object_part WHERE object = ? LIMIT ?)",
     [SQL_OBJECT_REMOVE] = "DELETE FROM large_object WHERE id = ?",

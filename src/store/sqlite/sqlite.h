@@ -155,6 +155,7 @@ enum pen_sqlite_sql {
     SQL_OBJECT_USE,
     SQL_OBJECT_RELEASE,
     SQL_OBJECT_UNUSED,
+    SQL_OBJECT_RELEASED_BYTES,
     SQL_OBJECT_PARTS_REMOVE,
     SQL_OBJECT_REMOVE,
     SQL_CACHED_PUT,
@@ -516,6 +517,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(object_write)                                                                               \
     OP(object_release)                                                                             \
     OP(object_unused)                                                                              \
+    OP(object_released_bytes)                                                                      \
     OP(object_shrink)                                                                              \
     OP(cached_put)                                                                                 \
     OP(cached_touch)                                                                               \
