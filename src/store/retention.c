@@ -22,7 +22,9 @@
  *  - A form of a picture that was made for a reader can be made again. All of them together have
  *    cache_bytes at most, those included that were removed but are not gone yet. They grow only as
  *    far as the disk keeps twice what intake needs, and the log's space; if it has less, those go
- *    that were used longest ago. A form without space is not stored. */
+ *    that were used longest ago. The same holds for keep_bytes and what unfinished jobs are
+ *    expected to store. A form without space is not stored. In the rules above forms do not count.
+ */
 #include <string.h>
 
 #include "base/log.h"
@@ -93,6 +95,16 @@ static int64_t intake_bytes(const struct pen_room *room)
     return part < intake_max_bytes ? part : intake_max_bytes;
 }
 
+/* Forms of pictures give way to all else, so that they count for nothing where space is short. */
+static bool leave_out_forms(struct pen_store *store, int64_t *used, struct pen_status *st)
+{
+    int64_t bytes;
+    if (!store->driver->ops->cached_bytes(store->driver, &bytes, st))
+        return false;
+    *used -= bytes;
+    return true;
+}
+
 bool pen_policy_intake(struct pen_store *store, struct pen_status *st)
 {
     const char *name = store->driver->name;
@@ -106,6 +118,9 @@ bool pen_policy_intake(struct pen_store *store, struct pen_status *st)
                         "they are taken from %lld KiB on",
                         name, (long long)(room.disk_free_bytes >> 10),
                         (long long)(intake_bytes(&room) >> 10));
+    if (keep_bytes > 0 && room.used_bytes >= keep_bytes &&
+        !leave_out_forms(store, &room.used_bytes, st))
+        return false;
     return keep_bytes == 0 || room.used_bytes < keep_bytes ||
            pen_fail(st, PEN_STORAGE_FULL,
                     "the store %s has no space left for new jobs: it holds %lld KiB of the %lld "
@@ -118,7 +133,15 @@ struct load {
     int64_t keep, used, expected; /* expected: of unfinished jobs */
 };
 
-static bool read_load(struct pen_store *store, struct load *load, struct pen_status *st)
+/* Where retention by bytes begins. */
+static int64_t slack_begin(const struct load *load)
+{
+    return load->keep - load->keep / SLACK_PART;
+}
+
+/* `more` bytes are asked for. */
+static bool read_load(struct pen_store *store, int64_t more, struct load *load,
+                      struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     struct pen_room room;
@@ -126,7 +149,8 @@ static bool read_load(struct pen_store *store, struct load *load, struct pen_sta
         !driver->ops->meta_get(driver, "expected_bytes", &load->expected, st))
         return false;
     load->used = room.used_bytes;
-    return true;
+    return load->used + load->expected + more <= slack_begin(load) ||
+           leave_out_forms(store, &load->used, st);
 }
 
 static bool refuse_bytes(struct pen_store *store, const struct load *load, int64_t bytes,
@@ -154,7 +178,7 @@ bool pen_admit_bytes(struct pen_store *store, int64_t job, struct pen_status *st
         return false;
     if (load.keep == 0)
         return true;
-    if (!driver->ops->expected_enter(driver, job, &bytes, st) || !read_load(store, &load, st))
+    if (!driver->ops->expected_enter(driver, job, &bytes, st) || !read_load(store, 0, &load, st))
         return false;
     const bool alone = load.expected <= bytes;
     if (bytes > load.keep - empty_bytes || (!alone && load.expected > load.keep / UNFINISHED_PART))
@@ -175,7 +199,7 @@ bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *s
         return false;
     if (load.keep == 0)
         return true;
-    if (!read_load(store, &load, st))
+    if (!read_load(store, bytes, &load, st))
         return false;
     return load.used + load.expected + bytes <= load.keep ||
            pen_fail(st, PEN_STORAGE_FULL,
@@ -213,8 +237,7 @@ struct excess {
 /* By how many bytes the store exceeds what retention allows; 0: by none. */
 static int64_t too_large_by(const struct load *load)
 {
-    const int64_t begin = load->keep - load->keep / SLACK_PART,
-                  most = load->used < load->keep ? begin : load->keep - 1;
+    const int64_t most = load->used < load->keep ? slack_begin(load) : load->keep - 1;
     return load->used > most ? load->used - most : 0;
 }
 
@@ -260,7 +283,7 @@ static bool find_excess(struct pen_store *store, int64_t keep_bytes, struct exce
     *excess = (struct excess){0};
     if (keep_bytes == 0)
         return true;
-    if (!frees_soon(store, &soon, st) || !read_load(store, &load, st))
+    if (!frees_soon(store, &soon, st) || !read_load(store, pen_wanted_room(store), &load, st))
         return false;
     const int64_t by = too_large_by(&load), for_jobs_by = too_large_for_jobs_by(store, &load),
                   most = by > for_jobs_by ? by : for_jobs_by;
@@ -397,28 +420,36 @@ struct forms {
     int64_t left;     /* how much larger the store may become by them; below 0: it has to shrink */
 };
 
-/* What forms leave of the disk is what intake needs twice, and the log. What is free in the store
- * is taken before the disk's. */
-static int64_t left_for_forms(const struct pen_room *room)
+/* Forms leave of the disk what intake needs twice, and the log; what is free in the store is taken
+ * before the disk's. Of keep_bytes they leave what is expected of jobs, and wanted for one. */
+static bool read_left(struct pen_store *store, int64_t *left, int64_t *keep_bytes,
+                      struct pen_status *st)
 {
-    if (room->disk_bytes == 0)
-        return INT64_MAX / 4;
-    return room->disk_free_bytes + room->free_bytes - 2 * intake_bytes(room) - room->log_bytes;
+    struct pen_room room;
+    int64_t expected;
+    if (!read_room(store, &room, keep_bytes, st) ||
+        !store->driver->ops->meta_get(store->driver, "expected_bytes", &expected, st))
+        return false;
+    const int64_t of_keep = *keep_bytes - room.used_bytes - expected - pen_wanted_room(store);
+    *left = INT64_MAX / 4;
+    if (room.disk_bytes > 0)
+        *left = room.disk_free_bytes + room.free_bytes - 2 * intake_bytes(&room) - room.log_bytes;
+    if (*keep_bytes > 0 && of_keep < *left)
+        *left = of_keep;
+    return true;
 }
 
 static bool read_forms(struct pen_store *store, struct forms *forms, struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
-    struct pen_room room;
     int64_t keep_bytes;
-    if (!read_room(store, &room, &keep_bytes, st) ||
+    if (!read_left(store, &forms->left, &keep_bytes, st) ||
         !driver->ops->cached_bytes(driver, &forms->bytes, st) ||
         !driver->ops->object_released_bytes(driver, &forms->released, st))
         return false;
     forms->most = cache_bytes;
     if (keep_bytes > 0 && keep_bytes / CACHE_PART < forms->most)
         forms->most = keep_bytes / CACHE_PART;
-    forms->left = left_for_forms(&room);
     return true;
 }
 
@@ -433,13 +464,11 @@ static int64_t forms_limit(const struct forms *forms)
 /* Refuses a form that the store or its disk has no space for. */
 static bool admit_form(struct pen_store *store, int64_t bytes, struct pen_status *st)
 {
-    struct pen_room room;
-    int64_t keep_bytes;
-    if (!read_room(store, &room, &keep_bytes, st))
-        return false;
-    return bytes <= left_for_forms(&room) ||
-           pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space for a form of a picture",
-                    store->driver->name);
+    int64_t left, keep_bytes;
+    return read_left(store, &left, &keep_bytes, st) &&
+           (bytes <= left ||
+            pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space for a form of a picture",
+                     store->driver->name));
 }
 
 /* Drops the forms that were used longest ago until the others have at most `limit` bytes. */
@@ -551,11 +580,10 @@ void pen_note_use(struct pen_store *store, const struct pen_artefact_row *artefa
 {
     struct touch touch = {.artefact = artefact->number};
     struct pen_status ignored;
-    struct pen_room room;
-    int64_t keep_bytes;
+    int64_t left, keep_bytes;
     if (!artefact->cached || !store->driver->ops->now(store->driver, &touch.now_ms, &ignored) ||
         touch.now_ms - artefact->used_ms <= TOUCH_MS ||
-        !read_room(store, &room, &keep_bytes, &ignored) || left_for_forms(&room) < 0)
+        !read_left(store, &left, &keep_bytes, &ignored) || left < 0)
         return;
     pen_store_write(store, write_touch, &touch, &ignored);
     store->outcome_unknown = false;

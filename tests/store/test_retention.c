@@ -732,6 +732,104 @@ START_TEST(test_retention__cached_forms_are_bounded_and_the_least_used_go)
 }
 END_TEST
 
+/* As the housekeeping does. */
+static void evict_forms(void)
+{
+    struct pen_status st;
+    for (bool more = true; more;) {
+        store_must(pen_store_evict(bed.store, &more, &st), &st, "evict");
+        store_purge_slices(bed.store);
+    }
+}
+
+static void put_forms(int count)
+{
+    static char form[1 << 20];
+    struct store_job in;
+    struct pen_status st;
+    store_job_init(&in, 0, 1, 1);
+    for (int view = 0; view < count; view++)
+        store_must(
+            pen_store_cache_put(bed.store, in.id, view, "beauty", "pfm", form, sizeof form, &st),
+            &st, "form");
+}
+
+static int count_forms(int count)
+{
+    struct store_job in;
+    int stored = 0;
+    store_job_init(&in, 0, 1, 1);
+    for (int view = 0; view < count; view++)
+        stored += has_form(in.id, view);
+    return stored;
+}
+
+enum { FULL_MIB = 32, FORMS = 4 }; /* an eighth of it; another eighth is where retention begins */
+
+/* With jobs of a MiB each that retention leaves alone, and with forms on top. */
+static void open_full_bed(int jobs)
+{
+    open_bed(&(struct pen_retention){.keep_bytes = (int64_t)FULL_MIB << 20});
+    for (int n = 0; n < jobs; n++)
+        add_job(n, 1 << 20);
+    put_forms(FORMS);
+}
+
+START_TEST(test_retention__no_job_is_removed_for_forms)
+{
+    enum { JOBS = 26 };
+    open_full_bed(JOBS);
+    ck_assert_int_eq(count_forms(FORMS), FORMS);
+    time_ms += hour_ms;
+    evict_forms();
+    ck_assert_int_eq(keep_house(), 0);
+    ck_assert(is_kept(0));
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_retention__forms_give_way_to_jobs_within_their_minute)
+{
+    enum { JOBS = 29, MORE = 2 };
+    open_full_bed(JOBS);
+    const int before = count_forms(FORMS);
+    ck_assert_int_gt(before, 0);
+    ck_assert_int_lt(before, FORMS); /* what does not fit is not stored */
+    for (int n = JOBS; n < JOBS + MORE; n++) {
+        add_job(n, 1 << 20);
+        evict_forms();
+        ck_assert_int_eq(keep_house(), 0);
+    }
+    ck_assert_int_lt(count_forms(FORMS), before);
+    ck_assert(is_kept(0));
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* Each takes the place of another, and is stored only when that is gone. */
+START_TEST(test_retention__forms_that_are_removed_count_until_they_are_gone)
+{
+    enum { MIB = 1 << 20, TRIES = 10, MOST = 16 * MIB, LOG = 10 * MIB };
+    static char form[4 * MIB];
+    struct store_job in;
+    struct pen_status st;
+    open_bed(&(struct pen_retention){.keep_bytes = 8 * MOST});
+    add_job(0, 0);
+    store_job_init(&in, 0, 1, 1);
+    for (int view = 0; view < TRIES; view++)
+        store_must(
+            pen_store_cache_put(bed.store, in.id, view, "beauty", "pfm", form, sizeof form, &st),
+            &st, "form");
+    ck_assert_int_le(bytes_on_disk(), MOST + LOG);
+    store_purge_slices(bed.store);
+    store_must(
+        pen_store_cache_put(bed.store, in.id, TRIES, "beauty", "pfm", form, sizeof form, &st), &st,
+        "form");
+    ck_assert(has_form(in.id, TRIES));
+    store_bed_close(&bed);
+}
+END_TEST
+
 PEN_SUITE("what a store keeps", test_retention__without_limits_nothing_is_removed,
           test_retention__by_age_counts_from_the_end_of_a_job,
           test_retention__by_number_keeps_those_that_ended_last,
@@ -748,4 +846,7 @@ PEN_SUITE("what a store keeps", test_retention__without_limits_nothing_is_remove
           test_retention__jobs_of_a_clock_that_was_ahead_go_before_later_ones,
           test_retention__jobs_that_share_a_document_do_not_go_for_nothing,
           test_retention__waits_a_minute_for_values_that_are_being_written,
-          test_retention__cached_forms_are_bounded_and_the_least_used_go)
+          test_retention__cached_forms_are_bounded_and_the_least_used_go,
+          test_retention__no_job_is_removed_for_forms,
+          test_retention__forms_give_way_to_jobs_within_their_minute,
+          test_retention__forms_that_are_removed_count_until_they_are_gone)
