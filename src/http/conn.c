@@ -459,10 +459,12 @@ void pen_http_conn_run(struct conn *conn)
 void pen_http_conn_resume(struct conn *conn)
 {
     conn->wakened = false;
-    if (conn->state == CONN_WORK) {
+    const bool unwanted =
+        conn->request && atomic_load_explicit(&conn->request->unwanted, memory_order_relaxed);
+    if (conn->state == CONN_WORK && !unwanted) {
         conn->request->phase = PHASE_ANSWERED;
         pen_http_conn_answer(conn);
-    } else if (conn->state == CONN_ORPHAN) {
+    } else if (conn->state == CONN_WORK || conn->state == CONN_ORPHAN) {
         conn->state = CONN_HEAD;
         pen_http_conn_close(conn);
         return;

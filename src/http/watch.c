@@ -121,6 +121,23 @@ static void pass_on(struct watch *watch, struct request *request)
     pen_http_resume(request);
 }
 
+/* Notes what came of a check: puts a request whose wait is not over back to the list. Returns
+ * whether its wait is over. That of a client that has gone meanwhile is, and a request of which
+ * nothing but an answer comes is unwanted then. */
+static bool settle(struct watch *watch, struct request *request, bool answered)
+{
+    pthread_mutex_lock(&watch->lock);
+    const bool over = answered || request->gone;
+    if (over)
+        forget(watch, request);
+    else
+        enlist(watch, request);
+    pthread_mutex_unlock(&watch->lock);
+    if (over && !answered && !request->route->handle_again)
+        atomic_store_explicit(&request->unwanted, true, memory_order_relaxed);
+    return over;
+}
+
 /* Reads the jobs of these requests; requests that wait on go back to the list. */
 static void check_requests(struct watch *watch, struct request *taken, uint32_t changes,
                            bool closing)
@@ -128,15 +145,7 @@ static void check_requests(struct watch *watch, struct request *taken, uint32_t 
     for (struct request *next; taken; taken = next) {
         next = taken->next;
         bool late = closing || taken->deadline_ns <= pen_clock_ns();
-        bool answered = answer(watch, taken, changes, late);
-        pthread_mutex_lock(&watch->lock);
-        answered = answered || taken->gone;
-        if (answered)
-            forget(watch, taken);
-        else
-            enlist(watch, taken);
-        pthread_mutex_unlock(&watch->lock);
-        if (answered)
+        if (settle(watch, taken, answer(watch, taken, changes, late)))
             pass_on(watch, taken);
     }
 }

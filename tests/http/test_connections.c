@@ -253,6 +253,43 @@ START_TEST(test_connections__abandoned_polls_are_forgotten)
 }
 END_TEST
 
+/* Reads all that comes. Returns whether a refusal is in it, perhaps after interim answers. */
+static bool ends_with_refusal(int fd)
+{
+    char text[1 << 14] = "";
+    size_t used = 0;
+    for (ssize_t got = 1; got > 0; used += got > 0 ? (size_t)got : 0)
+        got = recv(fd, text + used, sizeof text - 1 - used, 0);
+    return strstr(text, "HTTP/1.1 503 ") != NULL;
+}
+
+/* Polls whose clients end their side just when the store has changed, and their jobs are checked:
+ * they get no answer, or their job, but are not refused. */
+START_TEST(test_connections__abandoned_polls_are_not_refused)
+{
+    enum { WAITING = 60, ROUNDS = 40 };
+    struct server server;
+    char path[WAITING][80], other[80];
+    int fds[WAITING], refused = 0;
+    server_start(&server, &(struct server_options){0});
+    for (int i = 0; i < WAITING; i++)
+        server_submit(&server, path[i]);
+    for (int round = 0; round < ROUNDS; round++) {
+        for (int i = 0; i < WAITING; i++)
+            server_open_polls(&server, path[i], "", &fds[i], 1);
+        server_submit(&server, other);
+        for (int i = 0; i < WAITING; i++)
+            shutdown(fds[i], SHUT_WR);
+        for (int i = 0; i < WAITING; i++) {
+            refused += ends_with_refusal(fds[i]);
+            close(fds[i]);
+        }
+    }
+    ck_assert_int_eq(refused, 0);
+    server_stop(&server);
+}
+END_TEST
+
 /* Without a worker the explanation would wait for 10 s, and its job for a worker. */
 START_TEST(test_connections__abandoned_explanations_leave_no_job)
 {
@@ -353,5 +390,6 @@ PEN_SUITE("connections", test_connections__slow_requests_are_ended,
           test_connections__short_requests_have_slots_of_their_own,
           test_connections__slow_readers_keep_their_answer,
           test_connections__abandoned_polls_are_forgotten,
+          test_connections__abandoned_polls_are_not_refused,
           test_connections__abandoned_explanations_leave_no_job,
           test_connections__one_address_cannot_take_all_places)

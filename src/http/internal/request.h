@@ -97,7 +97,9 @@ struct request {
     int64_t deadline_ns;  /* of a long poll */
     bool resumed;         /* guarded by the loop's lock: pen_http_resume was called for it */
     bool watched;         /* guarded by the watcher's lock: it is in the watcher's list */
-    atomic_bool unwanted; /* atomic: relaxed, it only spares work. Its connection is closed */
+    atomic_bool unwanted; /* nobody waits for its answer: its connection is closed, or to be closed.
+                           * atomic: relaxed, it only spares work; where it decides that there is no
+                           * answer, the loop's lock orders it */
     bool gone;            /* guarded by the watcher's lock: its client has closed the connection */
 };
 
