@@ -491,7 +491,7 @@ void pen_http_conn_expire(struct conn *conn)
             pen_http_conn_run(conn);
         else
             pen_http_conn_close(conn);
-    } else {
+    } else if (conn->wait != WAIT_READER || !pen_http_conn_begin_window(conn)) {
         pen_http_conn_close(conn);
     }
 }

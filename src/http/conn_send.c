@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Sending answers and event streams. */
 #include <errno.h>
+#include <linux/sockios.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 
@@ -124,6 +126,7 @@ void pen_http_conn_answer(struct conn *conn)
     pen_buf_release(&conn->out);
     write_head(conn);
     conn->out_sent = conn->body_sent = 0;
+    conn->windowed = false;
     conn->stream_over = false;
     conn->state = streams ? CONN_STREAM : CONN_SEND;
     if (streams)
@@ -150,6 +153,27 @@ static bool send_parts(struct conn *conn, const unsigned char *body, size_t body
     size_t of_out = (size_t)sent < parts[0].iov_len ? (size_t)sent : parts[0].iov_len;
     conn->out_sent += of_out;
     conn->body_sent += (size_t)sent - of_out;
+    conn->sent_bytes += (uint64_t)sent;
+    return true;
+}
+
+/* What the client has taken of all that was sent: the kernel holds the rest. */
+static uint64_t taken_bytes(const struct conn *conn)
+{
+    int held = 0;
+    if (ioctl(conn->fd, SIOCOUTQ, &held) != 0 || held < 0 || (uint64_t)held > conn->sent_bytes)
+        return 0;
+    return conn->sent_bytes - (uint64_t)held;
+}
+
+bool pen_http_conn_begin_window(struct conn *conn)
+{
+    const uint64_t taken = taken_bytes(conn);
+    if (conn->windowed && taken < conn->window_taken + READER_BYTES)
+        return false;
+    conn->windowed = true;
+    conn->window_taken = taken;
+    pen_http_loop_wait(conn, WAIT_READER);
     return true;
 }
 
@@ -181,14 +205,15 @@ enum conn_step pen_http_conn_send(struct conn *conn)
     size_t left = all - conn->body_sent;
     const unsigned char *from =
         body ? reply->body->content.data + reply->first + conn->body_sent : NULL;
-    if (!send_parts(conn, from, left < BODY_BYTES ? left : BODY_BYTES))
-        return conn->reset || !pen_http_answers_wait(request, conn->body_sent) ? STEP_END
-                                                                               : STEP_WAIT;
-    if (conn->out_sent == conn->out.bytes && conn->body_sent == all)
+    const bool sent = send_parts(conn, from, left < BODY_BYTES ? left : BODY_BYTES);
+    if (sent && conn->out_sent == conn->out.bytes && conn->body_sent == all)
         return finish(conn);
-    pen_http_answers_took(request, conn->body_sent);
-    pen_http_loop_wait(conn, WAIT_READER);
-    return STEP_ON;
+    if (sent)
+        pen_http_answers_took(request, conn->body_sent);
+    else if (conn->reset || !pen_http_answers_wait(request, conn->body_sent))
+        return STEP_END;
+    pen_http_conn_begin_window(conn);
+    return sent ? STEP_ON : STEP_WAIT;
 }
 
 /* Reads the next piece of the stream into `out`. Returns false if there is none now. */
@@ -225,12 +250,15 @@ enum conn_step pen_http_conn_send_stream(struct conn *conn)
         const bool more = next_piece(conn);
         if (more && conn->stream_over && conn->out.bytes == 0)
             return finish(conn); /* HTTP/1.0 has no last chunk */
-        pen_http_loop_wait(conn, more ? WAIT_READER : WAIT_WORK);
-        if (!more)
+        if (!more) {
+            conn->windowed = false;
+            pen_http_loop_wait(conn, WAIT_WORK);
             return STEP_WAIT;
+        }
     }
-    if (!send_parts(conn, NULL, 0))
-        return conn->reset ? STEP_END : STEP_WAIT;
-    pen_http_loop_wait(conn, WAIT_READER);
-    return STEP_ON;
+    const bool sent = send_parts(conn, NULL, 0);
+    if (conn->reset)
+        return STEP_END;
+    pen_http_conn_begin_window(conn);
+    return sent ? STEP_ON : STEP_WAIT;
 }

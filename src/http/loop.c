@@ -18,7 +18,7 @@
 
 enum { EVENTS = 128, LINGER_S = 2 };
 static const int64_t second_ns = INT64_C(1000000000);
-/* A reader that has taken nothing for so long gives way to a new connection. */
+/* A reader that has not taken its window for so long gives way to a new connection. */
 static const int64_t stalled_ns = 2 * INT64_C(1000000000);
 
 static void append(struct conn *conn, enum conn_wait wait)

@@ -186,13 +186,15 @@ static size_t read_bytes(int fd, size_t bytes)
 
 /* A reader that takes 256 KiB in a second keeps its answer, although the kernel could take
  * megabytes of it, and would not ask for more until a third of them was read. One that takes
- * nothing loses it. */
+ * nothing loses it, and so does one that takes something now and then, but no window in its time.
+ */
 START_TEST(test_connections__slow_readers_keep_their_answer)
 {
     enum { PART = 1 << 16, PARTS = 24, LEAST = 8000000 }; /* the kernel keeps less than that */
     struct server server;
     struct answer answer;
     char path[80], text[200];
+    size_t taken = 0;
     server_start(&server, &(struct server_options){.worker = true, .idle_seconds = 3});
     server_ask(&server, "POST /v1/jobs HTTP/1.1",
                "{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 1000, \"height\": 800}}",
@@ -210,14 +212,20 @@ START_TEST(test_connections__slow_readers_keep_their_answer)
              "GET %s/image?format=pfm HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n",
              path);
     int slow = server_connect(&server), silent = server_connect(&server);
+    int slower = server_connect(&server), little = 4096;
+    setsockopt(slower, SOL_SOCKET, SO_RCVBUF, &little, sizeof little);
     client_send(slow, text);
     client_send(silent, text);
+    client_send(slower, text);
     for (int i = 0; i < PARTS; i++) {
         client_pause(250);
         ck_assert_uint_eq(read_bytes(slow, PART), PART);
+        taken += read_bytes(slower, PART / 16);
     }
     ck_assert_uint_gt(read_bytes(slow, SIZE_MAX), LEAST);
     ck_assert_uint_lt(read_bytes(silent, SIZE_MAX), LEAST);
+    ck_assert_uint_lt(taken + read_bytes(slower, SIZE_MAX), LEAST);
+    close(slower);
     close(slow);
     close(silent);
     server_stop(&server);

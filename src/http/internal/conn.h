@@ -70,6 +70,9 @@ struct conn {
     int64_t since_ns;             /* when it came to the end of that list */
     int64_t begun_ns;             /* when it began to linger */
     uint64_t window_bytes;        /* of the body, received when its window began */
+    uint64_t sent_bytes;          /* of answers, given to the kernel */
+    uint64_t window_taken;        /* of them, by the client when its window of the answer began */
+    bool windowed;                /* such a window has begun */
 
     bool readable, writable; /* as far as the kernel has told */
     bool half_closed;        /* the client sends nothing more */
@@ -129,6 +132,10 @@ void pen_http_conn_answer(struct conn *conn);
 /* Sends more of an answer, or of an event stream. */
 enum conn_step pen_http_conn_send(struct conn *conn);
 enum conn_step pen_http_conn_send_stream(struct conn *conn);
+
+/* Begins a window of the answer (loop.h) if the client has taken the last one, or if it is the
+ * first. Returns whether it did. */
+bool pen_http_conn_begin_window(struct conn *conn);
 
 /* Shuts the server's side down; what the client still sends is dropped. */
 void pen_http_conn_linger(struct conn *conn);

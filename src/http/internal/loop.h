@@ -7,22 +7,23 @@
  *   a first or next request  idle_ns
  *   the rest of a head       head_ns from its first byte, or from accepting
  *   the rest of a body       body_ns for each window: as much as comes in body_ns at BODY_RATE
- *   a client that reads      idle_ns until the kernel takes more of the answer; less where memory
- *                            is used up (answers.h)
+ *   a client that reads      idle_ns for each window of the answer, READER_BYTES or its rest; less
+ *                            where memory is used up (answers.h)
  *   the end of a client      2 s, or 10 s while it still sends
  *
  * A client that vanishes without a word is found by the kernel (listener.c sets keep-alive probes,
  * conn_send.c TCP_USER_TIMEOUT for streams), a client that closes its connection by epoll at once.
  *
- * A window of a body ends early when its bytes have come, and the next one begins: bytes that come
- * soon buy no time for those that follow. The kernel takes more of an answer when the client has
- * taken some 64 KiB of what it holds, 128 KiB at most (UNSENT_BYTES in listener.c).
+ * A window of a body, or of an answer, ends early when its bytes have come, or the client has taken
+ * them, and the next one begins: bytes that come soon buy no time for those that follow. Nobody
+ * waits for what the kernel holds of an answer when all was given to it. It takes more of it when
+ * the client has taken some 64 KiB of what it holds, 128 KiB at most (UNSENT_BYTES in listener.c).
  *
  * When there are as many connections as allowed, one more takes the place of the one that has been
  * idle longest: one that is being closed, or waits for a request; else the one whose head, or
- * window of a body, began first; else a reader that has taken nothing for 2 s. If a loop has none
- * of these, it passes the new one on to the next loop. Connections in reserved slots (http.h) are
- * not counted, and give way only to others of their kind. */
+ * window of a body, began first; else the reader whose window began first, more than 2 s ago. If a
+ * loop has none of these, it passes the new one on to the next loop. Connections in reserved slots
+ * (http.h) are not counted, and give way only to others of their kind. */
 #ifndef PEN_HTTP_INTERNAL_LOOP_H
 #define PEN_HTTP_INTERNAL_LOOP_H
 
@@ -38,8 +39,9 @@
 struct pen_http;
 
 enum {
-    LOOP_BYTES = 64 << 10, /* read at once */
-    BODY_RATE = 4096       /* bytes per second */
+    LOOP_BYTES = 64 << 10,   /* read at once */
+    BODY_RATE = 4096,        /* bytes per second */
+    READER_BYTES = 128 << 10 /* the window of an answer */
 };
 
 struct loop_times {
