@@ -104,7 +104,7 @@ static void fill(struct pen_store *store, double gib)
     struct pen_status st;
     struct pen_claim claim;
     bool found = false;
-    char layer[16];
+    char layer[24];
     char *picture = malloc(PICTURE_BYTES);
     unsigned long long seed = 1;
     if (!picture)

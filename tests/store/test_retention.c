@@ -659,7 +659,6 @@ START_TEST(test_retention__jobs_that_share_a_document_do_not_go_for_nothing)
 {
     enum { MIB = 1 << 20, JOBS = 6, DOCUMENT = 3 * MIB / 2 };
     static char picture[29 * MIB / 10];
-    struct pen_status st;
     pen_log_set_level(PEN_LOG_ERROR);
     open_bed(&(struct pen_retention){.keep_bytes = 8 * MIB});
     for (int n = 0; n < JOBS; n++) {
@@ -669,9 +668,12 @@ START_TEST(test_retention__jobs_that_share_a_document_do_not_go_for_nothing)
     submit_with_document(JOBS, DOCUMENT);
     const struct pen_claim claim = store_claim(bed.store, "w");
     for (int view = 0; view < 2; view++)
-        store_must(pen_store_artefact_put(bed.store, claim.job_id, view, "depth", "pfm", picture,
-                                          sizeof picture, &st),
-                   &st, "picture");
+        store_put(bed.store, &(struct store_artefact){.id = claim.job_id,
+                                                      .view = view,
+                                                      .layer = "depth",
+                                                      .format = "pfm",
+                                                      .data = picture,
+                                                      .bytes = sizeof picture});
     time_ms += hour_ms;
     ck_assert_int_eq(keep_house(), 0);
     for (int n = 0; n < JOBS; n++)
