@@ -297,11 +297,8 @@ bool pen_policy_artefact_put(struct pen_store *store, const struct pen_claim *cl
                              struct pen_status *st)
 {
     struct put put = {.claim = claim, .layer = layer, .format = format};
-    const bool ok = pen_value_store(store, claim, data, bytes, &put.value, st) &&
-                    pen_store_write(store, write_artefact, &put, st);
-    if (!ok)
-        pen_value_drop(store, &put.value);
-    return ok;
+    return pen_value_store(store, claim, data, bytes, &put.value, st) &&
+           pen_value_write(store, &put.value, write_artefact, &put, st);
 }
 
 bool pen_policy_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,

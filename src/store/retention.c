@@ -544,11 +544,8 @@ bool pen_policy_cache_put(struct pen_store *store, const char *id,
         return false;
     if (!fits)
         return true;
-    const bool ok = pen_value_store_if(store, NULL, admit_form, data, bytes, &in.value, st) &&
-                    pen_store_write(store, write_cached, &in, st);
-    if (!ok)
-        pen_value_drop(store, &in.value);
-    return ok;
+    return pen_value_store_if(store, NULL, admit_form, data, bytes, &in.value, st) &&
+           pen_value_write(store, &in.value, write_cached, &in, st);
 }
 
 static bool write_evict(struct pen_store *store, void *arg, struct pen_status *st)

@@ -118,11 +118,9 @@ bool pen_value_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t 
     return value->object > 0 || pen_blob_finish(store, kind, number, value->data, value->bytes, st);
 }
 
-bool pen_value_write(struct pen_store *store, pen_body *write, void *arg, const void *data,
-                     size_t bytes, struct pen_value *value, struct pen_status *st)
+bool pen_value_write(struct pen_store *store, const struct pen_value *value, pen_body *write,
+                     void *arg, struct pen_status *st)
 {
-    if (!pen_value_store(store, NULL, data, bytes, value, st))
-        return false;
     const bool ok = pen_store_write(store, write, arg, st);
     if (!ok)
         pen_value_drop(store, value);

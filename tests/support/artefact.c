@@ -27,7 +27,7 @@ void store_put(struct pen_store *store, const struct store_artefact *artefact)
         .id = artefact->id,
         .key = {.view = artefact->view, .layer = artefact->layer, .format = artefact->format}};
     struct pen_status st;
-    store_must(
-        pen_value_write(store, write, &put, artefact->data, artefact->bytes, &put.value, &st), &st,
-        "put");
+    store_must(pen_value_store(store, NULL, artefact->data, artefact->bytes, &put.value, &st) &&
+                   pen_value_write(store, &put.value, write, &put, &st),
+               &st, "put");
 }

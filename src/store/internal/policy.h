@@ -135,9 +135,9 @@ bool pen_value_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t 
                       const struct pen_value *value, struct pen_status *st);
 /* Gives up a value whose row was not written: its space is freed soon, not only in a minute. */
 void pen_value_drop(struct pen_store *store, const struct pen_value *value);
-/* Stores a value without a fence in *value, then its row by `write`; gives it up if that fails. */
-bool pen_value_write(struct pen_store *store, pen_body *write, void *arg, const void *data,
-                     size_t bytes, struct pen_value *value, struct pen_status *st);
+/* Writes the row of a value by `write`; gives the value up if that fails. */
+bool pen_value_write(struct pen_store *store, const struct pen_value *value, pen_body *write,
+                     void *arg, struct pen_status *st);
 /* Finds a large object that no row has any more, and whose writer has ended. */
 bool pen_value_unused(struct pen_store *store, int64_t *object, bool *found, struct pen_status *st);
 /* Removes a slice of such an object. *more: there was one. */
