@@ -3,7 +3,6 @@
  * would have stood. */
 #include "base/internal/log_writer.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <pthread.h>
 #include <signal.h>
