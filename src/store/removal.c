@@ -4,12 +4,19 @@
  * A delete only marks the job, in a short transaction, and keeps its statistics in a row of their
  * own: from then on every other call about the job fails with PEN_GONE. Its rows, which may be
  * gigabytes, go later in slices (pen_store_purge_slice), a transaction for each, so that no other
- * writer waits long. The job's own row goes last: after a crash the next slice goes on. */
+ * writer waits long. The job's own row goes last: after a crash the next slice goes on.
+ *
+ * What is freed goes back to the file system before more is removed, since the time that takes
+ * grows with the space that is free. If so much is free that it takes very long, removing comes
+ * first: no delete of this version leaves that much. What was stored last goes first, so that
+ * nothing is moved from the end of the file into a gap only to be removed there. */
 #include "store/internal/policy.h"
 
 enum {
     SLICE_BYTES = 4 << 20, /* of stored values, which one slice removes */
-    PURGE_ROWS = 500       /* keys, or statistics, which one transaction removes */
+    EARLY_BYTES = 8 << 20, /* of free space: more is returned before more is removed */
+    EARLY_MAX_BYTES = 512 << 20,
+    PURGE_ROWS = 500 /* keys, or statistics, which one transaction removes */
 };
 
 bool pen_fail_missing(struct pen_store *store, const char *id, struct pen_status *st)
@@ -94,11 +101,29 @@ static bool write_slice(struct pen_store *store, void *arg, struct pen_status *s
                         driver->ops->scene_remove_unused(driver, job.scene, st));
 }
 
+/* Where it fails, there is nothing to remove that the reserve should be used for. */
+static bool reclaim(struct pen_driver *driver, bool *more, struct pen_status *st)
+{
+    const bool ok = driver->ops->reclaim(driver, more, st);
+    *more = *more && ok;
+    return ok;
+}
+
+static bool reclaim_early(struct pen_driver *driver, bool *more, struct pen_status *st)
+{
+    struct pen_room room;
+    *more = false;
+    if (!driver->ops->room(driver, &room, st))
+        return false;
+    return room.free_bytes <= EARLY_BYTES || room.free_bytes > EARLY_MAX_BYTES ||
+           reclaim(driver, more, st);
+}
+
 bool pen_policy_purge_slice(struct pen_store *store, bool *more, struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     struct pen_job_key job;
-    if (!pen_values_shrink(store, more, st))
+    if (!reclaim_early(driver, more, st) || (!*more && !pen_values_shrink(store, more, st)))
         return false;
     if (*more)
         return driver->ops->keep_log_short(driver, st);
@@ -106,11 +131,7 @@ bool pen_policy_purge_slice(struct pen_store *store, bool *more, struct pen_stat
         return false;
     if (*more && !pen_store_write(store, write_slice, NULL, st))
         return false;
-    if (!*more && !driver->ops->reclaim(driver, more, st)) {
-        *more = false;
-        return false;
-    }
-    return driver->ops->keep_log_short(driver, st);
+    return (*more || reclaim(driver, more, st)) && driver->ops->keep_log_short(driver, st);
 }
 
 struct purge {

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "support/store.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 static struct store_bed bed;
@@ -184,6 +185,36 @@ START_TEST(test_removal__a_large_job_goes_in_many_slices_and_its_space_returns)
 }
 END_TEST
 
+/* Free pages are found in a list, which must not become long: what is freed goes back to the file
+ * system while more is removed. */
+START_TEST(test_removal__space_returns_while_more_is_removed)
+{
+    enum { PICTURES = 8, BYTES = 4 << 20, PAGES_MAX = (8 << 20) / 4096 + 2 * BYTES / 4096 };
+    struct store_job in;
+    struct pen_status st = {0};
+    bool more = true;
+    store_bed_open(&bed);
+    finish_job(&in, 1, 0);
+    char *picture = calloc(1, BYTES);
+    ck_assert_ptr_nonnull(picture);
+    for (int i = 0; i < PICTURES; i++)
+        store_put(bed.store, &(struct store_artefact){in.id, i, "beauty", "pfm", picture, BYTES});
+    free(picture);
+    const int all = store_number(bed.url, "PRAGMA page_count");
+    int most = 0;
+    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    while (more) {
+        store_must(pen_store_purge_slice(bed.store, &more, &st), &st, "slice");
+        const int free_pages = store_number(bed.url, "PRAGMA freelist_count");
+        most = free_pages > most ? free_pages : most;
+    }
+    ck_assert_int_gt(all, PICTURES * (BYTES / 4096));
+    ck_assert_int_gt(most, PAGES_MAX / 2);
+    ck_assert_int_le(most, PAGES_MAX);
+    store_bed_close(&bed);
+}
+END_TEST
+
 /* Removes the job and some slices of it, and dies without notice. */
 static void die_in_between(const char *id, int slices)
 {
@@ -231,5 +262,6 @@ PEN_SUITE("removed jobs", test_removal__every_call_about_a_removed_job_says_gone
           test_removal__statistics_are_dropped_on_demand_and_forgotten_with_age,
           test_removal__a_removed_job_is_neither_listed_nor_counted,
           test_removal__a_large_job_goes_in_many_slices_and_its_space_returns,
+          test_removal__space_returns_while_more_is_removed,
           test_removal__a_job_that_goes_while_it_is_read_is_not_found,
           test_removal__goes_on_after_a_kill)

@@ -50,17 +50,22 @@ static const char *const undo[] = {
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 
-int store_schema_version(const char *file)
+int store_number(const char *file, const char *sql)
 {
     sqlite3 *db;
     sqlite3_stmt *stmt;
     ck_assert_int_eq(sqlite3_open_v2(file, &db, SQLITE_OPEN_READWRITE, "unix"), SQLITE_OK);
-    ck_assert_int_eq(sqlite3_prepare_v2(db, "PRAGMA user_version", -1, &stmt, NULL), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_prepare_v2(db, sql, -1, &stmt, NULL), SQLITE_OK);
     ck_assert_int_eq(sqlite3_step(stmt), SQLITE_ROW);
-    int version = sqlite3_column_int(stmt, 0);
+    int number = sqlite3_column_int(stmt, 0);
     sqlite3_finalize(stmt);
     sqlite3_close(db);
-    return version;
+    return number;
+}
+
+int store_schema_version(const char *file)
+{
+    return store_number(file, "PRAGMA user_version");
 }
 
 void store_downgrade(const char *file, int version)

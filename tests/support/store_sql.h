@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The file of a SQLite store, changed without the store's knowledge. */
+/* The file of a SQLite store, read or changed without the store's knowledge. */
 #ifndef TESTS_SUPPORT_STORE_SQL_H
 #define TESTS_SUPPORT_STORE_SQL_H
 
@@ -13,6 +13,9 @@ void store_run_sql(const struct store_bed *bed, const char *sql, const void *blo
 /* Changes the file of a store back to an earlier schema; no handle may be open. Stores that earlier
  * versions really wrote are in tests/store/kept. */
 void store_downgrade(const char *file, int version);
+
+/* What a statement gives that has one number for a result. */
+int store_number(const char *file, const char *sql);
 
 /* The schema's version of a store's file. */
 int store_schema_version(const char *file);

@@ -132,7 +132,6 @@ static bool copy_log(struct pen_sqlite_store *store, bool *all, struct pen_statu
  * meanwhile, which changes the version, the length tells nothing. */
 static bool check_length(struct pen_sqlite_store *store, struct pen_status *st)
 {
-    const int64_t page_bytes = 4096;
     int64_t before, after, pages, bytes;
     bool copied;
     if (!pen_sqlite_pragma(store, "PRAGMA data_version", &before, st) ||
@@ -142,10 +141,10 @@ static bool check_length(struct pen_sqlite_store *store, struct pen_status *st)
     if (!pen_sqlite_pragma(store, "PRAGMA page_count", &pages, st) ||
         !pen_sqlite_pragma(store, "PRAGMA data_version", &after, st))
         return false;
-    return !copied || after != before || bytes >= pages * page_bytes ||
-           pen_sqlite_damaged(store, st,
-                              "the store %s is damaged (it has %lld bytes and should have %lld)",
-                              store->path, (long long)bytes, (long long)(pages * page_bytes));
+    return !copied || after != before || bytes >= pages * PEN_SQLITE_PAGE_BYTES ||
+           pen_sqlite_damaged(
+               store, st, "the store %s is damaged (it has %lld bytes and should have %lld)",
+               store->path, (long long)bytes, (long long)(pages * PEN_SQLITE_PAGE_BYTES));
 }
 
 bool pen_sqlite_check_start(struct pen_driver *driver, struct pen_status *st)

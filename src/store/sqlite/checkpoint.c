@@ -21,7 +21,6 @@
 #include "store/sqlite/sqlite.h"
 
 enum {
-    PAGE_BYTES = 4096,
     LOG_PAGES = 2000, /* 8 MiB; on a disk of less than 2 GiB fewer */
     RESERVE_PART = 4,
     HOUSEKEEPING_PART = 4,
@@ -34,10 +33,10 @@ enum {
 bool pen_sqlite_limit_log(struct pen_sqlite_store *store, struct pen_status *st)
 {
     const int64_t reserve = pen_sqlite_reserve_bytes(store),
-                  pages = reserve / RESERVE_PART / PAGE_BYTES,
-                  kept = reserve < (int64_t)LOG_PAGES * PAGE_BYTES
+                  pages = reserve / RESERVE_PART / PEN_SQLITE_PAGE_BYTES,
+                  kept = reserve < (int64_t)LOG_PAGES * PEN_SQLITE_PAGE_BYTES
                              ? reserve
-                             : (int64_t)LOG_PAGES * PAGE_BYTES;
+                             : (int64_t)LOG_PAGES * PEN_SQLITE_PAGE_BYTES;
     char pragma[64];
     store->vain_pages = -1;
     store->uncopied_pages = 0;
@@ -101,7 +100,7 @@ void pen_sqlite_restart_log(struct pen_driver *driver, bool first)
 
 bool pen_sqlite_log_fits(const struct pen_sqlite_store *store)
 {
-    const int64_t bytes = (int64_t)store->uncopied_pages * PAGE_BYTES;
+    const int64_t bytes = (int64_t)store->uncopied_pages * PEN_SQLITE_PAGE_BYTES;
     return store->uncopied_pages <= RESERVE_PART * store->log_pages ||
            bytes <= pen_sqlite_free_bytes(store);
 }

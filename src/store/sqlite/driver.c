@@ -81,8 +81,7 @@ bool pen_sqlite_space(struct pen_driver *driver, struct pen_status *st)
 enum { RECLAIM_PAGES = 256, RECLAIM_MS = 10 };
 
 /* Moves pages from the end of the file into free pages. SQLite looks for the place of a page in the
- * list of free pages, which is long after the removal of gigabytes: the first pages take some
- * milliseconds each. */
+ * list of free pages: with gigabytes in that list, a page takes some milliseconds. */
 static bool move_pages(struct pen_sqlite_store *store, int64_t pages, struct pen_status *st)
 {
     const int64_t until_ns = pen_clock_ns() + RECLAIM_MS * INT64_C(1000000);
@@ -95,21 +94,29 @@ static bool move_pages(struct pen_sqlite_store *store, int64_t pages, struct pen
     return true;
 }
 
+static bool count_free_pages(struct pen_sqlite_store *store, int64_t *pages, struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_FREE_PAGES);
+    return pen_sqlite_value(&query, pages, st);
+}
+
 /* The file shrinks when the log is copied into it. */
 bool pen_sqlite_reclaim(struct pen_driver *driver, bool *more, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    struct pen_sqlite_query unused = pen_sqlite_query(store, SQL_FREE_PAGES);
-    int64_t pages;
-    if (!pen_sqlite_value(&unused, &pages, st))
+    int64_t pages, left;
+    *more = false;
+    if (!count_free_pages(store, &pages, st))
         return false;
-    *more = pages > 0;
-    if (!*more)
+    if (pages == 0)
         return pen_sqlite_checkpoint(driver, st);
     if (!pen_sqlite_begin_write(driver, st))
         return false;
-    if (move_pages(store, pages, st) && pen_sqlite_commit(driver, st))
+    if (count_free_pages(store, &pages, st) && move_pages(store, pages, st) &&
+        count_free_pages(store, &left, st) && pen_sqlite_commit(driver, st)) {
+        *more = left < pages;
         return true;
+    }
     pen_sqlite_rollback(driver);
     return false;
 }

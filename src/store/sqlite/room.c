@@ -48,7 +48,6 @@ static int64_t reserve_of(const struct pen_room *room)
 
 bool pen_sqlite_room(struct pen_driver *driver, struct pen_room *room, struct pen_status *st)
 {
-    enum { PAGE_BYTES = 4096 };
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     struct pen_sqlite_query all = pen_sqlite_query(store, SQL_PAGES),
                             empty = pen_sqlite_query(store, SQL_FREE_PAGES);
@@ -56,8 +55,8 @@ bool pen_sqlite_room(struct pen_driver *driver, struct pen_room *room, struct pe
     *room = (struct pen_room){0};
     if (!pen_sqlite_value(&all, &pages, st) || !pen_sqlite_value(&empty, &unused, st))
         return false;
-    room->used_bytes = (pages - unused) * PAGE_BYTES;
-    room->free_bytes = unused * PAGE_BYTES;
+    room->used_bytes = (pages - unused) * PEN_SQLITE_PAGE_BYTES;
+    room->free_bytes = unused * PEN_SQLITE_PAGE_BYTES;
     if (disk_room(store, room)) /* if that is not known, the disk does not count */
         room->log_bytes = reserve_of(room);
     return true;

@@ -192,10 +192,12 @@ static const char *const sql_text[] = {
     [SQL_JOB_MARK_REMOVED] = "UPDATE job SET removed_ms = ?2 WHERE number = ?1",
     [SQL_REMOVED_NEXT] = "SELECT number, state, scene FROM job WHERE removed_ms > 0"
                          " ORDER BY number LIMIT 1",
-    [SQL_ARTEFACTS_OF_JOB] = "SELECT id, length(data) FROM artefact WHERE job = ? LIMIT ?",
+    [SQL_ARTEFACTS_OF_JOB] = "SELECT id, length(data) FROM artefact WHERE job = ?"
+                             " ORDER BY view DESC, layer DESC, format DESC LIMIT ?",
     [SQL_ARTEFACT_REMOVE] = "DELETE FROM artefact WHERE id = ?",
     [SQL_BATCHES_OF_JOB] = "SELECT b.id, coalesce(length(p.data), 0) FROM batch b"
-                           " LEFT JOIN pixels p ON p.batch = b.id WHERE b.job = ? LIMIT ?",
+                           " LEFT JOIN pixels p ON p.batch = b.id WHERE b.job = ?"
+                           " ORDER BY b.view DESC, b.id DESC LIMIT ?",
     [SQL_BATCH_REMOVE] = "DELETE FROM batch WHERE id = ?",
     [SQL_FIRST_ENDED] = "SELECT id, finished_ms FROM job WHERE finished_ms > 0 AND finished_ms > ?"
                         " AND removed_ms = 0 ORDER BY finished_ms, number LIMIT 1",
@@ -432,12 +434,14 @@ static const char *const sql_text[] = {
     [SQL_OBJECT_USE] = "UPDATE large_object SET expires_ms = NULL WHERE id = ? AND expires_ms > 0",
     [SQL_OBJECT_RELEASE] = "UPDATE large_object SET expires_ms = 0 WHERE id = ?",
     [SQL_OBJECT_UNUSED] = "SELECT id FROM large_object WHERE expires_ms IS NOT NULL"
-                          " AND (expires_ms < ? OR expires_ms > ?) ORDER BY expires_ms LIMIT 1",
+                          " AND (expires_ms < ? OR expires_ms > ?)"
+                          " ORDER BY expires_ms DESC, id DESC LIMIT 1",
     [SQL_OBJECT_RELEASED_BYTES] =
         "SELECT coalesce(sum(min(o.bytes, ?1 * (SELECT count(*) FROM large_object_part p"
         " WHERE p.object = o.id))), 0) FROM large_object o WHERE o.expires_ms = 0",
     [SQL_OBJECT_PARTS_REMOVE] = "DELETE FROM large_object_part WHERE rowid IN (SELECT rowid"
-                                " FROM large_object_part WHERE object = ? LIMIT ?)",
+                                " FROM large_object_part WHERE object = ?"
+                                " ORDER BY part DESC LIMIT ?)",
     [SQL_OBJECT_REMOVE] = "DELETE FROM large_object WHERE id = ?",
     [SQL_CACHED_PUT] = "INSERT INTO cached (artefact, bytes, used_ms) VALUES (?1, ?2, ?3)"
                        " ON CONFLICT (artefact) DO UPDATE SET bytes = ?2, used_ms = ?3",

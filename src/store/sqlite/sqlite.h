@@ -16,6 +16,8 @@
 #include "store/internal/compress.h"
 #include "store/internal/driver.h"
 
+enum { PEN_SQLITE_PAGE_BYTES = 4096 };
+
 /* What the results of a row j of job are expected to take, in bytes: of each pixel of its views its
  * colour, as stored and in the picture (measured: 2 to 8), and of each further layer three floats.
  */
