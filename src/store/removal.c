@@ -109,21 +109,23 @@ static bool reclaim(struct pen_driver *driver, bool *more, struct pen_status *st
     return ok;
 }
 
-static bool reclaim_early(struct pen_driver *driver, bool *more, struct pen_status *st)
+/* Returns whether there was something to return. Where it fails, for which a full disk is enough,
+ * removing must go on. */
+static bool reclaim_early(struct pen_driver *driver)
 {
+    struct pen_status ignored;
     struct pen_room room;
-    *more = false;
-    if (!driver->ops->room(driver, &room, st))
-        return false;
-    return room.free_bytes <= EARLY_BYTES || room.free_bytes > EARLY_MAX_BYTES ||
-           reclaim(driver, more, st);
+    bool more = false;
+    return driver->ops->room(driver, &room, &ignored) && room.free_bytes > EARLY_BYTES &&
+           room.free_bytes <= EARLY_MAX_BYTES && reclaim(driver, &more, &ignored) && more;
 }
 
 bool pen_policy_purge_slice(struct pen_store *store, bool *more, struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     struct pen_job_key job;
-    if (!reclaim_early(driver, more, st) || (!*more && !pen_values_shrink(store, more, st)))
+    *more = reclaim_early(driver);
+    if (!*more && !pen_values_shrink(store, more, st))
         return false;
     if (*more)
         return driver->ops->keep_log_short(driver, st);

@@ -14,6 +14,7 @@
 
 #include "support/small_disk.h"
 #include "support/store.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 enum { DISK_MIB = 8, PICTURE_BYTES = 64000 };
@@ -275,6 +276,70 @@ START_TEST(test_small_disk__job_that_is_cancelled_waits_for_no_space)
 }
 END_TEST
 
+static int count_free_bytes(void)
+{
+    return store_number(bed.url, "PRAGMA freelist_count") * 4096;
+}
+
+static int count_objects(void)
+{
+    return store_number(bed.url, "SELECT count(*) FROM large_object");
+}
+
+/* The disk fills up, and its log was just begun anew, while a job is removed or when only its space
+ * is left to be returned. */
+static void fill_during_removal(bool all_removed)
+{
+    enum { MIB = 40, VIEWS = 6, BYTES = 3 << 20, EARLY_BYTES = 8 << 20, TRIES = 400, STEP_MS = 50 };
+    static char picture[BYTES];
+    struct store_job in;
+    struct pen_status st = {0};
+    bool more = true;
+    int tries = 0;
+    store_bed_make(&bed);
+    if (!small_disk_mount(bed.folder, MIB))
+        return;
+    store_bed_open(&bed);
+    store_must(pen_store_reserve(bed.store, &st), &st, "reserve");
+    store_must(submit(0, &st), &st, "submit");
+    store_work_off(bed.store, "w");
+    store_job_init(&in, 0, 1, 1);
+    for (int view = 0; view < VIEWS; view++)
+        store_put(bed.store,
+                  &(struct store_artefact){in.id, view, "beauty", "pfm", picture, BYTES});
+    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    do
+        store_must(pen_store_purge_slice(bed.store, &more, &st), &st, "slice");
+    while (all_removed ? count_objects() > 0 : count_free_bytes() <= EARLY_BYTES);
+    ck_assert_int_gt(count_free_bytes(), 1 << 20);
+    pen_store_close(bed.store);
+    bed.store = store_bed_handle(&bed);
+    small_disk_fill(bed.folder, 0);
+    while ((count_objects() > 0 || count_free_bytes() > 0) && tries++ < TRIES) {
+        if (!pen_store_purge_slice(bed.store, &more, &st)) {
+            ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+            pause_ms(STEP_MS);
+        }
+    }
+    ck_assert_int_lt(tries, TRIES);
+    submit_in_time(1);
+    close_small_disk();
+}
+
+/* Space is returned before more is removed. If it cannot be, the reserve is there for what is
+ * removed. */
+START_TEST(test_small_disk__job_is_removed_from_a_full_disk)
+{
+    fill_during_removal(false);
+}
+END_TEST
+
+START_TEST(test_small_disk__space_is_returned_to_a_full_disk)
+{
+    fill_during_removal(true);
+}
+END_TEST
+
 enum { FORM_BYTES = 2 << 20, FORM_DISK_MIB = 64, INTAKE_BYTES = (FORM_DISK_MIB << 20) / 32 };
 
 static void put_form(int view)
@@ -360,4 +425,6 @@ PEN_SUITE("small disk", test_small_disk__long_reader_leaves_space_to_copy_the_lo
           test_small_disk__overlapping_readers_let_jobs_be_removed,
           test_small_disk__large_result_waits_for_space_and_small_ones_go_on,
           test_small_disk__job_that_is_cancelled_waits_for_no_space,
+          test_small_disk__job_is_removed_from_a_full_disk,
+          test_small_disk__space_is_returned_to_a_full_disk,
           test_small_disk__forms_of_pictures_leave_what_intake_needs)

@@ -76,17 +76,38 @@ bool pen_sqlite_space(struct pen_driver *driver, struct pen_status *st)
            (st->code != PEN_STORAGE_FULL && pen_sqlite_free_bytes(store) >= SPACE_BYTES);
 }
 
-/* Of one call of reclaim, so that writers get their turn. The log is not made longer than it is
- * kept: on a full disk it could not be. */
-enum { RECLAIM_PAGES = 256, RECLAIM_MS = 10 };
+/* Of one call of reclaim, so that writers get their turn. */
+enum { RECLAIM_PAGES = 256, RECLAIM_MS = 10, PAGES_CHANGED = 6 /* at most, to move one */ };
+
+/* How many pages can be moved, if the log grows only into what is free of the disk. */
+static int64_t pages_that_fit(const struct pen_sqlite_store *store)
+{
+    int64_t log_bytes;
+    pen_sqlite_file_bytes(store, "-wal", &log_bytes);
+    return (log_bytes + pen_sqlite_free_bytes(store)) / (PAGES_CHANGED * PEN_SQLITE_PAGE_BYTES);
+}
+
+/* How many pages one call may move. The log is not made longer than it is kept, and on a full disk
+ * not longer than it is: for that its pages must have been copied. Only a log that has no room at
+ * all takes a part of the reserve; it keeps that, so this happens once. */
+static bool reclaim_most(struct pen_sqlite_store *store, int64_t *most, struct pen_status *st)
+{
+    int64_t fit = pages_that_fit(store);
+    *most = store->log_pages < RECLAIM_PAGES ? store->log_pages : RECLAIM_PAGES;
+    if (fit >= *most)
+        return true;
+    if (fit < 2 && pen_sqlite_reserve_release(&store->base))
+        fit = pages_that_fit(store);
+    *most = fit > 1 ? fit : 1;
+    return pen_sqlite_checkpoint(&store->base, st);
+}
 
 /* Moves pages from the end of the file into free pages. SQLite looks for the place of a page in the
  * list of free pages: with gigabytes in that list, a page takes some milliseconds. */
 static bool move_pages(struct pen_sqlite_store *store, int64_t pages, struct pen_status *st)
 {
     const int64_t until_ns = pen_clock_ns() + RECLAIM_MS * INT64_C(1000000);
-    const int most = store->log_pages < RECLAIM_PAGES ? store->log_pages : RECLAIM_PAGES;
-    for (int i = 0; i < pages && i < most && pen_clock_ns() < until_ns; i++) {
+    for (int64_t i = 0; i < pages && pen_clock_ns() < until_ns; i++) {
         struct pen_sqlite_query vacuum = pen_sqlite_query(store, SQL_VACUUM);
         if (!pen_sqlite_run(&vacuum, st))
             return false;
@@ -104,15 +125,15 @@ static bool count_free_pages(struct pen_sqlite_store *store, int64_t *pages, str
 bool pen_sqlite_reclaim(struct pen_driver *driver, bool *more, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    int64_t pages, left;
+    int64_t pages, most, left;
     *more = false;
     if (!count_free_pages(store, &pages, st))
         return false;
     if (pages == 0)
         return pen_sqlite_checkpoint(driver, st);
-    if (!pen_sqlite_begin_write(driver, st))
+    if (!reclaim_most(store, &most, st) || !pen_sqlite_begin_write(driver, st))
         return false;
-    if (count_free_pages(store, &pages, st) && move_pages(store, pages, st) &&
+    if (count_free_pages(store, &pages, st) && move_pages(store, pages < most ? pages : most, st) &&
         count_free_pages(store, &left, st) && pen_sqlite_commit(driver, st)) {
         *more = left < pages;
         return true;
