@@ -45,18 +45,6 @@ prints() {
     fi
 }
 
-# within SECONDS COMMAND…: repeats the command until it succeeds; fails after that time ($patience times
-# that time).
-within() {
-    tries=$(($1 * 50 * patience))
-    shift
-    while ! "$@" >/dev/null 2>&1; do
-        tries=$((tries - 1))
-        [ "$tries" -gt 0 ] || return 1
-        sleep 0.02
-    done
-}
-
 # child ROLE: prints the process id of the daemon's child in that role (api or work).
 child() {
     pgrep -P "$daemon" -x "penumbrad-$1"

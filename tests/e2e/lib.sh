@@ -117,6 +117,18 @@ expect_problem() {
     [ $# -lt 3 ] || expect_match "$1-detail" "$(body .detail)" "$3"
 }
 
+# within SECONDS COMMAND…: repeats the command until it succeeds; fails after that time ($patience times
+# that time).
+within() {
+    tries=$(($1 * 50 * patience))
+    shift
+    while ! "$@" >/dev/null 2>&1; do
+        tries=$((tries - 1))
+        [ "$tries" -gt 0 ] || return 1
+        sleep 0.02
+    done
+}
+
 # submit JSON [CURL-ARGUMENT...]: sets $job to the new job's path.
 submit() {
     json=$1
