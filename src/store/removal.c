@@ -13,10 +13,10 @@
 #include "store/internal/policy.h"
 
 enum {
-    SLICE_BYTES = 4 << 20, /* of stored values, which one slice removes */
-    EARLY_BYTES = 8 << 20, /* of free space: more is returned before more is removed */
-    EARLY_MAX_BYTES = 512 << 20,
-    PURGE_ROWS = 500 /* keys, or statistics, which one transaction removes */
+    SLICE_BYTES = 4 << 20,       /* of stored values, which one slice removes */
+    EARLY_BYTES = 8 << 20,       /* of free space: more is returned before more is removed */
+    EARLY_MAX_BYTES = 512 << 20, /* of free space: with more, removing comes first */
+    PURGE_ROWS = 500             /* keys, or statistics, which one transaction removes */
 };
 
 bool pen_fail_missing(struct pen_store *store, const char *id, struct pen_status *st)

@@ -21,11 +21,11 @@ enum { DISK_MIB = 8, PICTURE_BYTES = 64000 };
 
 static struct store_bed bed;
 
-static bool open_small_disk(void)
+static bool open_small_disk(int mib)
 {
     struct pen_status st;
     store_bed_make(&bed);
-    if (!small_disk_mount(bed.folder, DISK_MIB))
+    if (!small_disk_mount(bed.folder, mib))
         return false;
     store_bed_open(&bed);
     store_must(pen_store_reserve(bed.store, &st), &st, "reserve");
@@ -116,7 +116,7 @@ static void write_beside_reader(bool removes)
     enum { TRIES = 2000 };
     struct pen_status st = {0};
     int jobs = 0, pictures = 0;
-    if (!open_small_disk())
+    if (!open_small_disk(DISK_MIB))
         return;
     store_must(submit(jobs++, &st), &st, "submit");
     const struct pen_claim claim = store_claim(bed.store, "w");
@@ -171,7 +171,7 @@ START_TEST(test_small_disk__overlapping_readers_let_jobs_be_removed)
     struct pen_status st;
     struct pen_claim claims[JOBS];
     pthread_t readers[2];
-    if (!open_small_disk())
+    if (!open_small_disk(DISK_MIB))
         return;
     for (int n = 0; n < JOBS; n++) {
         store_must(submit(n, &st), &st, "submit");
@@ -222,7 +222,7 @@ START_TEST(test_small_disk__large_result_waits_for_space_and_small_ones_go_on)
     struct pen_status st;
     struct store_job in;
     bool set_back = true;
-    if (!open_small_disk())
+    if (!open_small_disk(DISK_MIB))
         return;
     store_must(submit(0, &st), &st, "submit");
     struct pen_claim claim = store_claim(bed.store, "w");
@@ -260,7 +260,7 @@ START_TEST(test_small_disk__job_that_is_cancelled_waits_for_no_space)
 {
     enum { FREE_BYTES = 2 << 20 };
     struct pen_status st;
-    if (!open_small_disk())
+    if (!open_small_disk(DISK_MIB))
         return;
     store_must(submit(0, &st), &st, "submit");
     struct pen_claim claim = store_claim(bed.store, "w");
@@ -296,11 +296,8 @@ static void fill_during_removal(bool all_removed)
     struct pen_status st = {0};
     bool more = true;
     int tries = 0;
-    store_bed_make(&bed);
-    if (!small_disk_mount(bed.folder, MIB))
+    if (!open_small_disk(MIB))
         return;
-    store_bed_open(&bed);
-    store_must(pen_store_reserve(bed.store, &st), &st, "reserve");
     store_must(submit(0, &st), &st, "submit");
     store_work_off(bed.store, "w");
     store_job_init(&in, 0, 1, 1);
@@ -388,11 +385,8 @@ START_TEST(test_small_disk__forms_of_pictures_leave_what_intake_needs)
     enum { FREE_BYTES = 14 << 20, FORMS = 10, LESS_BYTES = 3 << 20 };
     struct pen_status st;
     int stored = 0;
-    store_bed_make(&bed);
-    if (!small_disk_mount(bed.folder, FORM_DISK_MIB))
+    if (!open_small_disk(FORM_DISK_MIB))
         return;
-    store_bed_open(&bed);
-    store_must(pen_store_reserve(bed.store, &st), &st, "reserve");
     store_must(submit(0, &st), &st, "submit");
     store_work_off(bed.store, "w");
     small_disk_fill(bed.folder, FREE_BYTES);
