@@ -283,11 +283,14 @@ static void bound(struct forecast *f, struct pen_settings *sampling)
         f->cell_step++;
 }
 
-/* The part of the time that is left. */
+/* The end of a part of the time that is left, 0 without a deadline. The whole ends exactly at the
+ * deadline: its distance, rounded to a double, may be a little too long. */
 static int64_t part_of_time(const struct forecast *f, double part)
 {
     const int64_t now_ns = pen_clock_ns(), deadline_ns = f->task->deadline_ns;
-    return deadline_ns == 0 ? 0 : now_ns + (int64_t)(part * (double)(deadline_ns - now_ns));
+    if (deadline_ns == 0 || part >= 1)
+        return deadline_ns;
+    return now_ns + (int64_t)(part * (double)(deadline_ns - now_ns));
 }
 
 /* Makes blocks smaller where a thread would not end two of them in time, if a pixel takes as long

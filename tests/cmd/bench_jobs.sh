@@ -98,7 +98,7 @@ middle="$run --repeats 4 -m threads=1,2"
 job=$("$penumbra" submit builtin:spheres $middle)
 within 30 has_runs "$job" 2 || not_ok "the benchmark whose worker is killed" "does not run"
 kill -KILL "$(child work)"
-killed=$(date -u +%Y-%m-%dT%H:%M:%S)
+killed=$(date -u +%Y-%m-%dT%H:%M:%S.%3NZ) # to the millisecond, as the report has it
 exits "the benchmark of a killed worker succeeds" 0 "$penumbra" wait "$job" -q
 "$penumbra" fetch --report "$job" -o k.json
 began=$(jq -r .began_at k.json)
