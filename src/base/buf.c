@@ -72,19 +72,24 @@ bool pen_buf_puts(struct pen_buf *buf, const char *text)
     return pen_buf_add(buf, text, strlen(text));
 }
 
+/* Most texts fit into what is left of the capacity; only one that does not is formatted twice. */
 bool pen_buf_printf(struct pen_buf *buf, const char *format, ...)
 {
     va_list args, again;
     va_start(args, format);
     va_copy(again, args);
-    int length = vsnprintf(NULL, 0, format, args);
+    bool ok = reserve(buf, 0);
+    const size_t room = buf->capacity - buf->bytes;
+    const int length = ok ? vsnprintf((char *)buf->data + buf->bytes, room, format, args) : -1;
     va_end(args);
-    bool ok = length >= 0 && reserve(buf, (size_t)length);
-    if (ok) {
+    ok = length >= 0 && reserve(buf, (size_t)length);
+    if (ok && (size_t)length >= room)
         vsnprintf((char *)buf->data + buf->bytes, (size_t)length + 1, format, again);
-        buf->bytes += (size_t)length;
-    }
     va_end(again);
+    if (ok)
+        buf->bytes += (size_t)length;
+    if (buf->data)
+        buf->data[buf->bytes] = '\0'; /* also after a text that was cut or could not be formatted */
     buf->failed = !ok;
     return ok;
 }
