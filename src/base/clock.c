@@ -29,7 +29,15 @@ int64_t pen_clock_thread_ns(void)
 
 int64_t pen_clock_wall_ms(void)
 {
-    return read_ns(CLOCK_REALTIME) / 1000000;
+    struct timespec t = {0}; /* in nanoseconds, times after the year 2262 would not fit */
+    clock_gettime(CLOCK_REALTIME, &t);
+    return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
+}
+
+int64_t pen_clock_between(int64_t begun_ns, int64_t end_ns, double fraction)
+{
+    /* The distance, rounded to a double, may be longer than it is. */
+    return fraction >= 1 ? end_ns : begun_ns + (int64_t)(fraction * (double)(end_ns - begun_ns));
 }
 
 struct timespec pen_clock_after_ms(int64_t ms)

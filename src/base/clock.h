@@ -15,6 +15,10 @@ int64_t pen_clock_cpu_ns(void);
 /* Units: ms since 1970-01-01 UTC. */
 int64_t pen_clock_wall_ms(void);
 
+/* The time when this fraction, 0 to 1, of the time between a begin and a later end has passed. With
+ * 1 it is exactly the end, whatever the end is. */
+int64_t pen_clock_between(int64_t begun_ns, int64_t end_ns, double fraction);
+
 /* The time on the monotonic clock (CLOCK_MONOTONIC) in so many ms, for waiting until then. */
 struct timespec pen_clock_after_ms(int64_t ms);
 

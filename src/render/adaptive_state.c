@@ -6,6 +6,8 @@
 
 static const char magic[8] = "PENADP3";
 
+static const double ms_max = 1e12; /* 30 years: a time that can be counted in nanoseconds */
+
 /* What comes before the build's text, the times of tiles, the sums, and the wanted pixels. */
 struct header {
     char magic[8];
@@ -75,7 +77,8 @@ static bool is_usable(const struct header *h, const unsigned char *rest, size_t 
     return memcmp(h->magic, magic, sizeof magic) == 0 && h->width == (uint32_t)s->width &&
            h->height == (uint32_t)s->height && (h->tiles == 0 || h->tiles == tiles_of(s)) &&
            h->build_bytes == strlen(build) && count == h->build_bytes + tiles + pixels &&
-           memcmp(rest, build, h->build_bytes) == 0 && goes_on(&h->adaptive, s);
+           memcmp(rest, build, h->build_bytes) == 0 && goes_on(&h->adaptive, s) &&
+           h->render_ms >= 0 && h->render_ms < ms_max;
 }
 
 bool pen_adaptive_load(struct pen_adaptive *adaptive, const void *bytes, size_t count,

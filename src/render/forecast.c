@@ -283,14 +283,11 @@ static void bound(struct forecast *f, struct pen_settings *sampling)
         f->cell_step++;
 }
 
-/* The end of a part of the time that is left, 0 without a deadline. The whole ends exactly at the
- * deadline: its distance, rounded to a double, may be a little too long. */
+/* The end of a part of the time that is left, 0 without a deadline. */
 static int64_t part_of_time(const struct forecast *f, double part)
 {
-    const int64_t now_ns = pen_clock_ns(), deadline_ns = f->task->deadline_ns;
-    if (deadline_ns == 0 || part >= 1)
-        return deadline_ns;
-    return now_ns + (int64_t)(part * (double)(deadline_ns - now_ns));
+    const int64_t deadline_ns = f->task->deadline_ns;
+    return deadline_ns == 0 ? 0 : pen_clock_between(pen_clock_ns(), deadline_ns, part);
 }
 
 /* Makes blocks smaller where a thread would not end two of them in time, if a pixel takes as long

@@ -50,7 +50,7 @@ static bool render_small(struct pen_thread_pool *pool, const struct pen_forecast
         .tile_count = -1,
         .rgb = rgb,
         .cancel = task->cancel,
-        .deadline_ns = timed ? begun_ns + (int64_t)(part * (double)left_ns) : 0,
+        .deadline_ns = timed ? pen_clock_between(begun_ns, task->deadline_ns, part) : 0,
         .pixel_begins = task->pixel_begins,
         .pixel_user = task->pixel_user};
     const bool ok = rgb ? pen_render_run(pool, &render, &stats, st)

@@ -319,7 +319,7 @@ bool pen_policy_heartbeat(struct pen_store *store, struct pen_claim *claim, int6
         return false;
     if (*held)
         claim->job_spent_us = batch.job_spent_us - batch.spent_us;
-    const int64_t left_ms = batch.lease_until_ms - now_ms;
+    const int64_t left_ms = batch.lease_until_ms > now_ms ? batch.lease_until_ms - now_ms : 0;
     if (!*held || (left_ms >= lease_ms - lease_ms / 3 && left_ms <= lease_ms))
         return true;
     struct extension extension = {.claim = claim, .now_ms = now_ms, .until_ms = now_ms + lease_ms};

@@ -6,7 +6,8 @@ enum { AHEAD_MS = 1000 }; /* other processes may have written a little later tha
 
 int64_t pen_since_ms(int64_t then_ms, int64_t now_ms)
 {
-    return then_ms <= now_ms ? now_ms - then_ms : INT64_MAX;
+    const uint64_t since = (uint64_t)now_ms - (uint64_t)then_ms; /* of a damaged time: very long */
+    return then_ms > now_ms || since > INT64_MAX ? INT64_MAX : (int64_t)since;
 }
 
 static bool write_mended(struct pen_store *store, void *arg, struct pen_status *st)

@@ -50,6 +50,19 @@ START_TEST(test_clock__format)
 }
 END_TEST
 
+START_TEST(test_clock__all_of_a_time_ends_at_its_end)
+{
+    const int64_t begins[] = {0, 1, 511, 513, 7654321987654};
+    for (size_t i = 0; i < sizeof begins / sizeof begins[0]; i++) {
+        const int64_t begun = begins[i];
+        ck_assert_int_eq(pen_clock_between(begun, INT64_MAX, 1), INT64_MAX);
+        ck_assert_int_eq(pen_clock_between(begun, INT64_MAX, 0), begun);
+        ck_assert_int_eq(pen_clock_between(begun, begun + 1000, 0.25), begun + 250);
+        ck_assert_int_eq(pen_clock_between(begun, begun, 0.5), begun);
+    }
+}
+END_TEST
+
 START_TEST(test_cpu__instruction_sets_can_be_forced)
 {
     unsetenv("PENUMBRA_ISA");
@@ -107,5 +120,6 @@ START_TEST(test_cpu__model_fits)
 END_TEST
 
 PEN_SUITE("system", test_clock__durations, test_clock__wall_time_is_that_of_the_system,
-          test_clock__format, test_cpu__instruction_sets_can_be_forced,
-          test_cpu__count_follows_the_affinity, test_cpu__model_fits)
+          test_clock__format, test_clock__all_of_a_time_ends_at_its_end,
+          test_cpu__instruction_sets_can_be_forced, test_cpu__count_follows_the_affinity,
+          test_cpu__model_fits)
