@@ -337,12 +337,13 @@ static int run_worker_process(const struct pen_config *config, struct pen_event_
         pen_crash_record_install(worker.options.trace);
     if (!take_test_settings(&worker.options, &hook, &st) || !release_dead(store, config, &st))
         return fail(&st);
+    /* Before a job is taken: a crash afterwards is the job's, one before is the worker's. */
+    pen_control_send(events->control_fd, "ready");
     if (pthread_create(&thread, NULL, run_worker, &worker) != 0) {
         pen_fail(&st, PEN_NO_MEMORY, "cannot start a thread");
         return fail(&st);
     }
     pen_log(PEN_LOG_INFO, "working as %s", id);
-    pen_control_send(events->control_fd, "ready");
     handle_worker_events(config, events, &worker, store);
     pthread_join(thread, NULL);
     if (!worker.ok)
