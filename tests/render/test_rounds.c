@@ -270,6 +270,31 @@ START_TEST(test_rounds__states_with_impossible_rounds_are_refused)
 }
 END_TEST
 
+START_TEST(test_rounds__states_with_impossible_times_are_refused)
+{
+    static const struct {
+        double render_ms;
+        bool refused;
+    } cases[] = {{0, false},       {1e9, false},      {-1, true}, {1e300, true},
+                 {INFINITY, true}, {-INFINITY, true}, {NAN, true}};
+    set_up();
+    struct pen_render_stats stats;
+    struct pen_buf kept = state_within_a_round(&stats);
+    pen_buf_release(&kept);
+    struct picture p = picture_new();
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        stats.render_ms = cases[i].render_ms;
+        pen_adaptive_save(p.adaptive, &stats, "this build", &kept);
+        ck_assert_msg(is_refused(kept.data, kept.bytes, "this build") == cases[i].refused, "%g ms",
+                      cases[i].render_ms);
+        pen_buf_release(&kept);
+    }
+    picture_free(&p);
+    free(stats.tile_ms);
+    pen_scene_free(scene);
+}
+END_TEST
+
 /* Half the error takes 2^(8/5) = 3.03 times the rays. */
 START_TEST(test_rounds__share_of_rays_that_are_traced)
 {
@@ -349,5 +374,6 @@ PEN_SUITE("rounds", test_rounds__interrupted_after_each_round_it_gives_the_same_
           test_rounds__pauses_anywhere_give_the_same_film,
           test_rounds__states_of_other_builds_and_pictures_are_refused,
           test_rounds__states_with_impossible_rounds_are_refused,
+          test_rounds__states_with_impossible_times_are_refused,
           test_rounds__share_of_rays_that_are_traced,
           test_rounds__a_pause_finishes_the_tiles_that_are_begun_and_no_more)
