@@ -47,12 +47,18 @@ expect_problem absolute-form-of-another-host 403
 # A line of the log names the request, job, batch and attempt that it is about.
 daemon_stop
 daemon_start --log-format json --log-level debug
-submit "$small" -H 'X-Request-Id: find.me-1'
+# A single tile is a single batch, which is not divided however long it takes
+submit '{"scene": "builtin:spheres", "render": {"width": 64, "height": 48, "tile": 64}}' -H 'X-Request-Id: find.me-1'
 call "$job?wait=60"
-daemon_stop
 lines() { # FILTER: prints the number of JSON lines in the log that match
     grep '^{' "$work/log" | jq -c --arg job "${job##*/}" "select($1)" | wc -l | tr -d ' '
 }
-expect log-names-the-request "$(lines '.process == "api" and .job == $job and .request == "find.me-1"')" 1
+request='.process == "api" and .job == $job and .request == "find.me-1"'
+request_is_logged() {
+    [ "$(lines "$request")" -gt 0 ]
+}
+within 10 request_is_logged # after its answer was sent; at its end the daemon does not wait long for lines
+daemon_stop
+expect log-names-the-request "$(lines "$request")" 1
 expect log-names-the-batch "$(lines '.process == "worker" and .job == $job and .batch > 0 and .attempt == 1')" 1
 finish
