@@ -288,6 +288,7 @@ call /v1/jobs -H 'Content-Type: application/json' -H "traceparent: $trace" -d "$
 expect traced-job "$status $(body .traceparent)" "202 $trace"
 call "/v1/jobs/$(body .id)"
 expect trace-is-kept "$(body .traceparent)" "$trace"
+within 10 grep -q "traceparent=$trace" "$work/log" # after the answer was sent
 expect trace-is-logged "$(grep -c "POST /v1/jobs 202 .* traceparent=$trace" "$work/log")" 1
 for wrong in 01-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01 00-4bf9-00f067aa0ba902b7-01 \
     00-00000000000000000000000000000000-00f067aa0ba902b7-01 "$trace-x" x; do
