@@ -156,13 +156,23 @@ call "$big" -X DELETE
 expect_problem delete-unfinished 409
 
 # The place of jobs that wait behind it, since their priority is lower
+big_runs() {
+    call "$big"
+    [ "$(body .state)" = running ]
+}
+within 10 big_runs
+# The queue is read again after 20 times as long as that took, which a halt of the daemon makes long
+has_place() {
+    call "$third"
+    [ "$(body .queue_position)" = "$1" ]
+}
 waiting='{"scene": "builtin:spheres", "priority": -50, "render": {"width": 8, "height": 8}}'
 submit "$waiting"
 second=$job
 submit "$waiting"
 expect submit-without-place "$(body 'has("queue_position")')" false
 third=$job
-call "$third"
+within 100 has_place 2
 expect place-of-the-last "$(body .queue_position) $(header etag)" "2 W/\"$(body .revision)\""
 expect eta-of-the-last "$(body '.progress.eta_seconds > 0')" true
 tag=$(header etag)
@@ -170,12 +180,7 @@ call "$third" -H "If-None-Match: $tag"
 expect weak-tag-not-modified "$status" 304
 call "$second/cancel" -X POST
 expect no-place-any-more "$(body 'has("queue_position")')" false
-# The queue is read again after 20 times as long as that took
-is_first() {
-    call "$third"
-    [ "$(body .queue_position)" = 1 ]
-}
-within 10 is_first
+within 100 has_place 1
 expect place-moves-up "$(body .queue_position) $(header etag)" "1 $tag"
 call "$big"
 expect running-has-no-place "$(body 'has("queue_position")') $(header etag)" "false \"$(body .revision)\""
@@ -191,7 +196,8 @@ expect cancel "$status $(body .state)" "202 cancelled"
 wait $waiter
 took=$((($(date +%s%N) - begun) / 1000000))
 expect wait-returns-the-cancelled-job "$(jq -r .state "$work/waited")" cancelled
-expect_match wait-returns-within-a-second "$([ $took -lt $((1000 * patience)) ] && echo yes || echo "after $took ms")" yes
+# It would have waited for 50 s
+expect_match wait-ends-with-the-job "$([ $took -lt 25000 ] && echo yes || echo "after $took ms")" yes
 call "$big/cancel" -X POST
 expect cancel-again "$status $(body .state)" "202 cancelled"
 call "$first/cancel" -X POST
