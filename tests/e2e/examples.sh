@@ -41,8 +41,14 @@ expect benchmark-reports "$(cd "$work/reports" && echo *)" "report.csv report.ht
 expect effects "$(sh $examples/effects.sh "$work/bill.html" | cut -d' ' -f1 | tr '\n' ' ')" \
     "ambient hard_shadows shadow_transmittance mirror transmission specular sky patterns refraction "
 expect effects-page "$(head -n 1 "$work/bill.html")" "<!doctype html>"
-expect explain "$(sh $examples/explain.sh | sed -n '1p;$p' | sed 's/[:0-9].*//' | tr '\n' ' ')" "ambient time "
-expect explain-a-file "$(sh $examples/explain.sh scenes/spheres.json | grep -c '^rays: ')" 1
+explain() { # [SCENE.json]: after 10 s the answer is the job (202), which the script cannot print
+    for _ in 1 2 3; do
+        sh $examples/explain.sh "$@" >"$work/explained" && break
+    done
+    cat "$work/explained"
+}
+expect explain "$(explain | sed -n '1p;$p' | sed 's/[:0-9].*//' | tr '\n' ' ')" "ambient time "
+expect explain-a-file "$(explain scenes/spheres.json | grep -c '^rays: ')" 1
 
 submit "$long"
 expect cancel "$(sh $examples/cancel.sh "$job")" cancelled
