@@ -67,7 +67,8 @@ accepts_again() {
     [ "$status" = 202 ]
 }
 
-# recovers NAME: without the fault the same processes accept jobs again within 5 s.
+# recovers NAME: without the fault the same processes accept jobs again within 5 s. A try to recover that
+# fails puts the next one off by four times what it took, which under a sanitizer is longer.
 recovers() {
     begun=$(now_ms)
     fault ""
@@ -76,7 +77,7 @@ recovers() {
         [ "$took" -le "$longest" ] || longest=$took
         basename "$job" >>taken
         echo "# $1: jobs are accepted $took ms after the disk works"
-        expect "$1: jobs are accepted within 5 s afterwards" "$((took < 5000))" 1
+        expect "$1: jobs are accepted within 5 s afterwards" "$((took < 5000 * patience))" 1
     else
         not_ok "$1: jobs are accepted within 5 s afterwards" "$(cat ready.json body)"
     fi
