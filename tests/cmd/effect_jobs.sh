@@ -61,9 +61,11 @@ expect_problem "GET report of a running bill" 409 '*is running*'
 exits "an explanation after a cancelled bill" 0 curl -sf "$url/v1/explain" -d "$small"
 job=$("$penumbra" submit builtin:glass $run --repeats 2)
 check_goes_on "$job" 4
-check_gives_way "$job" 6
 exits "the bill of a killed worker succeeds" 0 "$penumbra" wait "$job" -q
 expect "and all its renders are counted" "$(curl -s "$url/v1/jobs/$job" | jq -c '.progress.done == .progress.total')" true
+job=$("$penumbra" submit builtin:glass $run --repeats 100) # the first may end before another job is there
+check_gives_way "$job" 2
+"$penumbra" cancel "$job" >/dev/null
 
 # Explanations
 explain '{"scene": "builtin:glass", "render": {"width": 160, "height": 120}}'
