@@ -45,6 +45,16 @@ prints() {
     fi
 }
 
+# samples_lasting MS ARGUMENT…: prints the samples per pixel with which the render of these arguments takes
+# about so long. The shortest of three renders counts, since one alone may have been held up.
+samples_lasting() {
+    ms=$1
+    shift
+    for _ in 1 2 3; do
+        "$penumbra" render "$@" -q --stats "$work/stats.json" && cat "$work/stats.json"
+    done | jq -s "map(.timing.render_ms) | $ms / (min + 1) | floor + 1"
+}
+
 # child ROLE: prints the process id of the daemon's child in that role (api or work).
 child() {
     pgrep -P "$daemon" -x "penumbrad-$1"
