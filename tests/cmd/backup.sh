@@ -45,32 +45,38 @@ for i in 1 2 3 4 5; do
     } >big.json
     "$penumbra" submit big.json >>log
 done
-is_copying() { [ "$(find . -name 'd.db.part-*' -size +1000k | wc -l)" -gt 0 ]; }
+is_made() { [ -e d.db ] || [ "$(find . -name 'd.db.part-*' -size +1000k | wc -l)" -gt 0 ]; }
 no_copy() { [ -z "$(find . -name 'd.db*')" ]; }
-begin_backup() {
-    env --default-signal=INT "$build/penumbrad" backup d.db --store "$store" >stdout 2>stderr &
-    backup=$!
-    within 20 is_copying || not_ok "the backup begins" "$(ls -l)"
+# ended_by COMMAND…: begins backups until one was still being made when the command came, which ends it. One
+# that looked at signals no longer is made to its end, and has its name then. Sets $code.
+ended_by() {
+    for _ in 1 2 3 4 5 6 7 8 9 10; do
+        env --default-signal=INT "$build/penumbrad" backup d.db --store "$store" >stdout 2>stderr &
+        backup=$!
+        within 20 is_made || not_ok "the backup begins" "$(ls -l)"
+        maker=$(pgrep -P $backup)
+        "$@" 2>>log
+        wait $backup 2>>log
+        code=$?
+        [ -z "$maker" ] || within 20 gone "$maker" || not_ok "the process that makes the backup ends" "$maker"
+        [ -e d.db ] || return
+        rm d.db
+    done
+    not_ok "a backup is ended while it is made" "it is done before: $*"
 }
+end_backup() { kill "-$1" $backup; } # SIGNAL
+end_maker() { kill -KILL "$maker"; }
+end_both() { kill -KILL $backup "$maker"; }
 for signal in TERM=143 INT=130 KILL=137; do
-    code=${signal#*=} signal=${signal%=*}
-    begin_backup
-    kill "-$signal" $backup
-    wait $backup 2>>log
-    expect "a backup dies of SIG$signal" "$?" "$code"
+    ended_by end_backup ${signal%=*}
+    expect "a backup dies of SIG${signal%=*}" "$code" "${signal#*=}"
     check "and leaves nothing" within 20 no_copy
 done
-begin_backup
-kill -KILL "$(pgrep -P $backup)"
-wait $backup 2>>log
-expect "a backup dies with the process that makes it" "$?" 137
+ended_by end_maker
+expect "a backup dies with the process that makes it" "$code" 137
 check "and leaves nothing" no_copy
 check "and says so" grep -q 'was ended by a signal' stderr
-begin_backup
-maker=$(pgrep -P $backup)
-kill -KILL $backup "$maker"
-wait $backup 2>>log
-within 20 gone "$maker"
+ended_by end_both
 exits "the next backup" 0 "$build/penumbrad" backup d.db --store "$store"
 expect "removes what two processes that were killed at once have left" "$(find . -name 'd.db*')" ./d.db
 expect "no temporary file of a backup remains" "$(find . -name '*.part-*' | wc -l | tr -d ' ')" 0
