@@ -27,7 +27,7 @@ expect "JSON has the build id of the program" "$(jq -r .host.build r.json)" \
     "$(readelf -n "$penumbra" | sed -n 's/.*Build ID: //p')"
 expect "three repeats decide nothing" "$(jq -c '[.rows[].verdict], .noise, .ended_by' r.json | tr '\n' ' ')" \
     '["baseline","undecided"] null "repeats" '
-exits "bench until the intervals are narrow" 0 "$penumbra" bench builtin:spheres $tiny -m tile=8,16 --interval 1 -o i.json
+exits "bench until the intervals are narrow" 0 "$penumbra" bench builtin:spheres $tiny -m tile=8,16 --interval 1 --budget 3600 -o i.json
 # On a machine that takes the processors away from most runs, there is no interval after 640 repeats.
 expect "it ends at a doubling of 10, and has a twin" "$(jq -c '[.repeats % 10, .noise.pairs - .repeats,
     if .rows[1].ratio.low != null then .ended_by == "interval"

@@ -186,7 +186,8 @@ waiter=$!
 working() {
     "$penumbra" top --json >top.json &&
         [ "$(jq -r '.workers[0].batches[0].job' top.json)" = "$long_id" ] &&
-        [ "$(jq '.running[0].progress.done > 0' top.json)" = true ]
+        [ "$(jq '.running[0].progress.done > 0' top.json)" = true ] &&
+        [ "$(jq -c '[.running, .queued] | map(length)' top.json)" = '[1,0]' ] # the short jobs before it have ended
 }
 check "top --json shows the worker's batch" within 30 working
 expect "top --json shows the worker's threads" "$(jq '.workers[0].threads' top.json)" 2

@@ -20,7 +20,7 @@ kill -TERM "$api" "$worker" "$daemon"
 wait "$daemon"
 expect "the daemon ends with exit code 0" "$?" 0
 daemon=
-check "its children are gone" gone "$api" "$worker"
+check "its children are gone" within 2 gone "$api" "$worker"
 expect "none was started again" "$(grep -c 'starting it again' "$work/log")" 0
 
 # While the children are being started

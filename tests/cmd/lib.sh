@@ -79,22 +79,31 @@ has_runs() {
     [ "$(done_runs "$1")" -ge "$2" ]
 }
 
+# goes_beyond ID COUNT: whether a study has done more runs, or all it has.
+goes_beyond() {
+    curl -s "$url/v1/jobs/$1" | jq -e ".progress.done > $2 or .state == \"succeeded\"" >"$work/output"
+}
+
 # check_goes_on ID COUNT: kills the worker of a study after COUNT runs, more than one of which it must have
-# kept, and checks that the next worker does not begin with the first again.
+# kept, and checks that the next worker does not begin with the first again. Runs are reported before they are
+# kept, so the worker is killed after one more report.
 check_goes_on() {
     within 60 has_runs "$1" "$2" || not_ok "the study whose worker is killed" "does not run: $(done_runs "$1")"
+    within 60 goes_beyond "$1" "$(done_runs "$1")"
     kill -KILL "$(child work)"
-    least=$2
+    killed=$(done_runs "$1")
+    least=$killed now=$killed
     tries=$((3000 * patience))
-    while now=$(done_runs "$1") && [ "$now" -le "$2" ] && [ "$tries" -gt 0 ]; do
+    while ! goes_beyond "$1" "$killed" && [ "$tries" -gt 0 ]; do
+        sleep 0.02
+        now=$(done_runs "$1")
         [ "$now" -ge "$least" ] || least=$now
         tries=$((tries - 1))
-        sleep 0.02
     done
-    if [ "$least" -ge 1 ] && [ "$now" -gt "$2" ]; then
+    if [ "$least" -ge 1 ] && [ "$tries" -gt 0 ]; then
         ok "the next worker goes on with the study"
     else
-        not_ok "the next worker goes on with the study" "killed after $2 runs, then $least, then $now"
+        not_ok "the next worker goes on with the study" "killed after $killed runs, then $least, then $now"
     fi
     expect "a killed worker is not charged to its study" "$(curl -s "$url/v1/jobs/$1" | jq .attempts)" 1
 }
