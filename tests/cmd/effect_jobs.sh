@@ -7,10 +7,19 @@ daemon_start
 PENUMBRA_URL=$url
 export PENUMBRA_URL
 
-explain() { # JSON [CURL-ARGUMENT...]
-    json=$1
-    shift
-    call /v1/explain -H 'Content-Type: application/json' --data-binary "$json" "$@"
+# explain DATA: asks for an explanation, up to three times: one that takes longer than 10 s becomes a job, which
+# is removed. DATA is JSON or @FILE.
+explain() {
+    for _ in 1 2 3; do
+        call /v1/explain -H 'Content-Type: application/json' --data-binary "$1"
+        [ "$status" = 202 ] || return
+        late=$(header location)
+        curl -s -o /dev/null -X POST "$url$late/cancel"
+        curl -s -o /dev/null -X DELETE "$url$late"
+    done
+}
+up_ms() { # since the machine's start; the time of day may be set meanwhile
+    awk '{ printf "%d\n", $1 * 1000 }' /proc/uptime
 }
 jobs_left() {
     curl -s "$url/v1/jobs?kind=explain" | jq '.jobs | length'
@@ -57,7 +66,8 @@ expect "the worker says what it does" "$(curl -s "$url/v1/workers" | jq -c '[.wo
 call "/v1/jobs/$job/report"
 expect_problem "GET report of a running bill" 409 '*is running*'
 "$penumbra" cancel "$job" >/dev/null
-exits "an explanation after a cancelled bill" 0 curl -sf "$url/v1/explain" -d "$small"
+explain "$small"
+expect "an explanation after a cancelled bill" "$status" 200
 job=$("$penumbra" submit builtin:glass $run --repeats 2)
 check_goes_on "$job" 4
 exits "the bill of a killed worker succeeds" 0 "$penumbra" wait "$job" -q
@@ -77,7 +87,7 @@ expect "the same as on the command line" "$(body '[.effects, .absent, .kernel, .
 expect "without a render nothing is actual" "$(body '.time_ms | has("actual")')" false
 explain '{"scene": "builtin:glass", "analyze": true, "render": {"width": 160, "height": 120}}'
 expect "--analyze over HTTP" "$status $(body '.rays.primary.actual')" "200 19200"
-call /v1/explain -H 'Content-Type: application/json' --data-binary @"$root/tests/golden/scenes/refraction.json"
+explain @"$root/tests/golden/scenes/refraction.json"
 expect "a bare scene" "$status" 200
 call /v1/explain -H 'Content-Type: text/xml' --data-binary '<fog/>'
 expect_problem "a wrong scene in XML" 422 '*'
@@ -97,9 +107,10 @@ curl -s -X DELETE "$url$failed"
 expect "no explanation that was answered is kept" "$(jobs_left)" 0
 
 # One that takes longer than 10 s becomes a job.
-begun=$(date +%s%N)
-explain '{"scene": "builtin:glass", "analyze": true, "render": {"width": 3000, "height": 2400, "samples_per_pixel": 64}}'
-took=$((($(date +%s%N) - begun) / 1000000))
+begun=$(up_ms)
+call /v1/explain -H 'Content-Type: application/json' \
+    --data-binary '{"scene": "builtin:glass", "analyze": true, "render": {"width": 3000, "height": 2400, "samples_per_pixel": 64}}'
+took=$(($(up_ms) - begun))
 expect "a long explanation" "$status $(body .kind)" "202 explain"
 if [ "$took" -ge 9900 ] && [ "$took" -lt 30000 ]; then ok "is answered after 10 s"; else not_ok "is answered after 10 s" "$took ms"; fi
 job=$(header location)
