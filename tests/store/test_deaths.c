@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "support/store.h"
 #include "support/store_sql.h"
@@ -12,6 +11,12 @@
 
 static struct store_bed bed;
 static struct pen_claim blamed; /* the claim that the last error was made from */
+static int64_t time_ms;
+
+static int64_t read_time(void *user)
+{
+    return *(const int64_t *)user;
+}
 
 static char *death_error(void *user, const struct pen_claim *claim, int charges)
 {
@@ -196,7 +201,9 @@ START_TEST(test_deaths__job_that_keeps_losing_workers_is_paused_while_others_are
 {
     struct store_job bad, good;
     struct pen_claim claim;
+    time_ms = INT64_C(1800000000000);
     store_bed_open(&bed);
+    pen_store_set_clock(bed.store, read_time, &time_ms);
     submit(&bad, 1, 1, 10);
     claim = store_claim(bed.store, "w");
     end_worker("w", PEN_WORKER_DIED);
@@ -207,7 +214,7 @@ START_TEST(test_deaths__job_that_keeps_losing_workers_is_paused_while_others_are
     claim = store_claim(bed.store, "w");
     ck_assert_str_eq(claim.job_id, good.id);
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
-    nanosleep(&(struct timespec){.tv_nsec = 600000000}, NULL);
+    time_ms += 600;
     claim = store_claim(bed.store, "w"); /* the pause is over */
     ck_assert_str_eq(claim.job_id, bad.id);
     end_worker("w", PEN_WORKER_DIED);
@@ -222,13 +229,6 @@ START_TEST(test_deaths__job_that_keeps_losing_workers_is_paused_while_others_are
     store_bed_close(&bed);
 }
 END_TEST
-
-static int64_t time_ms;
-
-static int64_t read_time(void *user)
-{
-    return *(const int64_t *)user;
-}
 
 static bool set_back(const struct pen_claim *claim, bool always)
 {
