@@ -375,6 +375,9 @@ static void overwrite(const struct content *content, long from)
     close(fd);
 }
 
+/* A store tries to recover again within a minute, however long its last try took. */
+enum { STEP_US = 100000, RECOVERY_STEPS = 90 * 1000000 / STEP_US };
+
 /* While handles are open, all pages after the first are overwritten, and later restored. */
 START_TEST(test_damage__found_in_use_is_not_served_until_it_is_gone)
 {
@@ -398,9 +401,9 @@ START_TEST(test_damage__found_in_use_is_not_served_until_it_is_gone)
     ck_assert(!pen_store_probe(other, &st));
     overwrite(&good, 0);
     bool served = false;
-    for (int i = 0; i < 100 && !served; i++) {
+    for (int i = 0; i < RECOVERY_STEPS && !served; i++) {
         served = pen_store_job(other, in.id, &job, &st);
-        usleep(100000);
+        usleep(STEP_US);
     }
     store_must(served, &st, "job");
     pen_job_record_release(&job);
@@ -426,10 +429,10 @@ static bool submit_one(int n, struct pen_status *st)
 static void expect_refusal(int n, const char *hint)
 {
     struct pen_status st = {0};
-    for (int i = 0; i < 20 && !strstr(st.msg, hint); i++) {
+    for (int i = 0; i < RECOVERY_STEPS && !strstr(st.msg, hint); i++) {
         ck_assert(!submit_one(n, &st));
         ck_assert_int_eq(st.code, PEN_STORAGE);
-        usleep(100000);
+        usleep(STEP_US);
     }
     ck_assert_msg(strstr(st.msg, hint) != NULL, "\"%s\" lacks \"%s\"", st.msg, hint);
 }
@@ -450,9 +453,9 @@ START_TEST(test_damage__file_that_loses_its_name_takes_no_jobs)
     expect_refusal(2, "another file was put in the place");
     ck_assert_int_eq(rename(away, bed.url), 0);
     bool ok = false;
-    for (int i = 0; i < 50 && !ok; i++) {
+    for (int i = 0; i < RECOVERY_STEPS && !ok; i++) {
         ok = submit_one(2, &st);
-        usleep(100000);
+        usleep(STEP_US);
     }
     store_must(ok, &st, "submit");
     ck_assert_int_eq(store_work_off(bed.store, "w"), 2);

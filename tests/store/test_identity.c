@@ -370,12 +370,14 @@ START_TEST(test_identity__the_log_of_another_store_is_not_applied)
 }
 END_TEST
 
-/* Submits until the call fails with this message or succeeds. */
+/* Submits until the call fails with this message or succeeds. A store tries to recover again within
+ * a minute, however long its last try took. */
 static void expect_submit(int n, const char *hint)
 {
+    enum { STEP_US = 50000, STEPS = 90 * 1000000 / STEP_US };
     struct pen_status st = {0};
     bool as_expected = false;
-    for (int i = 0; i < 100 && !as_expected; i++) {
+    for (int i = 0; i < STEPS && !as_expected; i++) {
         struct store_job in;
         struct pen_buf answer = {0};
         enum pen_submit_result result;
@@ -385,7 +387,7 @@ static void expect_submit(int n, const char *hint)
         as_expected = hint ? !ok && strstr(st.msg, hint) : ok;
         ck_assert(!hint || !ok);
         if (!as_expected)
-            usleep(50000);
+            usleep(STEP_US);
     }
     ck_assert_msg(as_expected, "%s", st.msg);
 }
