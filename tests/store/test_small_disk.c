@@ -12,6 +12,7 @@
 #include <sys/statvfs.h>
 #include <time.h>
 
+#include "base/clock.h"
 #include "support/small_disk.h"
 #include "support/store.h"
 #include "support/store_sql.h"
@@ -156,20 +157,86 @@ START_TEST(test_small_disk__long_reader_leaves_space_to_remove_jobs)
 }
 END_TEST
 
+enum { READERS = 2 };
+
 static atomic_bool end; /* sequentially consistent; tells the readers to end */
+
+static struct reader {
+    pthread_t thread;
+    _Atomic int64_t begun_ns, longest_ns; /* sequentially consistent: its read, and the longest */
+} readers[READERS];
 
 /* Reads again and again; of two such threads one always has a state of the store that is older
  * than the last commit. */
-static void *read_on(void *unused)
+static void *read_on(void *user)
 {
     enum { READ_MS = 30 };
-    (void)unused;
+    struct reader *reader = user;
     while (!end) {
-        sqlite3 *reader = begin_read();
+        sqlite3 *db = begin_read();
         pause_ms(READ_MS);
-        end_read(reader);
+        end_read(db);
+        const int64_t now_ns = pen_clock_ns(), took_ns = now_ns - reader->begun_ns;
+        if (took_ns > reader->longest_ns)
+            reader->longest_ns = took_ns;
+        reader->begun_ns = now_ns;
     }
     return NULL;
+}
+
+/* Whether the machine has ever kept a reader inside a read for longer than commits wait for one.
+ * Then the log may be long, and the disk full for a while. */
+static bool was_held_up(void)
+{
+    enum { HELD_UP_MS = 300 };
+    int64_t longest_ns = 0;
+    for (int i = 0; i < READERS; i++) {
+        const int64_t now_ns = pen_clock_ns() - readers[i].begun_ns,
+                      before_ns = readers[i].longest_ns;
+        longest_ns = now_ns > longest_ns ? now_ns : longest_ns;
+        longest_ns = before_ns > longest_ns ? before_ns : longest_ns;
+    }
+    return longest_ns > HELD_UP_MS * INT64_C(1000000);
+}
+
+/* Whether a call that has failed is to be repeated, since it found the disk full and a reader was
+ * held up. Waits until then. */
+static bool once_more(int *tries, const struct pen_status *st)
+{
+    enum { STEP_MS = 50, TRIES = 90000 / STEP_MS };
+    if (st->code != PEN_STORAGE_FULL || !was_held_up() || ++*tries > TRIES)
+        return false;
+    pause_ms(STEP_MS);
+    return true;
+}
+
+static void put_in_time(const struct pen_claim *claim)
+{
+    struct pen_status st;
+    int tries = 0;
+    bool put = put_picture(claim, 0, &st);
+    while (!put && once_more(&tries, &st))
+        put = put_picture(claim, 0, &st);
+    store_must(put, &st, "put");
+}
+
+/* On a full disk, which is filled again meanwhile: others take what becomes free. */
+static void remove_in_time(int n)
+{
+    struct pen_status st;
+    struct store_job in;
+    int tries = 0;
+    store_job_init(&in, n, 1, 1);
+    small_disk_fill(bed.folder, 0);
+    bool cancelled = pen_store_cancel(bed.store, in.id, &st);
+    while (!cancelled && once_more(&tries, &st))
+        cancelled = pen_store_cancel(bed.store, in.id, &st);
+    store_must(cancelled, &st, "cancel");
+    small_disk_fill(bed.folder, 0);
+    bool deleted = pen_store_delete(bed.store, in.id, NULL, &st);
+    while (!deleted && once_more(&tries, &st))
+        deleted = pen_store_delete(bed.store, in.id, NULL, &st);
+    store_must(deleted, &st, "delete");
 }
 
 START_TEST(test_small_disk__overlapping_readers_let_jobs_be_removed)
@@ -177,32 +244,26 @@ START_TEST(test_small_disk__overlapping_readers_let_jobs_be_removed)
     enum { JOBS = 20, PICTURES = 300, LOG_BYTES_MAX = 2 << 20 };
     struct pen_status st;
     struct pen_claim claims[JOBS];
-    pthread_t readers[2];
     if (!open_small_disk(DISK_MIB))
         return;
     for (int n = 0; n < JOBS; n++) {
         store_must(submit(n, &st), &st, "submit");
         claims[n] = store_claim(bed.store, "w");
     }
-    for (int i = 0; i < 2; i++) {
-        ck_assert_int_eq(pthread_create(&readers[i], NULL, read_on, NULL), 0);
+    for (int i = 0; i < READERS; i++) {
+        readers[i].begun_ns = pen_clock_ns();
+        ck_assert_int_eq(pthread_create(&readers[i].thread, NULL, read_on, &readers[i]), 0);
         pause_ms(15);
     }
     for (int i = 0; i < PICTURES; i++) /* the same few, so that only the log grows */
-        store_must(put_picture(&claims[i % JOBS], 0, &st), &st, "put");
+        put_in_time(&claims[i % JOBS]);
     printf("# log of %lld bytes\n", (long long)log_bytes());
-    ck_assert_int_lt(log_bytes(), LOG_BYTES_MAX);
-    for (int n = 0; n < JOBS; n++) {
-        struct store_job in;
-        store_job_init(&in, n, 1, 1);
-        small_disk_fill(bed.folder, 0); /* again: others take what becomes free */
-        store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-        small_disk_fill(bed.folder, 0);
-        store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
-    }
+    ck_assert(log_bytes() < LOG_BYTES_MAX || was_held_up());
+    for (int n = 0; n < JOBS; n++)
+        remove_in_time(n);
     end = true;
-    for (int i = 0; i < 2; i++)
-        pthread_join(readers[i], NULL);
+    for (int i = 0; i < READERS; i++)
+        pthread_join(readers[i].thread, NULL);
     close_small_disk();
 }
 END_TEST
