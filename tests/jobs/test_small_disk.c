@@ -71,22 +71,32 @@ START_TEST(test_small_disk__large_layer_waits_and_others_go_on)
 }
 END_TEST
 
-static atomic_int pixels_begun;
+/* How many jobs that come before the slow one were submitted, and how many of them were begun. */
+static atomic_int urgent_sent, urgent_begun;
 
 static bool is_slow(void *user, const char *job_name)
 {
     (void)user;
-    return job_name && strcmp(job_name, "slow") == 0;
+    const bool slow = job_name && strcmp(job_name, "slow") == 0;
+    if (!slow)
+        atomic_store(&urgent_begun, atomic_load(&urgent_sent));
+    return slow;
 }
 
-/* The first pixels take longer than the worker takes to look for another job. */
+/* Twice, the slow job waits for another one to give way to, and takes much longer then than the
+ * worker takes to look for it. */
 static bool begin_slowly(void *user, int x, int y)
 {
+    enum { SLOW_ONES = 2 };
+    const int begun = atomic_load(&urgent_begun);
     (void)user;
     (void)x;
     (void)y;
-    if (atomic_fetch_add(&pixels_begun, 1) < 20000)
-        usleep(50);
+    if (begun >= SLOW_ONES)
+        return true;
+    while (atomic_load(&urgent_sent) == begun)
+        usleep(1000);
+    usleep(300);
     return true;
 }
 
@@ -114,12 +124,13 @@ START_TEST(test_small_disk__rounds_without_room_give_way_and_end)
         usleep(10000);
     while (store_job_state(bed.bed.store, id) == PEN_JOB_RUNNING) {
         jobs_submit(&bed, urgent, other);
+        atomic_fetch_add(&urgent_sent, 1);
         ck_assert_int_eq(jobs_wait(&bed, other), PEN_JOB_SUCCEEDED);
         ck_assert(!jobs_has_kept(&bed, id, PEN_KEPT_STATE));
         urgent_ones++;
         ck_assert_int_lt(urgent_ones, URGENT_MAX);
     }
-    ck_assert_int_ge(urgent_ones, 2); /* the last one may have come after its end */
+    ck_assert_int_ge(urgent_ones, 2);
     ck_assert_int_eq(store_job_state(bed.bed.store, id), PEN_JOB_SUCCEEDED);
     struct pen_job_record job = store_job_get(bed.bed.store, id);
     ck_assert_int_eq(job.attempts, 1); /* nothing was charged */

@@ -165,9 +165,26 @@ static bool wait_at_pixel(void *user, int x, int y)
     return true;
 }
 
+static atomic_bool urgent_is_sent;
+
+static bool wait_for_urgent(void *user, int x, int y)
+{
+    while (!atomic_load(&urgent_is_sent))
+        usleep(1000);
+    return wait_at_pixel(user, x, y);
+}
+
+static int64_t finished_ms(const char *of)
+{
+    struct pen_job_record job = store_job_get(bed.bed.store, of);
+    const int64_t at_ms = job.finished_ms;
+    pen_job_record_release(&job);
+    return at_ms;
+}
+
 START_TEST(test_worker__job_of_higher_priority_comes_within_a_long_batch)
 {
-    static const struct pen_worker_fault slow = {.wanted = is_slow, .pixel = wait_at_pixel};
+    static const struct pen_worker_fault slow = {.wanted = is_slow, .pixel = wait_for_urgent};
     char urgent[PEN_ID_BYTES];
     bed.fault = &slow;
     jobs_bed_open(&bed);
@@ -183,9 +200,10 @@ START_TEST(test_worker__job_of_higher_priority_comes_within_a_long_batch)
                 "{\"scene\": \"builtin:spheres\", \"priority\": 5,"
                 " \"render\": {\"width\": 16, \"height\": 12}}",
                 urgent);
+    atomic_store(&urgent_is_sent, true);
     ck_assert_int_eq(jobs_wait(&bed, urgent), PEN_JOB_SUCCEEDED);
-    ck_assert_int_ne(store_job_state(bed.bed.store, id), PEN_JOB_SUCCEEDED);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    ck_assert_int_lt(finished_ms(urgent), finished_ms(id));
     jobs_bed_close(&bed);
     bed.fault = NULL;
 }
