@@ -167,7 +167,7 @@ START_TEST(test_stats__paths_cut_off_do_not_depend_on_the_batches)
     submit_forks(100000, 6);
     json_t *several = stats_of_forks();
     submit_forks(100000, 6);
-    for (int i = 0; i < 2000 && done_pixels() == 0; i++)
+    for (int i = 0; i < 60000 && done_pixels() == 0; i++)
         usleep(2000);
     jobs_worker_stop(&bed);
     ck_assert_int_gt(done_pixels(), 0);

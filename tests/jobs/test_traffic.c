@@ -37,8 +37,11 @@ static const struct pen_store_observer observer = {.called = count};
 static void *work(void *user)
 {
     struct jobs_bed *b = user;
-    struct pen_worker_options options = {
-        .store_url = b->bed.url, .id = "test:1:1", .threads = 2, .observer = &observer};
+    struct pen_worker_options options = {.store_url = b->bed.url,
+                                         .id = "test:1:1",
+                                         .threads = 2,
+                                         .lease_ms = STORE_LEASE_MS, /* is never extended */
+                                         .observer = &observer};
     struct pen_status st;
     return pen_worker_run(&options, &b->stop, &st) ? b : NULL;
 }
