@@ -48,6 +48,21 @@ static bool list(struct pen_store *store, int number, struct pen_status *st)
 
 typedef bool work_fn(struct pen_store *store, int number, struct pen_status *st);
 
+/* How long a handle takes to write, the shortest of a few times: it waits for 5 s for a lock that
+ * another one keeps, each time. */
+static int64_t shortest_write_ms(struct pen_store *store)
+{
+    enum { TRIES = 3, SHORT_MS = 4000 };
+    struct pen_status st;
+    int64_t took_ms = SHORT_MS;
+    for (int i = 0; i < TRIES && took_ms >= SHORT_MS; i++) {
+        const int64_t begun_ns = pen_clock_ns();
+        store_must(pen_store_probe(store, &st), &st, "another handle writes");
+        took_ms = (pen_clock_ns() - begun_ns) / 1000000;
+    }
+    return took_ms;
+}
+
 /* A new handle runs out of memory in its first call; another handle must write afterwards. */
 static bool blocks_nobody(work_fn *work, long n, struct pen_store *other, struct pen_status *st)
 {
@@ -56,10 +71,7 @@ static bool blocks_nobody(work_fn *work, long n, struct pen_store *other, struct
     bool ok = work(store, 1000 + (int)n, st);
     bool refused = alloc_succeed();
     ck_assert_msg(ok || (refused && st->code == PEN_NO_MEMORY), "allocation %ld: %s", n, st->msg);
-    int64_t begun_ns = pen_clock_ns();
-    store_must(pen_store_probe(other, st), st, "another handle writes");
-    ck_assert_int_lt((pen_clock_ns() - begun_ns) / 1000000,
-                     4000); /* a wait for the lock would take 5 s */
+    ck_assert_int_lt(shortest_write_ms(other), 4000);
     store_must(work(store, 2000 + (int)n, st), st, "and so does this one");
     pen_store_close(store);
     return refused;
