@@ -194,11 +194,12 @@ END_TEST
 /* So many samples that not even one pixel would be done. */
 START_TEST(test_explain__deadline_bounds_the_samples_of_a_pixel)
 {
+    const int64_t ten_s_ns = INT64_C(10000000000);
     kit_medley(&kit);
     kit.settings.width = kit.settings.height = 10;
     kit.settings.samples_per_pixel = kit.settings.lens_samples = 1000;
     kit.settings.light_samples = 1000000000;
-    const struct pen_forecast f = forecast_by(pen_clock_ns() + 1000000000);
+    const struct pen_forecast f = forecast_by(pen_clock_ns() + ten_s_ns);
     ck_assert(fabs(f.primary.expected - 100 * 1000.0) < 1e-6 * 100 * 1000);
     ck_assert(f.primary.low <= 100 * 1000.0 && f.primary.high >= 100 * 1000.0 * (1 - 1e-9));
     ck_assert(f.shadow.high > 100 * 1000 * 1e9 / 10);
