@@ -280,7 +280,7 @@ static const char endless_batch[] =
 
 static void wait_for_state(enum pen_job_state wanted)
 {
-    for (int i = 0; i < 600 && store_job_state(bed.bed.store, id) != wanted; i++)
+    for (int i = 0; i < 6000 && store_job_state(bed.bed.store, id) != wanted; i++)
         usleep(10000);
     ck_assert_int_eq(store_job_state(bed.bed.store, id), wanted);
 }
@@ -311,7 +311,7 @@ START_TEST(test_worker__cancel_reaches_a_running_batch)
     /* The next job is done only after the worker has left the first one. */
     ck_assert_int_eq(jobs_wait(&bed, next), PEN_JOB_SUCCEEDED);
     int64_t took_ms = (pen_clock_ns() - begin_ns) / 1000000;
-    ck_assert_msg(took_ms < 10000, "it took %lld ms", (long long)took_ms);
+    ck_assert_msg(took_ms < 30000, "it took %lld ms", (long long)took_ms);
     ck_assert_int_eq(store_job_state(bed.bed.store, id), PEN_JOB_CANCELLED);
     jobs_bed_close(&bed);
 }

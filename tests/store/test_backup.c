@@ -154,6 +154,8 @@ START_TEST(test_backup__under_load_has_what_was_acknowledged_before)
     pthread_t writer;
     open_bed();
     ck_assert_int_eq(pthread_create(&writer, NULL, write_on, NULL), 0);
+    for (int i = 0; i < 60000 && atomic_load(&acknowledged) == 0; i++)
+        usleep(1000);
     int last = 0;
     for (int i = 0; i < BACKUPS; i++) {
         struct pen_status st;

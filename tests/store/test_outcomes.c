@@ -190,10 +190,11 @@ static void break_disk(enum fault_call call, int error)
     faults_arm(&(struct fault_plan){.calls = call, .mode = FAULT_FROM, .n = 1, .error = error});
 }
 
-/* Repeats a call while it fails as one that may be tried again. */
+/* Repeats a call while it fails as one that may be tried again, for 90 s: a store tries to recover
+ * again within a minute, however long its last try took. */
 #define REPEAT(call)                                                                               \
     for (int tries = 0; !(call); tries++) {                                                        \
-        ck_assert_msg(tries < 1000, "%s", st.msg);                                                 \
+        ck_assert_msg(tries < 4500, "%s", st.msg);                                                 \
         ck_assert_int_eq(pen_store_failure(bed.store, &st), PEN_FAILURE_RETRY);                    \
         nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);                                  \
     }

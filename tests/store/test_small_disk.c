@@ -106,10 +106,11 @@ static void end_read(sqlite3 *db)
     ck_assert_int_eq(sqlite3_close(db), SQLITE_OK);
 }
 
-/* The store takes jobs again by itself, soon. */
+/* The store takes jobs again by itself, soon: it tries to recover again within a minute, however
+ * long its last try took. */
 static void submit_in_time(int n)
 {
-    enum { RECOVERY_MS = 20000, STEP_MS = 50 };
+    enum { RECOVERY_MS = 90000, STEP_MS = 50 };
     struct pen_status st;
     int waited_ms = 0;
     for (; !submit(n, &st) && waited_ms < RECOVERY_MS; waited_ms += STEP_MS)
