@@ -185,18 +185,6 @@ START_TEST(test_rounds__worker_killed_within_a_round_goes_on_inside_it)
 }
 END_TEST
 
-/* Whether the first job had ended before the second one did; or came after that, as when this
- * thread was slow to submit it. */
-static bool did_not_wait(const char *first, const char *second)
-{
-    struct pen_job_record a = store_job_get(bed.bed.store, first),
-                          b = store_job_get(bed.bed.store, second);
-    const bool answer = a.finished_ms < b.finished_ms || a.created_ms > b.finished_ms;
-    pen_job_record_release(&a);
-    pen_job_record_release(&b);
-    return answer;
-}
-
 static void check_between_two_tiles(int round)
 {
     free_pixels = round * WIDTH * HEIGHT; /* the first round takes all */
@@ -242,7 +230,7 @@ START_TEST(test_rounds__job_of_higher_priority_comes_between_two_rounds)
     ck_assert_int_eq(jobs_wait(&bed, other), PEN_JOB_SUCCEEDED);
     struct pen_buf picture = finish();
     pen_buf_release(&picture);
-    ck_assert(did_not_wait(other, id));
+    ck_assert(jobs_did_not_wait(&bed, other, id));
     check_finished_picture();
     jobs_bed_close(&bed);
 }
@@ -283,7 +271,7 @@ START_TEST(test_rounds__budget_gives_way_and_goes_on_with_the_rest)
     jobs_submit(&bed, urgent, other);
     ck_assert_int_eq(jobs_wait(&bed, other), PEN_JOB_SUCCEEDED);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
-    ck_assert(did_not_wait(other, id));
+    ck_assert(jobs_did_not_wait(&bed, other, id));
     struct pen_status st;
     json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
     double render_ms;

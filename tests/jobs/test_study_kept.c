@@ -208,18 +208,6 @@ static void check_not_used(const struct kind *tested, enum damage done)
     jobs_bed_close(&bed);
 }
 
-/* Whether the first job had ended before the second one did; or came after that, as when this
- * thread was slow to submit it. */
-static bool did_not_wait(const char *first, const char *second)
-{
-    struct pen_job_record a = store_job_get(bed.bed.store, first),
-                          b = store_job_get(bed.bed.store, second);
-    const bool answer = a.finished_ms < b.finished_ms || a.created_ms > b.finished_ms;
-    pen_job_record_release(&a);
-    pen_job_record_release(&b);
-    return answer;
-}
-
 /* How many runs are kept; -1: nothing is. */
 static json_int_t kept_runs(void)
 {
@@ -255,7 +243,7 @@ static void check_gives_way(const struct kind *tested)
     }
     json_t *report = finish();
     for (int i = 0; i < URGENT; i++)
-        ck_assert(did_not_wait(others[i], id));
+        ck_assert(jobs_did_not_wait(&bed, others[i], id));
     struct pen_job_record job = store_job_get(bed.bed.store, id);
     ck_assert_int_eq(job.attempts, 1);
     pen_job_record_release(&job);

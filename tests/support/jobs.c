@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "support/random.h"
 
 void jobs_bed_open(struct jobs_bed *bed)
@@ -156,14 +157,25 @@ struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char 
 
 enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id)
 {
+    const int64_t until_ns = pen_clock_ns() + INT64_C(240000000000);
     uint32_t seen = 0;
-    for (int i = 0; i < 2400; i++) {
+    while (pen_clock_ns() < until_ns) {
         enum pen_job_state state = store_job_state(bed->bed.store, id);
         if (pen_job_state_ended(state))
             return state;
         pen_store_wait(bed->bed.store, PEN_SIGNAL_CHANGES, &seen, 100);
     }
     ck_abort_msg("job %s does not end", id);
+}
+
+bool jobs_did_not_wait(struct jobs_bed *bed, const char *first, const char *second)
+{
+    struct pen_job_record a = store_job_get(bed->bed.store, first),
+                          b = store_job_get(bed->bed.store, second);
+    const bool answer = a.finished_ms < b.finished_ms || a.created_ms > b.finished_ms;
+    pen_job_record_release(&a);
+    pen_job_record_release(&b);
+    return answer;
 }
 
 json_t *jobs_get(struct jobs_bed *bed, const char *id)

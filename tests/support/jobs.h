@@ -59,6 +59,10 @@ void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES]);
 /* Waits until the job has ended; the test fails after four minutes. */
 enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id);
 
+/* Whether the first of two jobs that have ended did so before the second, or came after that, as
+ * when a test is slow to submit it. */
+bool jobs_did_not_wait(struct jobs_bed *bed, const char *first, const char *second);
+
 /* The job as JSON; the caller json_decref()s. */
 json_t *jobs_get(struct jobs_bed *bed, const char *id);
 
