@@ -31,14 +31,15 @@
 #include "jobs/jobs.h"
 #include "kinds.h"
 
-enum { LEASE_MS = 600, KEEP_MS = 20, ROUND_JOBS = 6, KEY_BYTES = 48, JOBS_END_MS = 120000 };
-enum { HOUSEKEEPING_MS = 50, AGE_WAIT_MS = 5000, CLIENTS = 3, EARLIER_JOBS = 64 };
+enum { LEASE_MS = 600, KEEP_MS = 20, ROUND_JOBS = 6, KEY_BYTES = 48 };
+enum { JOBS_END_MS = 120000, ACKNOWLEDGE_MS = 60000, WORKER_END_MS = 15000 };
+enum { HOUSEKEEPING_MS = 50, AGE_WAIT_MS = 60000, CLIENTS = 3, EARLIER_JOBS = 64 };
 _Static_assert((int)ROUND_JOBS < (int)DAEMON_KEEP_JOBS, "a round's own jobs may be removed");
 
 struct job {
     int kind, priority, client;
     char id[PEN_ID_BYTES], key[KEY_BYTES]; /* id "": never acknowledged; key "": without */
-    bool cancelled;                        /* a cancel of it was acknowledged */
+    bool cancelled;                        /* a cancel of it was sent; its answer may be lost */
 };
 
 enum disturbance {
@@ -95,13 +96,14 @@ static bool submit(struct test *t, struct job *job)
     struct answer answer;
     snprintf(from, sizeof from, "10.0.0.%d", job->client + 1);
     kind_body(job->kind, job->priority, body, sizeof body);
-    for (int tries = 0; tries < (job->key[0] ? 100 : 1); tries++) {
+    const int64_t until_ns = pen_clock_ns() + (int64_t)ACKNOWLEDGE_MS * daemon_patience() * 1000000;
+    do {
         int port = atomic_load(&t->daemon.port);
         client_call(port, "POST", "/v1/jobs", job->key[0] ? job->key : NULL, from, body, &answer);
         if (answer.status == 202)
             return sscanf(answer.body, "{\"id\":\"%36[^\"]", job->id) == 1;
         pause_ms(50);
-    }
+    } while (job->key[0] && pen_clock_ns() < until_ns);
     return false;
 }
 
@@ -165,7 +167,8 @@ static void stop_worker(struct test *t)
         char how[END_BYTES];
         daemon_wait_for_worker(extra);
         kill(extra, SIGTERM);
-        bool well = process_end(extra, 10000, how);
+        /* SIGALRM ends it if the store is busy when it gives its unfinished batch back. */
+        bool well = process_end(extra, WORKER_END_MS * daemon_patience(), SIGALRM, how);
         check(t, well, "a worker alone ends with exit code 0", how);
     }
 }
@@ -179,12 +182,11 @@ static void cancel_some(struct test *t)
     if (i >= 0)
         snprintf(path, sizeof path, "/v1/jobs/%s/cancel", t->job[i].id);
     bool known = i >= 0 && t->job[i].id[0];
+    if (known)
+        t->job[i].cancelled = true;
     pthread_mutex_unlock(&t->lock);
     if (!known || client_call(t->daemon.port, "POST", path, NULL, NULL, NULL, &answer) != 202)
         return;
-    pthread_mutex_lock(&t->lock);
-    t->job[i].cancelled = true;
-    pthread_mutex_unlock(&t->lock);
     t->done[CANCEL]++;
 }
 
@@ -196,7 +198,7 @@ static void disturb(struct test *t)
         disturbance = draw(&t->random, 2) ? KILL_SUPERVISOR : DRAIN;
     switch (disturbance) {
     case KILL_SUPERVISOR:
-        check(t, daemon_kill(&t->daemon), "children of a killed supervisor end within 2 s", "");
+        check(t, daemon_kill(&t->daemon), "children of a killed supervisor end", "");
         t->done[disturbance]++;
         break;
     case KILL_API:
@@ -210,7 +212,7 @@ static void disturb(struct test *t)
             stop_worker(t);
         break;
     case DRAIN:
-        check(t, daemon_drain(&t->daemon), "a drained daemon ends with exit code 0 within 10 s",
+        check(t, daemon_drain(&t->daemon), "a drained daemon ends in its time, with exit code 0",
               "");
         t->done[disturbance]++;
         break;
@@ -229,8 +231,7 @@ static bool wait_for_all(struct test *t)
 {
     struct pen_store *store = pen_jobs_store(t->jobs);
     struct pen_status st;
-    const int patience = getenv("PEN_FEWER") ? 4 : 1; /* see tests/support/random.h */
-    int64_t until_ns = pen_clock_ns() + (int64_t)JOBS_END_MS * patience * 1000000;
+    int64_t until_ns = pen_clock_ns() + (int64_t)JOBS_END_MS * daemon_patience() * 1000000;
     for (int state = PEN_JOB_QUEUED; state <= PEN_JOB_RUNNING;) {
         struct pen_job_filter filter = {.state = state, .limit = 1};
         struct pen_job_record *jobs;
@@ -404,6 +405,7 @@ static void run_undisturbed(struct test *t)
     for (int k = 0; k < KINDS; k++) {
         struct job job = {.kind = k};
         struct pen_status st;
+        snprintf(job.key, sizeof job.key, "undisturbed-%d", k);
         check(t, submit(t, &job) && wait_for_all(t), "an undisturbed job succeeds", kind_name(k));
         t->wanted[k] = outcome_of(t->jobs, job.id, k);
         must(pen_store_delete(pen_jobs_store(t->jobs), job.id, NULL, &st), &st, "delete");

@@ -16,13 +16,17 @@ struct daemon {
 /* The ended jobs that the daemon keeps. It also takes X-Forwarded-For. */
 enum { DAEMON_KEEP_JOBS = 8 };
 
+/* How many times as long as usual to wait: builds with sanitizers are slow. */
+int daemon_patience(void);
+
 /* Starts the daemon on a free port and waits for its first line. Returns whether that has come. */
 bool daemon_start(struct daemon *daemon);
 
 /* Starts a worker process on the same store, without a supervisor. */
 pid_t daemon_extra_worker(const struct daemon *daemon);
 
-/* Waits, at most 10 s, until that worker waits for SIGTERM, which would end it at once before. */
+/* Waits, at most 10 s times the patience, until that worker waits for SIGTERM, which would end it
+ * at once before. */
 void daemon_wait_for_worker(pid_t pid);
 
 /* Prints the last lines of the log of all processes. */
@@ -31,17 +35,18 @@ void daemon_show_log(const struct daemon *daemon);
 /* The process id of the "api" or "work" child, 0 if there is none at the moment. */
 pid_t daemon_child(const struct daemon *daemon, const char *role);
 
-/* Kills the supervisor, and waits for the end of its children. Returns false after 2 s. */
+/* Kills the supervisor, and waits for the end of its children. Returns false after 15 s. */
 bool daemon_kill(struct daemon *daemon);
 
-/* Sends SIGTERM and waits. Returns whether the daemon ended within 10 s with exit code 0, and its
- * children too. */
+/* Sends SIGTERM and waits. Returns whether the daemon ended in its time with exit code 0, and its
+ * children too. It takes 10 s at most, to which come those that processes are held up for. */
 bool daemon_drain(struct daemon *daemon);
 
 /* Waits for the end of a child of this process, at most `ms`, then kills it. Returns whether it
- * ended by itself with exit code 0; else `how` tells how it ended. */
+ * ended by itself with exit code 0, or by the signal `also` unless that is 0; else `how` tells how
+ * it ended. */
 enum { END_BYTES = 60 };
-bool process_end(pid_t pid, int ms, char how[END_BYTES]);
+bool process_end(pid_t pid, int ms, int also, char how[END_BYTES]);
 
 /* The number of processes that run the daemon on this store, without zombies. */
 int daemon_processes(const struct daemon *daemon);
