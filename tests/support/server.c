@@ -197,7 +197,7 @@ bool client_sees_end(int fd, int seconds)
 {
     char part[4096];
     struct pollfd readable = {.fd = fd, .events = POLLIN};
-    while (poll(&readable, 1, 1000 * seconds) > 0) {
+    while (poll(&readable, 1, 1000 * seconds * client_patience()) > 0) {
         if (recv(fd, part, sizeof part, 0) <= 0)
             return true;
     }
@@ -257,13 +257,36 @@ void server_open_polls(const struct server *server, const char *path, const char
     }
 }
 
+/* The value behind this text in /metrics, -1 if it is not there. */
+static int metric_of(const struct server *server, const char *name)
+{
+    struct answer answer;
+    server_ask(server, "GET /metrics HTTP/1.1", NULL, &answer);
+    const char *found = strstr(answer.body, name);
+    const int value = found ? atoi(found + strlen(name)) : -1;
+    answer_release(&answer);
+    return value;
+}
+
+void server_wait_for_waiters(const struct server *server, int polls, int streams)
+{
+    int polls_now = -1, streams_now = -1;
+    for (int i = 0; i < 2000 && (polls_now < polls || streams_now < streams); i++) {
+        client_pause(10 * client_patience());
+        polls_now = metric_of(server, "\npenumbra_http_requests_in_progress{state=\"poll\"} ");
+        streams_now = metric_of(server, "\npenumbra_sse_clients ");
+    }
+    ck_assert_int_ge(polls_now, polls);
+    ck_assert_int_ge(streams_now, streams);
+}
+
 int client_first_answered(const int *fds, int count)
 {
     struct pollfd *list = calloc((size_t)count, sizeof *list);
     ck_assert_ptr_nonnull(list);
     for (int i = 0; i < count; i++)
         list[i] = (struct pollfd){.fd = fds[i], .events = POLLIN};
-    ck_assert_int_ge(poll(list, (nfds_t)count, 40000), 1);
+    ck_assert_int_ge(poll(list, (nfds_t)count, 40000 * client_patience()), 1);
     int first = 0;
     while (!list[first].revents)
         first++;

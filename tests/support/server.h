@@ -64,7 +64,7 @@ const char *answer_field(const struct answer *answer, const char *name, char *ou
 /* Whether bytes of an answer have come. */
 bool client_sees_answer(int fd);
 
-/* Whether the server closes the connection within `seconds`. */
+/* Whether the server closes the connection within `seconds`, times client_patience. */
 bool client_sees_end(int fd, int seconds);
 
 /* Makes one request on a new connection. `head` is a request line and fields, without Host and the
@@ -84,6 +84,10 @@ void server_submit(const struct server *server, char path[80]);
 /* Opens `count` long polls on a job, with further fields in lines of their own. */
 void server_open_polls(const struct server *server, const char *path, const char *fields, int *fds,
                        int count);
+
+/* Waits until so many long polls and event streams wait in the server. The test fails if they do
+ * not come. */
+void server_wait_for_waiters(const struct server *server, int polls, int streams);
 
 /* Waits until one of these connections can be read; returns its place. */
 int client_first_answered(const int *fds, int count);
