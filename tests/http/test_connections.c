@@ -22,19 +22,27 @@ START_TEST(test_connections__slow_requests_are_ended)
         ("POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: "
          "chunked\r\n\r\nffff\r\n")};
     struct server server;
-    server_start(&server, &(struct server_options){.idle_seconds = 2});
+    struct pollfd open[3];
+    server_start(&server, &(struct server_options){.idle_seconds = 4 * client_patience()});
+    for (int i = 0; i < 3; i++) {
+        open[i] = (struct pollfd){.fd = server_connect(&server), .events = POLLIN};
+        client_send(open[i].fd, beginnings[i]);
+    }
+    for (int parts = 0, left = 3; parts < 400 && left > 0; parts++) {
+        client_pause(100);
+        left = 0;
+        for (int i = 0; i < 3; i++) {
+            const bool waits = poll(&open[i], 1, 0) == 0;
+            left += waits && client_send(open[i].fd, "a");
+        }
+    }
     for (int i = 0; i < 3; i++) {
         struct answer answer;
-        int fd = server_connect(&server);
-        client_send(fd, beginnings[i]);
-        struct pollfd readable = {.fd = fd, .events = POLLIN};
-        for (int parts = 0; parts < 200 && poll(&readable, 1, 100) == 0; parts++)
-            client_send(fd, "a");
-        client_read(fd, false, &answer);
+        client_read(open[i].fd, false, &answer);
         ck_assert_msg(answer.status == 408, "%d: %d", i, answer.status);
         answer_release(&answer);
-        ck_assert(client_sees_end(fd, 10));
-        close(fd);
+        ck_assert(client_sees_end(open[i].fd, 10));
+        close(open[i].fd);
     }
     server_expect_alive(&server);
     server_stop(&server);
@@ -48,31 +56,30 @@ START_TEST(test_connections__early_bytes_buy_no_time)
     struct server server;
     struct answer answer;
     char head[120], *early = malloc(EARLY + 1);
-    server_start(&server, &(struct server_options){.idle_seconds = 3});
+    server_start(&server, &(struct server_options){.idle_seconds = 10});
     memset(early, ' ', EARLY);
     early[EARLY] = '\0';
-    int fd = server_connect(&server);
+    const int slow = server_connect(&server), fd = server_connect(&server);
     snprintf(head, sizeof head,
              "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n", EARLY + 1);
-    ck_assert(client_send(fd, head) && client_send(fd, early));
-    client_read(fd, false, &answer);
-    ck_assert_int_eq(answer.status, 408);
-    answer_release(&answer);
-    close(fd);
+    ck_assert(client_send(slow, head) && client_send(slow, early));
     early[PART] = '\0';
-    fd = server_connect(&server);
     snprintf(head, sizeof head,
              "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n",
              PARTS * PART);
     client_send(fd, head);
     for (int i = 0; i < PARTS; i++) { /* longer than the time, and faster than the rate */
-        client_pause(300);
+        client_pause(700);
         ck_assert(client_send(fd, early));
     }
     client_read(fd, false, &answer);
     ck_assert_int_eq(answer.status, 400); /* spaces are no JSON */
     answer_release(&answer);
     close(fd);
+    client_read(slow, false, &answer);
+    ck_assert_int_eq(answer.status, 408);
+    answer_release(&answer);
+    close(slow);
     free(early);
     server_stop(&server);
 }
@@ -184,10 +191,10 @@ static size_t read_bytes(int fd, size_t bytes)
     return got;
 }
 
-/* A reader that takes 256 KiB in a second keeps its answer, although the kernel could take
- * megabytes of it, and would not ask for more until a third of them was read. One that takes
- * nothing loses it, and so does one that takes something now and then, but no window in its time.
- */
+/* A reader that takes several windows in the time of one keeps its answer, although the kernel
+ * could take megabytes of it, and would not ask for more until a third of them was read. One that
+ * takes nothing loses it, and so does one that takes a little now and then, but no window in its
+ * time. */
 START_TEST(test_connections__slow_readers_keep_their_answer)
 {
     enum { PART = 1 << 16, PARTS = 24, LEAST = 8000000 }; /* the kernel keeps less than that */
@@ -195,7 +202,8 @@ START_TEST(test_connections__slow_readers_keep_their_answer)
     struct answer answer;
     char path[80], text[200];
     size_t taken = 0;
-    server_start(&server, &(struct server_options){.worker = true, .idle_seconds = 3});
+    const int factor = client_patience() > 2 ? client_patience() : 2;
+    server_start(&server, &(struct server_options){.worker = true, .idle_seconds = 3 * factor});
     server_ask(&server, "POST /v1/jobs HTTP/1.1",
                "{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 1000, \"height\": 800}}",
                &answer);
@@ -218,7 +226,7 @@ START_TEST(test_connections__slow_readers_keep_their_answer)
     client_send(silent, text);
     client_send(slower, text);
     for (int i = 0; i < PARTS; i++) {
-        client_pause(250);
+        client_pause(250 * factor);
         ck_assert_uint_eq(read_bytes(slow, PART), PART);
         taken += read_bytes(slower, PART / 16);
     }
@@ -362,7 +370,7 @@ START_TEST(test_connections__one_address_cannot_take_all_places)
         fds[i] = server_connect(&server);
         client_send(fds[i], text);
     }
-    client_pause(500);
+    server_wait_for_waiters(&server, WAITING, WAITING);
     ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.1", "?wait=1"), 429);
     ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.1", "/events"), 429);
     ck_assert_int_eq(status_of_poll(&server, path, "127.0.0.1", ""), 200);
