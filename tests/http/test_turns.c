@@ -215,39 +215,50 @@ START_TEST(test_turns__only_so_many_wait)
 }
 END_TEST
 
-/* A client asks for many large pictures, then another for one as large. */
-START_TEST(test_turns__large_pictures_of_two_clients)
+enum { PICTURES = 8 };
+
+/* A client asks for large pictures of a new job, then another for one. Returns how many of the
+ * first are answered when the other is. */
+static int count_before_other(const struct server *server)
 {
-    enum { PICTURES = 8 };
     static const char body[] =
         "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9], \"look_at\":"
         " [0, 0, 0]}, \"objects\": [], \"render\": {\"width\": 2500, \"height\": 2500}}";
-    struct server server;
     struct answer answer;
     char path[80], head[200];
     int fd[PICTURES], done = 0;
-    server_start(&server, &(struct server_options){0});
-    server_ask(&server, "POST /v1/jobs HTTP/1.1", body, &answer);
+    server_ask(server, "POST /v1/jobs HTTP/1.1", body, &answer);
     answer_field(&answer, "Location", path, sizeof path);
     answer_release(&answer);
     snprintf(head, sizeof head, "GET %s/preview HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
     for (int i = 0; i < PICTURES; i++) {
-        fd[i] = server_connect(&server);
+        fd[i] = server_connect(server);
         ck_assert(client_send(fd[i], head));
     }
     client_pause(50);
-    const int other = server_connect_from(&server, "127.0.0.2");
+    const int other = server_connect_from(server, "127.0.0.2");
     ck_assert(client_send(other, head));
     client_read(other, false, &answer);
     ck_assert_int_eq(answer.status, 200);
     answer_release(&answer);
     for (int i = 0; i < PICTURES; i++)
         done += client_sees_answer(fd[i]);
-    printf("# %d of %d pictures of one client were before that of another\n", done, PICTURES);
-    ck_assert_int_le(done, PICTURES / 2);
     close(other);
     for (int i = 0; i < PICTURES; i++)
         close(fd[i]);
+    return done;
+}
+
+/* A client asks for many large pictures, then another for one as large. */
+START_TEST(test_turns__large_pictures_of_two_clients)
+{
+    struct server server;
+    int done = PICTURES;
+    server_start(&server, &(struct server_options){0});
+    for (int i = 0; i < TRIES && done > PICTURES / 2; i++)
+        done = count_before_other(&server);
+    printf("# %d of %d pictures of one client were before that of another\n", done, PICTURES);
+    ck_assert_int_le(done, PICTURES / 2);
     server_stop(&server);
 }
 END_TEST
@@ -269,41 +280,52 @@ static struct pen_buf long_check(void)
     return scene;
 }
 
-/* A client has many scenes checked, and then a small one, and a picture made. */
-START_TEST(test_turns__small_checks_and_pictures_come_first)
+enum { CHECKS = 12 };
+
+/* A client has many scenes checked, and then a small one, and a picture made. Counts how many of
+ * the first are answered when the small one is, and when the picture is. */
+static void count_long_checks(const struct server *server, int done[2])
 {
-    enum { CHECKS = 12 };
     static const char small[] = "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\":"
                                 " [0, 0, 9], \"look_at\": [0, 0, 0]}, \"objects\": []}";
-    struct server server;
     struct pen_buf scene = long_check();
     char path[80], line[120], head[200];
-    int fd[CHECKS], done[2] = {0, 0};
-    server_start(&server, &(struct server_options){0});
-    server_submit(&server, path);
+    int fd[CHECKS];
+    server_submit(server, path);
     snprintf(line, sizeof line, "GET %s/preview HTTP/1.1", path);
     snprintf(head, sizeof head,
              "POST /v1/validate HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
              "Content-Length: %zu\r\n\r\n",
              scene.bytes - 1);
     for (int i = 0; i < CHECKS; i++) {
-        fd[i] = server_connect(&server);
+        fd[i] = server_connect(server);
         ck_assert(client_send(fd[i], head) && client_send(fd[i], (const char *)scene.data));
     }
     client_pause(50);
     for (int k = 0; k < 2; k++) {
         const char *asked = k == 0 ? "POST /v1/validate HTTP/1.1" : line;
-        ck_assert_int_eq(server_status(&server, asked, k == 0 ? small : NULL), 200);
+        done[k] = 0;
+        ck_assert_int_eq(server_status(server, asked, k == 0 ? small : NULL), 200);
         for (int i = 0; i < CHECKS; i++)
             done[k] += client_sees_answer(fd[i]);
     }
+    for (int i = 0; i < CHECKS; i++)
+        close(fd[i]);
+    pen_buf_release(&scene);
+}
+
+/* Neither waits for all of the long ones. */
+START_TEST(test_turns__small_checks_and_pictures_come_first)
+{
+    struct server server;
+    int done[2] = {CHECKS, CHECKS};
+    server_start(&server, &(struct server_options){0});
+    for (int i = 0; i < TRIES && (done[0] > CHECKS / 2 || done[1] >= CHECKS); i++)
+        count_long_checks(&server, done);
     printf("# of %d long checks %d were before a short one, %d before a picture\n", CHECKS, done[0],
            done[1]);
     ck_assert_int_le(done[0], CHECKS / 2);
     ck_assert_int_lt(done[1], CHECKS);
-    for (int i = 0; i < CHECKS; i++)
-        close(fd[i]);
-    pen_buf_release(&scene);
     server_stop(&server);
 }
 END_TEST
@@ -316,47 +338,58 @@ static void expect_submitted(int fd)
     answer_release(&answer);
 }
 
+enum { SUBMITS = 60 };
+
 /* Another writer keeps the store's one write lock, and more jobs are submitted than there are
- * threads: a read is answered, and a cancel does not wait for all of them. */
-START_TEST(test_turns__only_writers_wait_for_writers)
+ * threads: a read is answered. When the lock is free, a job is cancelled. Returns how many of the
+ * submits are answered when the cancel is. */
+static int count_before_cancel(const struct server *server)
 {
-    enum { SUBMITS = 60 };
     static const char submit[] = "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
                                  "Content-Length: 28\r\n\r\n{\"scene\": \"builtin:spheres\"}";
-    struct server server;
     char path[80], head[200];
     int fd[SUBMITS], done = 0;
     sqlite3 *db = NULL;
-    server_start(&server, &(struct server_options){0});
-    server_submit(&server, path);
-    ck_assert_int_eq(sqlite3_open(server.store, &db), SQLITE_OK);
+    server_submit(server, path);
+    ck_assert_int_eq(sqlite3_open(server->store, &db), SQLITE_OK);
     ck_assert_int_eq(sqlite3_busy_timeout(db, 60000), SQLITE_OK);
     ck_assert_int_eq(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
     for (int i = 0; i < SUBMITS; i++) {
-        fd[i] = server_connect(&server);
+        fd[i] = server_connect(server);
         ck_assert(client_send(fd[i], submit));
     }
     client_pause(50);
     snprintf(head, sizeof head, "GET %s HTTP/1.1", path);
-    ck_assert_int_eq(server_status(&server, head, NULL), 200);
+    ck_assert_int_eq(server_status(server, head, NULL), 200);
     for (int i = 0; i < SUBMITS; i++)
         done += client_sees_answer(fd[i]);
     ck_assert_int_eq(done, 0);
     snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
-    const int cancel = server_connect(&server);
+    const int cancel = server_connect(server);
     ck_assert(client_send(cancel, head));
     client_pause(50);
     sqlite3_close(db);
     expect_submitted(cancel);
     for (int i = 0; i < SUBMITS; i++)
         done += client_sees_answer(fd[i]);
-    printf("# %d of %d submits were before the cancel\n", done, SUBMITS);
-    ck_assert_int_le(done, SUBMITS - 10);
     close(cancel);
     for (int i = 0; i < SUBMITS; i++) {
         expect_submitted(fd[i]);
         close(fd[i]);
     }
+    return done;
+}
+
+/* A cancel does not wait for all submits that wait for another writer. */
+START_TEST(test_turns__only_writers_wait_for_writers)
+{
+    struct server server;
+    int done = SUBMITS;
+    server_start(&server, &(struct server_options){0});
+    for (int i = 0; i < TRIES && done > SUBMITS - 10; i++)
+        done = count_before_cancel(&server);
+    printf("# %d of %d submits were before the cancel\n", done, SUBMITS);
+    ck_assert_int_le(done, SUBMITS - 10);
     server_stop(&server);
 }
 END_TEST
