@@ -8,7 +8,15 @@
 #include "study/bench.h"
 #include "study/internal/bench_state.h"
 
-enum { WIDTH = 4, HEIGHT = 3, TILE = 2, ROWS = 2, RUNS = 8 };
+enum { WIDTH = 4, HEIGHT = 3, TILE = 2, TILES = 4, ROWS = 2, RUNS = 8 };
+
+/* One of the rounds, perhaps the first, goes on at one of the tiles. */
+static void check_adaptive_stats(const struct pen_adaptive_stats *stats)
+{
+    must(stats->rounds >= 0 && stats->rounds < PEN_ROUNDS_MAX);
+    const int tiles = stats->round[stats->rounds].tiles;
+    must(tiles >= 0 && tiles < TILES);
+}
 
 static void check_adaptive(const uint8_t *data, size_t size)
 {
@@ -23,7 +31,7 @@ static void check_adaptive(const uint8_t *data, size_t size)
     struct pen_adaptive *adaptive = pen_adaptive_new(&settings, &st);
     must(adaptive != NULL);
     if (pen_adaptive_load(adaptive, data, size, "b", &stats, rgb, &st))
-        must(stats.adaptive.rounds > 0 && stats.adaptive.rounds < PEN_ROUNDS_MAX);
+        check_adaptive_stats(&stats.adaptive);
     else
         must(st.code == PEN_NOT_FOUND);
     free(stats.tile_ms);
