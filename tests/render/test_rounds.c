@@ -216,6 +216,16 @@ static bool is_refused(const void *bytes, size_t count, const char *build)
     return !ok;
 }
 
+/* Whether a state with these statistics is refused. */
+static bool are_refused(const struct picture *p, const struct pen_render_stats *stats)
+{
+    struct pen_buf kept = {0};
+    pen_adaptive_save(p->adaptive, stats, "this build", &kept);
+    const bool refused = is_refused(kept.data, kept.bytes, "this build");
+    pen_buf_release(&kept);
+    return refused;
+}
+
 START_TEST(test_rounds__states_of_other_builds_and_pictures_are_refused)
 {
     set_up();
@@ -259,10 +269,8 @@ START_TEST(test_rounds__states_with_impossible_rounds_are_refused)
         stats.adaptive.rounds = cases[i].rounds;
         for (int k = 0; k < PEN_ROUNDS_MAX; k++)
             stats.adaptive.round[k].tiles = cases[i].tiles;
-        pen_adaptive_save(p.adaptive, &stats, "this build", &kept);
-        ck_assert_msg(is_refused(kept.data, kept.bytes, "this build") == cases[i].refused,
-                      "%d rounds and %d tiles", cases[i].rounds, cases[i].tiles);
-        pen_buf_release(&kept);
+        ck_assert_msg(are_refused(&p, &stats) == cases[i].refused, "%d rounds and %d tiles",
+                      cases[i].rounds, cases[i].tiles);
     }
     picture_free(&p);
     free(stats.tile_ms);
@@ -284,10 +292,7 @@ START_TEST(test_rounds__states_with_impossible_times_are_refused)
     struct picture p = picture_new();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         stats.render_ms = cases[i].render_ms;
-        pen_adaptive_save(p.adaptive, &stats, "this build", &kept);
-        ck_assert_msg(is_refused(kept.data, kept.bytes, "this build") == cases[i].refused, "%g ms",
-                      cases[i].render_ms);
-        pen_buf_release(&kept);
+        ck_assert_msg(are_refused(&p, &stats) == cases[i].refused, "%g ms", cases[i].render_ms);
     }
     picture_free(&p);
     free(stats.tile_ms);
