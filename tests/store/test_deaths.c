@@ -13,11 +13,6 @@ static struct store_bed bed;
 static struct pen_claim blamed; /* the claim that the last error was made from */
 static int64_t time_ms;
 
-static int64_t read_time(void *user)
-{
-    return *(const int64_t *)user;
-}
-
 static char *death_error(void *user, const struct pen_claim *claim, int charges)
 {
     char *text = malloc(64);
@@ -203,7 +198,7 @@ START_TEST(test_deaths__job_that_keeps_losing_workers_is_paused_while_others_are
     struct pen_claim claim;
     time_ms = INT64_C(1800000000000);
     store_bed_open(&bed);
-    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_bed_set_clock(&bed, &time_ms);
     submit(&bad, 1, 1, 10);
     claim = store_claim(bed.store, "w");
     end_worker("w", PEN_WORKER_DIED);
@@ -248,7 +243,7 @@ START_TEST(test_deaths__batch_that_is_set_back_lets_others_go_first)
     struct pen_claim claim;
     time_ms = INT64_C(1800000000000);
     store_bed_open(&bed);
-    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_bed_set_clock(&bed, &time_ms);
     submit(&large, 1, 1, 1);
     claim = store_claim(bed.store, "w");
     ck_assert(!set_back(&claim, false)); /* nobody waits */

@@ -194,17 +194,12 @@ START_TEST(test_leases__lease_that_has_run_out_still_commits_until_it_is_expired
 }
 END_TEST
 
-static int64_t read_time(void *user)
-{
-    return *(const int64_t *)user;
-}
-
 START_TEST(test_leases__heartbeat_keeps_a_lease_alive)
 {
     struct store_job in;
     int64_t time_ms = INT64_C(1800000000000);
     open_with_job(&in, 1, 1);
-    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_bed_set_clock(&bed, &time_ms);
     struct pen_claim claim = claim_for("w", 300);
     struct pen_status st;
     for (int i = 0; i < 12; i++) {

@@ -16,17 +16,12 @@ static const int64_t hour_ms = 3600000;
 static struct store_bed bed;
 static int64_t time_ms;
 
-static int64_t read_time(void *user)
-{
-    return *(const int64_t *)user;
-}
-
 static void open_bed(const struct pen_retention *keep)
 {
     struct pen_status st;
     time_ms = INT64_C(1800000000000);
     store_bed_open(&bed);
-    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_bed_set_clock(&bed, &time_ms);
     store_must(pen_store_set_retention(bed.store, keep, &st), &st, "retention");
 }
 

@@ -269,18 +269,13 @@ END_TEST
 
 static int64_t time_ms;
 
-static int64_t read_time(void *user)
-{
-    return *(const int64_t *)user;
-}
-
 /* Of two batches, the one that waits while the other one is rendered comes first. */
 START_TEST(test_shares__time_in_which_a_batch_is_rendered_is_not_waited)
 {
     struct pen_status st;
     time_ms = INT64_C(1800000000000);
     open_bed();
-    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_bed_set_clock(&bed, &time_ms);
     submit_many(5, 0, "10.0.0.2", NULL);
     time_ms += 130000;
     for (int i = 0; i < 5; i++)
@@ -310,7 +305,7 @@ START_TEST(test_shares__long_batch_gives_way_to_what_has_waited_long)
     struct pen_status st;
     time_ms = INT64_C(1800000000000);
     open_bed();
-    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_bed_set_clock(&bed, &time_ms);
     store_must(submit_job(1, "10.0.0.1", NULL, 1, 1, 0, 0, &st), &st, "submit");
     submit(0, "10.0.0.2", NULL, 1);
     submit(0, "10.0.0.3", NULL, 1);

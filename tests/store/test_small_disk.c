@@ -24,11 +24,6 @@ static struct store_bed bed;
 
 static int64_t time_ms;
 
-static int64_t read_time(void *user)
-{
-    return *(const int64_t *)user;
-}
-
 static bool open_small_disk(int mib)
 {
     struct pen_status st;
@@ -294,7 +289,7 @@ START_TEST(test_small_disk__large_result_waits_for_space_and_small_ones_go_on)
     if (!open_small_disk(DISK_MIB))
         return;
     time_ms = INT64_C(1800000000000);
-    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_bed_set_clock(&bed, &time_ms);
     store_must(submit(0, &st), &st, "submit");
     struct pen_claim claim = store_claim(bed.store, "w");
     small_disk_fill(bed.folder, FREE_BYTES);

@@ -12,16 +12,11 @@ static int64_t time_ms;
 
 enum { HOUR_MS = 3600000, DAY_MS = 24 * HOUR_MS };
 
-static int64_t read_time(void *user)
-{
-    return *(const int64_t *)user;
-}
-
 static void open_bed(void)
 {
     time_ms = INT64_C(1800000000000);
     store_bed_open(&bed);
-    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_bed_set_clock(&bed, &time_ms);
 }
 
 /* Number n is the job's place, too. */

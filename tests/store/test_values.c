@@ -17,11 +17,6 @@ static struct pen_claim claim;
 static int64_t time_ms;
 static char *noise;
 
-static int64_t read_time(void *user)
-{
-    return *(const int64_t *)user;
-}
-
 /* A store with a job of one batch, which is leased. */
 static void open_bed(void)
 {
@@ -31,7 +26,7 @@ static void open_bed(void)
     for (size_t i = 0; i < 2 * LARGE; i++)
         noise[i] = (char)random_bits(&random);
     store_bed_open(&bed);
-    pen_store_set_clock(bed.store, read_time, &time_ms);
+    store_bed_set_clock(&bed, &time_ms);
     store_job_init(&job, 1, 1, 1);
     job.view[0].width = WIDTH;
     job.view[0].height = HEIGHT;

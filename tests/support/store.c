@@ -37,6 +37,16 @@ void store_bed_open(struct store_bed *bed)
     bed->store = store_bed_handle(bed);
 }
 
+static int64_t read_time(void *time_ms)
+{
+    return *(const int64_t *)time_ms;
+}
+
+void store_bed_set_clock(const struct store_bed *bed, int64_t *time_ms)
+{
+    pen_store_set_clock(bed->store, read_time, time_ms);
+}
+
 static void print_finding(void *user, const char *finding)
 {
     (void)user;

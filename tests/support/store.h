@@ -19,6 +19,9 @@ void store_bed_make(struct store_bed *bed);
  */
 void store_bed_open(struct store_bed *bed);
 
+/* Makes the bed's store take its time from *time_ms: it passes only when the test changes that. */
+void store_bed_set_clock(const struct store_bed *bed, int64_t *time_ms);
+
 /* Audits the store (the test fails on any finding), closes it, removes the folder. */
 void store_bed_close(struct store_bed *bed);
 
