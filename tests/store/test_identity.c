@@ -42,7 +42,7 @@ static void refuse(const char *url, enum pen_code code, const char *hint)
 {
     struct pen_status st = {0};
     struct pen_store *store = pen_store_open(url, &st);
-    ck_assert_msg(!store, "%s was opened", url);
+    ck_assert_msg(!store, "%s was opened (%s)", url, hint);
     ck_assert_msg(st.code == code, "%s: %s", pen_code_name(st.code), st.msg);
     ck_assert_msg(strstr(st.msg, hint) != NULL, "\"%s\" lacks \"%s\"", st.msg, hint);
 }
@@ -423,6 +423,47 @@ START_TEST(test_identity__what_a_removed_log_had_is_saved)
 }
 END_TEST
 
+/* A process that makes another -shm file would write over the others' part of the log. */
+START_TEST(test_identity__a_removed_shm_file_takes_no_jobs_and_no_further_process)
+{
+    struct pen_backup backup = {0};
+    struct pen_status st;
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_open(&bed);
+    submit(bed.store, 1);
+    ck_assert_int_eq(rename(beside("-shm"), beside(".shm")), 0);
+    refuse(bed.url, PEN_STORAGE, "-shm was moved or removed while it was in use");
+    ck_assert(!pen_store_backup(bed.url, beside(".backup"), false, &backup, &st));
+    ck_assert_msg(strstr(st.msg, "-shm was moved or removed while it was in use"), "%s", st.msg);
+    ck_assert(!is_there("-shm") && !is_there(".backup"));
+    expect_submit(2, "-shm was moved or removed while it was in use");
+    close(open(beside("-shm"), O_WRONLY | O_CREAT, 0600)); /* another one is no better */
+    refuse(bed.url, PEN_STORAGE, "-shm was moved or removed while it was in use");
+    expect_submit(2, "-shm was moved or removed while it was in use");
+    ck_assert_int_eq(rename(beside(".shm"), beside("-shm")), 0);
+    expect_submit(2, NULL);
+    pen_store_close(store_bed_handle(&bed));
+    ck_assert_int_eq(count_jobs(bed.store), 2);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* When all have closed the store, the next one makes the file anew from the log. */
+START_TEST(test_identity__a_removed_shm_file_is_made_anew_when_nobody_uses_the_store)
+{
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_open(&bed);
+    submit(bed.store, 1);
+    unlink(beside("-shm"));
+    expect_submit(2, "-shm was moved or removed while it was in use");
+    pen_store_close(bed.store);
+    bed.store = store_bed_handle(&bed);
+    expect_submit(2, NULL);
+    ck_assert_int_eq(count_jobs(bed.store), 2);
+    store_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_identity__a_held_lock_is_an_error_that_names_its_holder)
 {
     store_bed_open(&bed);
@@ -474,5 +515,7 @@ PEN_SUITE("identity of a store", test_identity__is_made_once_and_a_backup_has_an
           test_identity__the_log_of_another_store_is_not_applied,
           test_identity__a_log_that_is_removed_in_use_takes_no_jobs,
           test_identity__what_a_removed_log_had_is_saved,
+          test_identity__a_removed_shm_file_takes_no_jobs_and_no_further_process,
+          test_identity__a_removed_shm_file_is_made_anew_when_nobody_uses_the_store,
           test_identity__a_held_lock_is_an_error_that_names_its_holder,
           test_identity__a_truncated_wake_file_is_filled_again)

@@ -16,6 +16,10 @@
  *  - A store with another identity than the -wake file has, and a log with content: the log belongs
  *    to the store that was here before. SQLite would apply it to this one.
  *
+ * Handles share what the log has through the file ending in -shm. One that was opened with another
+ * such file than the others would write over their part of the log. So while the store is in use,
+ * that file must be the one which the -wake file has noted.
+ *
  * Not noticed: a log that was emptied, which looks like one after a checkpoint; a log that was cut,
  * which looks like one whose last writes a crash has undone, so that the jobs in them are lost; a
  * store that was replaced by an older copy of itself with its log. */
@@ -98,10 +102,24 @@ bool pen_sqlite_may_make(const struct pen_sqlite_store *store, struct pen_status
                     store->path, known ? "-wake" : "-wal");
 }
 
+/* Checks that the handle will share its -shm file with the others that use the store. */
+static bool check_shm(const struct pen_sqlite_store *store, struct pen_status *st)
+{
+    char path[PEN_SQLITE_PATH_BYTES];
+    struct stat info;
+    if (!store->wake || !pen_wake_has_others(store->wake))
+        return true;
+    pen_sqlite_path(store, "-shm", path);
+    return (stat(path, &info) == 0 && pen_wake_is_shm(store->wake, &info)) ||
+           pen_sqlite_lost_name(store, "-shm", st);
+}
+
 bool pen_sqlite_check_company(struct pen_sqlite_store *store, struct pen_status *st)
 {
     struct facts facts;
     int64_t log;
+    if (!check_shm(store, st))
+        return false;
     const bool has_log = pen_sqlite_file_bytes(store, "-wal", &log);
     read_facts(store, &facts);
     if (facts.needs_log && !has_log)
@@ -225,17 +243,29 @@ bool pen_sqlite_make_independent(sqlite3 *db)
                                 NULL, NULL, NULL) == SQLITE_OK;
 }
 
-void pen_sqlite_note_log(struct pen_sqlite_store *store)
+static const char *const endings[PEN_SQLITE_BESIDE] = {
+    [PEN_SQLITE_LOG] = "-wal", [PEN_SQLITE_SHM] = "-shm"};
+
+void pen_sqlite_note_beside(struct pen_sqlite_store *store)
 {
     char path[PEN_SQLITE_PATH_BYTES];
-    pen_sqlite_path(store, "-wal", path);
-    store->has_log = stat(path, &store->log) == 0;
+    for (int i = 0; i < PEN_SQLITE_BESIDE; i++) {
+        pen_sqlite_path(store, endings[i], path);
+        store->has_beside[i] = stat(path, &store->beside[i]) == 0;
+    }
+    if (store->has_beside[PEN_SQLITE_SHM])
+        pen_wake_note_shm(store->wake, &store->beside[PEN_SQLITE_SHM]);
 }
 
-bool pen_sqlite_has_log(const struct pen_sqlite_store *store)
+const char *pen_sqlite_lost_beside(const struct pen_sqlite_store *store)
 {
     char path[PEN_SQLITE_PATH_BYTES];
     struct stat now;
-    pen_sqlite_path(store, "-wal", path);
-    return !store->has_log || (stat(path, &now) == 0 && pen_sqlite_same_file(&now, &store->log));
+    for (int i = 0; i < PEN_SQLITE_BESIDE; i++) {
+        pen_sqlite_path(store, endings[i], path);
+        if (store->has_beside[i] &&
+            !(stat(path, &now) == 0 && pen_sqlite_same_file(&now, &store->beside[i])))
+            return endings[i];
+    }
+    return NULL;
 }

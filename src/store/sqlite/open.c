@@ -63,18 +63,17 @@ void pen_sqlite_close(struct pen_driver *driver)
 static bool open_database(struct pen_sqlite_store *store, struct pen_status *st);
 static bool cannot_open(const char *path, int error, struct pen_status *st);
 
-/* Checks that the path still names the same file, and that its log is there: another one must not
- * be opened with the first one's log, nor the same one with a new log. Fails: PEN_STORAGE. */
+/* Checks that the path still names the same file, and that the files beside it are there: another
+ * one must not be opened with the first one's log, nor the same one with a new log. Fails:
+ * PEN_STORAGE. */
 static bool is_same_file(const struct pen_sqlite_store *store, struct pen_status *st)
 {
     struct stat now;
     if (stat(store->path, &now) != 0)
         return cannot_open(store->path, errno, st);
-    if (!pen_sqlite_has_log(store))
-        return pen_fail(st, PEN_STORAGE,
-                        "the log %s-wal was moved or removed while it was in use; put it back, or "
-                        "stop Penumbra",
-                        store->path);
+    const char *lost = pen_sqlite_lost_beside(store);
+    if (lost)
+        return pen_sqlite_lost_name(store, lost, st);
     return pen_sqlite_same_file(&now, &store->opened) ||
            pen_fail(st, PEN_STORAGE,
                     "another file was put in the place of the store %s while it was in use: stop "
@@ -231,7 +230,7 @@ static bool open_database(struct pen_sqlite_store *store, struct pen_status *st)
         ok = pen_sqlite_prepare(store, st);
     }
     if (ok)
-        pen_sqlite_note_log(store);
+        pen_sqlite_note_beside(store);
     store->sound = ok;
     if (!ok)
         close_database(store);
@@ -240,9 +239,13 @@ static bool open_database(struct pen_sqlite_store *store, struct pen_status *st)
 
 bool pen_sqlite_open_to_read(struct pen_sqlite_store *store, struct pen_status *st)
 {
+    char wake_path[PEN_SQLITE_PATH_BYTES];
     struct stat info;
     if (stat(store->path, &info) != 0 && errno == ENOENT)
         return pen_fail(st, PEN_NOT_FOUND, "there is no store %s", store->path);
+    pen_sqlite_path(store, "-wake", wake_path);
+    if (access(wake_path, F_OK) == 0 && !(store->wake = pen_wake_open(wake_path)))
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     return check_kind(store->path, st) && pen_sqlite_check_company(store, st) &&
            connect(store, store->path, st) && check_header(store, st) && configure(store, st) &&
            pen_sqlite_check_log(store, st);
@@ -252,6 +255,8 @@ void pen_sqlite_close_unwritten(struct pen_sqlite_store *store)
 {
     store->sound = false;
     close_database(store);
+    pen_wake_close(store->wake);
+    store->wake = NULL;
 }
 
 /* Makes a new store under another name and renames it when it is complete, so that an empty or
@@ -319,7 +324,7 @@ static bool open_in_company(struct pen_sqlite_store *store, const char *lock_pat
         return cannot_open(store->path, errno, st);
     if (!pen_sqlite_join_company(store, st))
         return false;
-    pen_sqlite_note_log(store); /* a new store has one by now */
+    pen_sqlite_note_beside(store); /* a new store has a log by now */
     return true;
 }
 

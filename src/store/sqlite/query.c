@@ -348,23 +348,29 @@ static bool begin(struct pen_sqlite_store *store, enum pen_sqlite_sql sql, struc
     return false;
 }
 
-/* Checks that the file and its log still have their names. Without one a file ends with the
- * process, and so does everything written to it. What a log without a name has is copied into the
- * store. */
+bool pen_sqlite_lost_name(const struct pen_sqlite_store *store, const char *ending,
+                          struct pen_status *st)
+{
+    return pen_fail(st, PEN_STORAGE,
+                    "the file %s%s was moved or removed while it was in use; put it back, or stop "
+                    "Penumbra",
+                    store->path, ending);
+}
+
+/* Checks that the store and the files beside it still have their names. Without one a file ends
+ * with the process, and so does everything written to it; other processes would make another -shm.
+ * What a log without a name has is copied into the store. */
 static bool has_name(struct pen_sqlite_store *store, struct pen_status *st)
 {
     int moved = 0;
     sqlite3_file_control(store->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
-    bool has_log = moved || pen_sqlite_has_log(store);
-    if (!moved && has_log)
+    const char *lost = moved ? "" : pen_sqlite_lost_beside(store);
+    if (!lost)
         return true;
-    if (!has_log)
+    if (strcmp(lost, "-wal") == 0)
         sqlite3_wal_checkpoint_v2(store->db, "main", SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
     note_fault(store, PEN_FAULT_IO, ENOENT);
-    return pen_fail(st, PEN_STORAGE,
-                    "the %s %s%s was moved or removed while it was in use; put it back, or stop "
-                    "Penumbra",
-                    has_log ? "store" : "log", store->path, has_log ? "" : "-wal");
+    return pen_sqlite_lost_name(store, lost, st);
 }
 
 bool pen_sqlite_begin_read(struct pen_driver *driver, struct pen_status *st)

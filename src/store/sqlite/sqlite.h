@@ -223,6 +223,10 @@ struct pen_wake;
 /* The longest path of a store's file, its ending included. */
 enum { PEN_SQLITE_PATH_BYTES = 4112 };
 
+/* SQLite's files beside the store, which must keep their names while it is in use: the one ending
+ * in -wal, and the one ending in -shm, through which processes share what the log has. */
+enum { PEN_SQLITE_LOG, PEN_SQLITE_SHM, PEN_SQLITE_BESIDE };
+
 struct pen_sqlite_store {
     struct pen_driver base;
     sqlite3 *db;
@@ -239,8 +243,10 @@ struct pen_sqlite_store {
     int vain_pages;      /* copied when a commit last waited for readers in vain; -1: it did not */
     struct stat opened;  /* the file when it was first opened, for device and inode */
     bool says_log;       /* the file itself says that it needs its log, as last looked at */
-    bool has_log;        /* `log` is that of the log when this connection was opened */
-    struct stat log;
+    /* The files beside it when this connection was opened, for device and inode; has_beside: there
+     * was such a file. */
+    struct stat beside[PEN_SQLITE_BESIDE];
+    bool has_beside[PEN_SQLITE_BESIDE];
     bool sound;        /* opened without a fault, and none met since: closing may write */
     int lock_fd;       /* holds the lock of a worker; -1: none */
     ino_t lock_file;   /* the inode of lock_fd */
@@ -296,6 +302,10 @@ bool pen_sqlite_error(struct pen_sqlite_store *store, int rc, struct pen_status 
 
 /* The same for a result of a file's methods, with its errno (0: unknown). */
 bool pen_sqlite_io_error(struct pen_sqlite_store *store, int rc, int error, struct pen_status *st);
+
+/* A file of the store, with that ending, has lost its name. Fails: always. */
+bool pen_sqlite_lost_name(const struct pen_sqlite_store *store, const char *ending,
+                          struct pen_status *st);
 
 /* Tells whether a result that means damage comes from a read that the disk refused. SQLite reports
  * such a read as a corrupt file. */
@@ -400,9 +410,10 @@ bool pen_sqlite_join_company(struct pen_sqlite_store *store, struct pen_status *
 /* meta.c: gives a copy an identity of its own, and notes that it needs no log. */
 bool pen_sqlite_make_independent(sqlite3 *db);
 
-/* meta.c: notes which file is the log; tells whether that file still has its name. */
-void pen_sqlite_note_log(struct pen_sqlite_store *store);
-bool pen_sqlite_has_log(const struct pen_sqlite_store *store);
+/* meta.c: notes which files are beside the store, for this handle, and the -shm file for those that
+ * are opened later; returns the ending of a file that has lost its name since, or NULL. */
+void pen_sqlite_note_beside(struct pen_sqlite_store *store);
+const char *pen_sqlite_lost_beside(const struct pen_sqlite_store *store);
 
 /* check.c: look for damage in the pages; in the log and the pages. For a store of any schema. */
 bool pen_sqlite_check_pages(struct pen_sqlite_store *store, struct pen_status *st);

@@ -27,14 +27,28 @@
 #include "base/log.h"
 #include "store/sqlite/sqlite.h"
 
-enum { SIGNAL_COUNT = 2, FIRST_WORD = 16, IDENTITY_AT = 256, TALLY_AT = 1024, FILE_BYTES = 4096 };
+/* What the page has, by its first byte. */
+enum {
+    SIGNAL_COUNT = 2,
+    FIRST_WORD = 16, /* a number of words */
+    IDENTITY_AT = 256,
+    SHM_AT = 512,
+    TALLY_AT = 1024,
+    FILE_BYTES = 4096
+};
+
+/* The -shm file; zeros: none is noted. */
+struct shm {
+    uint64_t device, inode;
+};
 
 /* The byte that every handle locks, beyond the file's own bytes and before those of workers. */
 enum { IN_USE_AT = 1 << 15 };
 _Static_assert((int)PEN_SIGNAL_CHANGES + 1 == SIGNAL_COUNT && (int)SIGNAL_COUNT <= (int)FIRST_WORD,
                "a counter for each signal, before the health words");
 _Static_assert((FIRST_WORD + PEN_HEALTH_WORDS) * sizeof(uint32_t) <= IDENTITY_AT &&
-                   IDENTITY_AT + PEN_STORE_IDENTITY_BYTES <= TALLY_AT &&
+                   IDENTITY_AT + PEN_STORE_IDENTITY_BYTES <= SHM_AT &&
+                   SHM_AT + sizeof(struct shm) <= TALLY_AT &&
                    TALLY_AT + PEN_TALLY_WORDS * sizeof(uint64_t) <= FILE_BYTES,
                "the file has space for all words, the identity and the sums");
 
@@ -43,7 +57,7 @@ struct pen_wake {
     _Atomic uint32_t *counter; /* SIGNAL_COUNT of them; atomic: release in the wake, acquire in
                                   the wait. The health words follow at FIRST_WORD */
     int fd;                    /* of the mapped file; -1: there is none, and `own` is used */
-    _Atomic uint32_t own[(IDENTITY_AT + PEN_STORE_IDENTITY_BYTES) / sizeof(uint32_t) + 1];
+    _Atomic uint32_t own[(SHM_AT + sizeof(struct shm)) / sizeof(uint32_t)];
     _Atomic uint64_t own_tally[PEN_TALLY_WORDS];
 };
 
@@ -147,6 +161,25 @@ void pen_wake_set_identity(struct pen_wake *wake, const char *identity)
         fdatasync(wake->fd);
 }
 
+static struct shm shm_of(const struct stat *info)
+{
+    return (struct shm){.device = info->st_dev, .inode = info->st_ino};
+}
+
+void pen_wake_note_shm(struct pen_wake *wake, const struct stat *info)
+{
+    const struct shm now = shm_of(info);
+    memcpy((char *)words_of(wake) + SHM_AT, &now, sizeof now);
+}
+
+bool pen_wake_is_shm(struct pen_wake *wake, const struct stat *info)
+{
+    const struct shm now = shm_of(info);
+    struct shm noted;
+    memcpy(&noted, (const char *)words_of(wake) + SHM_AT, sizeof noted);
+    return noted.inode == 0 || (noted.inode == now.inode && noted.device == now.device);
+}
+
 _Atomic uint64_t *pen_wake_tallies(struct pen_wake *wake)
 {
     _Atomic uint32_t *words = words_of(wake);
@@ -167,6 +200,12 @@ void pen_wake_unlock(int lock)
 {
     if (lock >= 0)
         close(lock);
+}
+
+bool pen_wake_has_others(struct pen_wake *wake)
+{
+    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_start = IN_USE_AT, .l_len = 1};
+    return wake->fd >= 0 && fcntl(wake->fd, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
 }
 
 bool pen_wake_be_alone(struct pen_wake *wake)
