@@ -83,7 +83,8 @@ static const struct pen_option options[] = {
      .value = "N",
      .max = 64000000,
      .env = "PENUMBRA_MAX_PIXELS",
-     .help = "the most pixels of a view; 0, the default, allows 64000000"},
+     .help = "the most pixels of a view, and of all pictures of a study together; 0, the default, "
+             "allows 64000000"},
     {.name = "max-samples",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, max.samples),
