@@ -237,20 +237,6 @@ static bool open_database(struct pen_sqlite_store *store, struct pen_status *st)
     return ok;
 }
 
-bool pen_sqlite_open_to_read(struct pen_sqlite_store *store, struct pen_status *st)
-{
-    char wake_path[PEN_SQLITE_PATH_BYTES];
-    struct stat info;
-    if (stat(store->path, &info) != 0 && errno == ENOENT)
-        return pen_fail(st, PEN_NOT_FOUND, "there is no store %s", store->path);
-    pen_sqlite_path(store, "-wake", wake_path);
-    if (access(wake_path, F_OK) == 0 && !(store->wake = pen_wake_open(wake_path)))
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
-    return check_kind(store->path, st) && pen_sqlite_check_company(store, st) &&
-           connect(store, store->path, st) && check_header(store, st) && configure(store, st) &&
-           pen_sqlite_check_log(store, st);
-}
-
 void pen_sqlite_close_unwritten(struct pen_sqlite_store *store)
 {
     store->sound = false;
@@ -309,6 +295,34 @@ static bool take_lock(const struct pen_sqlite_store *store, int lock, const char
         nanosleep(&pause, NULL);
     }
     return true;
+}
+
+static bool open_existing(struct pen_sqlite_store *store, struct pen_status *st)
+{
+    return check_kind(store->path, st) && pen_sqlite_check_company(store, st) &&
+           connect(store, store->path, st) && check_header(store, st) && configure(store, st) &&
+           pen_sqlite_check_log(store, st);
+}
+
+/* The -wake file is joined if it is there, and not made. */
+bool pen_sqlite_open_to_read(struct pen_sqlite_store *store, struct pen_status *st)
+{
+    char lock_path[PEN_SQLITE_PATH_BYTES];
+    struct stat info;
+    if (stat(store->path, &info) != 0 && errno == ENOENT)
+        return pen_fail(st, PEN_NOT_FOUND, "there is no store %s", store->path);
+    pen_sqlite_path(store, "-wake", lock_path);
+    int lock = open(lock_path, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (lock < 0)
+        return open_existing(store, st);
+    bool ok = take_lock(store, lock, lock_path, st);
+    if (ok && !(store->wake = pen_wake_open(lock_path)))
+        ok = pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    ok = ok && open_existing(store, st);
+    if (ok)
+        pen_sqlite_note_beside(store);
+    close(lock);
+    return ok;
 }
 
 static bool open_in_company(struct pen_sqlite_store *store, const char *lock_path,
