@@ -19,6 +19,9 @@ columns, seconds, command = int(sys.argv[1]), float(sys.argv[2]), sys.argv[4:]
 press_after, at, keys = sys.argv[3].rpartition("@")
 pid, terminal = pty.fork()
 if pid == 0:
+    # A shell in the background ignores these, and so would the command.
+    for number in signal.SIGINT, signal.SIGQUIT:
+        signal.signal(number, signal.SIG_DFL)
     fcntl.ioctl(0, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
     os.execvp(command[0], command)
 start = time.monotonic()
