@@ -464,6 +464,26 @@ START_TEST(test_identity__a_removed_shm_file_is_made_anew_when_nobody_uses_the_s
 }
 END_TEST
 
+START_TEST(test_identity__files_beside_the_store_must_be_files)
+{
+    static const char *const ends[] = {"-wal", "-shm"};
+    char hint[200];
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    for (int i = 0; i < 2; i++) {
+        store_bed_open(&bed);
+        pen_store_close(bed.store);
+        ck_assert(unlink(beside(ends[i])) == 0 || !is_there(ends[i]));
+        ck_assert_int_eq(mkdir(beside(ends[i]), 0700), 0);
+        snprintf(hint, sizeof hint, "%s: it is a folder, not a file", beside(ends[i]));
+        refuse(bed.url, PEN_STORAGE, hint);
+        ck_assert_int_eq(rmdir(beside(ends[i])), 0);
+        close(open(beside("-wal"), O_WRONLY | O_CREAT, 0600)); /* a store may need its log */
+        bed.store = store_bed_handle(&bed);
+        store_bed_close(&bed);
+    }
+}
+END_TEST
+
 START_TEST(test_identity__a_held_lock_is_an_error_that_names_its_holder)
 {
     store_bed_open(&bed);
@@ -517,5 +537,6 @@ PEN_SUITE("identity of a store", test_identity__is_made_once_and_a_backup_has_an
           test_identity__what_a_removed_log_had_is_saved,
           test_identity__a_removed_shm_file_takes_no_jobs_and_no_further_process,
           test_identity__a_removed_shm_file_is_made_anew_when_nobody_uses_the_store,
+          test_identity__files_beside_the_store_must_be_files,
           test_identity__a_held_lock_is_an_error_that_names_its_holder,
           test_identity__a_truncated_wake_file_is_filled_again)

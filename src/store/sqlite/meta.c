@@ -243,14 +243,14 @@ bool pen_sqlite_make_independent(sqlite3 *db)
                                 NULL, NULL, NULL) == SQLITE_OK;
 }
 
-static const char *const endings[PEN_SQLITE_BESIDE] = {
+const char *const pen_sqlite_beside[PEN_SQLITE_BESIDE] = {
     [PEN_SQLITE_LOG] = "-wal", [PEN_SQLITE_SHM] = "-shm"};
 
 void pen_sqlite_note_beside(struct pen_sqlite_store *store)
 {
     char path[PEN_SQLITE_PATH_BYTES];
     for (int i = 0; i < PEN_SQLITE_BESIDE; i++) {
-        pen_sqlite_path(store, endings[i], path);
+        pen_sqlite_path(store, pen_sqlite_beside[i], path);
         store->has_beside[i] = stat(path, &store->beside[i]) == 0;
     }
     if (store->has_beside[PEN_SQLITE_SHM])
@@ -262,10 +262,10 @@ const char *pen_sqlite_lost_beside(const struct pen_sqlite_store *store)
     char path[PEN_SQLITE_PATH_BYTES];
     struct stat now;
     for (int i = 0; i < PEN_SQLITE_BESIDE; i++) {
-        pen_sqlite_path(store, endings[i], path);
+        pen_sqlite_path(store, pen_sqlite_beside[i], path);
         if (store->has_beside[i] &&
             !(stat(path, &now) == 0 && pen_sqlite_same_file(&now, &store->beside[i])))
-            return endings[i];
+            return pen_sqlite_beside[i];
     }
     return NULL;
 }

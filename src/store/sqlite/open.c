@@ -165,6 +165,18 @@ static bool check_kind(const char *path, struct pen_status *st)
                     S_ISDIR(info.st_mode) ? "folder" : "device or pipe");
 }
 
+/* Checks the store's file and those beside it that exist. */
+static bool check_kinds(const struct pen_sqlite_store *store, struct pen_status *st)
+{
+    char path[PEN_SQLITE_PATH_BYTES];
+    bool ok = check_kind(store->path, st);
+    for (int i = 0; ok && i < PEN_SQLITE_BESIDE; i++) {
+        pen_sqlite_path(store, pen_sqlite_beside[i], path);
+        ok = access(path, F_OK) != 0 || check_kind(path, st);
+    }
+    return ok;
+}
+
 /* Waits for another handle's write in short, slightly growing steps. SQLite's own handler sleeps up
  * to 100 ms at a time, many times as long as a commit takes. */
 static int on_busy(void *arg, int count)
@@ -221,7 +233,7 @@ static bool connect(struct pen_sqlite_store *store, const char *path, struct pen
 /* Opens a store that exists. */
 static bool open_database(struct pen_sqlite_store *store, struct pen_status *st)
 {
-    bool ok = check_kind(store->path, st) && connect(store, store->path, st) &&
+    bool ok = check_kinds(store, st) && connect(store, store->path, st) &&
               check_header(store, st) && configure(store, st) && pen_sqlite_migrate(store, st) &&
               pen_sqlite_guard_states(store, st);
     if (ok) {
@@ -299,7 +311,7 @@ static bool take_lock(const struct pen_sqlite_store *store, int lock, const char
 
 static bool open_existing(struct pen_sqlite_store *store, struct pen_status *st)
 {
-    return check_kind(store->path, st) && pen_sqlite_check_company(store, st) &&
+    return check_kinds(store, st) && pen_sqlite_check_company(store, st) &&
            connect(store, store->path, st) && check_header(store, st) && configure(store, st) &&
            pen_sqlite_check_log(store, st);
 }

@@ -226,6 +226,7 @@ enum { PEN_SQLITE_PATH_BYTES = 4112 };
 /* SQLite's files beside the store, which must keep their names while it is in use: the one ending
  * in -wal, and the one ending in -shm, through which processes share what the log has. */
 enum { PEN_SQLITE_LOG, PEN_SQLITE_SHM, PEN_SQLITE_BESIDE };
+extern const char *const pen_sqlite_beside[PEN_SQLITE_BESIDE]; /* how they end; in meta.c */
 
 struct pen_sqlite_store {
     struct pen_driver base;
