@@ -79,6 +79,11 @@ check "the built-in scene equals the file" cmp b.png a.png
 exits "submit to standard output" 0 "$penumbra" submit builtin:spheres "$@" -o -
 check "it has the picture and nothing else" cmp stdout a.png
 check "standard error has the job's id" grep -qx "[0-9a-f-]\{36\}" stderr
+jobs() { "$penumbra" list --json | jq '.jobs | length'; }
+before=$(jobs)
+exits "submit a render to a report" 2 "$penumbra" submit builtin:spheres "$@" -o x.json
+prints "it says what a picture may be named" stderr '--output: found "x.json", allowed is a name ending in .png or .pfm'
+expect "and sends nothing" "$(jobs)" "$before"
 exits "submit to standard output with --json" 2 "$penumbra" submit builtin:spheres "$@" -o - --json
 exits "submit from standard input" 0 sh -c "'$penumbra' submit - --json -w <scene.json"
 expect "without options the picture has the scene's size" "$(jq .progress.total stdout)" \

@@ -5,6 +5,8 @@
 
 exits "penumbra without a command is a wrong command line" 2 "$penumbra"
 prints "it lists the commands" stderr "submit"
+exits "help takes one command" 2 "$penumbra" help list extra
+prints "and names both" stderr 'found "list" and "extra"'
 exits "penumbra --help" 0 "$penumbra" --help
 for command in render validate compare scenes submit wait fetch list stats cancel delete; do
     prints "penumbra --help names $command" stdout "  $command "

@@ -225,6 +225,14 @@ static json_t *read_document(const char *scene, struct pen_source *source,
     return document;
 }
 
+/* Checks that the output has a format of what a job of that kind (NULL: a render) makes. */
+static bool check_format(const struct values *values, const char *kind, struct pen_status *st)
+{
+    const bool study = kind && strcmp(kind, "render") != 0;
+    return !values->output || (study ? pen_output_report_format(values->output, values->format, st)
+                                     : pen_output_format(values->output, values->format, st));
+}
+
 static bool make_body(const char *scene, struct pen_source *source, const struct values *values,
                       struct body *body, struct pen_errors *errors)
 {
@@ -232,9 +240,12 @@ static bool make_body(const char *scene, struct pen_source *source, const struct
     json_t *document = read_document(scene, source, errors);
     if (!document)
         return false;
-    bool ok = json_object_get(document, "scene")
-                  ? compose_job(source, document, values, body, &st)
-                  : compose_scene(source, document, values, body, &st);
+    const char *kind =
+        values->kind ? values->kind : json_string_value(json_object_get(document, "kind"));
+    bool ok =
+        check_format(values, kind, &st) &&
+        (json_object_get(document, "scene") ? compose_job(source, document, values, body, &st)
+                                            : compose_scene(source, document, values, body, &st));
     json_decref(document);
     if (!ok)
         pen_errors_add(errors, &st);
@@ -346,18 +357,16 @@ static int submit(struct pen_client *client, const struct values *values,
     return code;
 }
 
-/* Checks that the output has a format that the job can give: of a picture or, if the job may be a
- * study, of a report; and that it can be written. */
+/* Checks what can be told before the document is read: that the output has a format at all, and
+ * that it can be written. */
 static bool check_output(const struct values *values, struct pen_status *st)
 {
-    const bool study = values->kind && strcmp(values->kind, "render") != 0;
     if (!values->output)
         return true;
     if (to_standard_output(values) && values->json)
         return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json uses");
-    if (!(study ? pen_output_report_format(values->output, values->format, st)
-                : pen_output_format(values->output, values->format, st)) &&
-        (values->kind || !pen_output_report_format(values->output, values->format, st)))
+    if (!check_format(values, values->kind, st) &&
+        (values->kind || !check_format(values, "explain", st)))
         return false;
     return pen_file_check(values->output, st);
 }

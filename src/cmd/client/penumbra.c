@@ -70,11 +70,17 @@ static const struct pen_command *find_command(const char *word)
 }
 
 /* `penumbra help render` is `penumbra render --help`. */
-static int help_of(const char *word)
+static int help_of(const char *word, const char *more)
 {
+    struct pen_status st;
     const struct pen_command *command = find_command(word);
     if (!command)
         return unknown_command(word);
+    if (more) {
+        pen_fail(&st, PEN_USAGE, "help: found \"%s\" and \"%s\", allowed is one command", word,
+                 more);
+        return pen_report("penumbra", NULL, &st);
+    }
     pen_options_help(command, stdout);
     return 0;
 }
@@ -90,7 +96,7 @@ static int run(int argc, char **argv)
     if (command)
         return command->run(argc - 1, argv + 1);
     if (strcmp(word, "help") == 0 && argc > 2)
-        return help_of(argv[2]);
+        return help_of(argv[2], argv[3]);
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0)
         print_help(stdout);
     else if (strcmp(word, "--version") == 0)
