@@ -7,7 +7,6 @@
 #include "http/internal/admit.h"
 
 #include <ctype.h>
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -120,8 +119,8 @@ static bool check_length(struct request *request, struct pen_status *st)
                pen_fail(st, PEN_LENGTH,
                         "a body is required here, with Content-Length or in chunks");
     if (request->declared_bytes > limit)
-        return pen_fail(st, PEN_TOO_LARGE, "the body has %" PRIu64 " bytes, %zu are allowed",
-                        request->declared_bytes, limit);
+        return pen_fail(st, PEN_TOO_LARGE, "the body has %.40s bytes, %zu are allowed",
+                        fields->content_length, limit);
     return true;
 }
 
@@ -138,7 +137,7 @@ static bool check_media(const struct request *request, struct pen_status *st)
         break;
     }
     return pen_fail(st, PEN_MEDIA_TYPE,
-                    "a body of type %s is not accepted; application/json, text/xml and "
+                    "a body of type \"%s\" is not accepted; application/json, text/xml and "
                     "application/xml in UTF-8 are",
                     request->fields.content_type);
 }

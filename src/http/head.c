@@ -110,7 +110,7 @@ static int parse_field(char *line, size_t bytes, struct pen_head *head, struct p
                               ? "there is a space between a field's name and its colon"
                               : "a header line is not a name, a colon and a value");
     if (head->field_count == PEN_HEAD_FIELDS) {
-        pen_fail(st, PEN_TOO_LARGE, "the head has more than %d fields", PEN_HEAD_FIELDS);
+        pen_fail(st, PEN_TOO_LARGE, "there are more than %d header fields", PEN_HEAD_FIELDS);
         return 431;
     }
     char *value = line + name + 1;

@@ -86,7 +86,8 @@ static bool split_query(char *query, struct pen_target *target, struct pen_statu
         if (value)
             *value++ = '\0';
         if (!decode(query, true) || (value && !decode(value, true)))
-            return pen_fail(st, PEN_SYNTAX, "malformed percent-encoding in the query");
+            return pen_fail(st, PEN_SYNTAX,
+                            "malformed percent-encoding, or an encoded zero byte, in the query");
         target->param[target->param_count++] =
             (struct pen_param){.name = query, .value = value ? value : ""};
     }
@@ -106,7 +107,8 @@ bool pen_target_parse(const char *raw, struct pen_target *target, struct pen_sta
     if (*path != '/' && !(target->authority && *path == '\0'))
         return pen_fail(st, PEN_SYNTAX, "the request target is not a path");
     if (!split_path(path, target))
-        return pen_fail(st, PEN_SYNTAX, "malformed percent-encoding in the path");
+        return pen_fail(st, PEN_SYNTAX,
+                        "malformed percent-encoding, or an encoded zero byte, in the path");
     return split_query(query, target, st);
 }
 

@@ -60,6 +60,7 @@ $none/image?fmt=png *fmt*view,*layer,*format*
 $none/stats?x=1 *x*none*is*allowed*
 /healthz?verbose *verbose*none*is*allowed*
 /v1/jobs?a=%zz *percent-encoding*
+/v1/jobs?name=%00 *encoded*zero*byte*
 END
 
 # Bodies: length, type, size.
