@@ -87,12 +87,16 @@ call /v1/validate --data-binary "@$work/big"
 expect_problem too-large-to-validate 413
 call "$none" -X DELETE -H 'Expect:' --data-binary "@$work/big"
 expect_problem too-large-for-nothing 413
+call /v1/jobs -H 'Content-Length: 99999999999999999999999999' -H 'Expect:' -d '{}'
+expect_problem length-beyond-64-bits 413 '*99999999999999999999999999 bytes*'
 call /nowhere --data-binary "@$work/big"
 expect_problem large-to-nowhere 404
 for type in text/plain multipart/form-data application/octet-stream 'application/json; charset=latin1'; do
     call /v1/jobs -H "Content-Type: $type" -d '{}'
     expect_problem "type $type" 415 '*application/json*'
 done
+call /v1/jobs -H 'Content-Type;' -d '{}'
+expect_problem empty-type 415 '*of type ""*'
 for type in application/xml text/xml; do
     call /v1/jobs -H "Content-Type: $type" -d '{}'
     expect_problem "no xml, but type $type" 400 '*not well-formed*'

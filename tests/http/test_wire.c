@@ -210,6 +210,7 @@ START_TEST(test_wire__trailers_are_read_as_fields_of_a_head)
         pen_buf_puts(&many, "X: y\r\n");
     pen_buf_puts(&many, "\r\n");
     ck_assert_int_eq(pen_trailer_check((const char *)many.data, many.bytes, &st), 431);
+    ck_assert_str_eq(st.msg, "there are more than 100 header fields");
     pen_buf_release(&many);
 }
 END_TEST
