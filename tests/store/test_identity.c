@@ -423,6 +423,8 @@ START_TEST(test_identity__what_a_removed_log_had_is_saved)
 }
 END_TEST
 
+static const char lost_shm[] = "-shm was moved or removed while it was in use";
+
 /* A process that makes another -shm file would write over the others' part of the log. */
 START_TEST(test_identity__a_removed_shm_file_takes_no_jobs_and_no_further_process)
 {
@@ -432,14 +434,14 @@ START_TEST(test_identity__a_removed_shm_file_takes_no_jobs_and_no_further_proces
     store_bed_open(&bed);
     submit(bed.store, 1);
     ck_assert_int_eq(rename(beside("-shm"), beside(".shm")), 0);
-    refuse(bed.url, PEN_STORAGE, "-shm was moved or removed while it was in use");
+    refuse(bed.url, PEN_STORAGE, lost_shm);
     ck_assert(!pen_store_backup(bed.url, beside(".backup"), false, &backup, &st));
-    ck_assert_msg(strstr(st.msg, "-shm was moved or removed while it was in use"), "%s", st.msg);
+    ck_assert_msg(strstr(st.msg, lost_shm), "%s", st.msg);
     ck_assert(!is_there("-shm") && !is_there(".backup"));
-    expect_submit(2, "-shm was moved or removed while it was in use");
+    expect_submit(2, lost_shm);
     close(open(beside("-shm"), O_WRONLY | O_CREAT, 0600)); /* another one is no better */
-    refuse(bed.url, PEN_STORAGE, "-shm was moved or removed while it was in use");
-    expect_submit(2, "-shm was moved or removed while it was in use");
+    refuse(bed.url, PEN_STORAGE, lost_shm);
+    expect_submit(2, lost_shm);
     ck_assert_int_eq(rename(beside(".shm"), beside("-shm")), 0);
     expect_submit(2, NULL);
     pen_store_close(store_bed_handle(&bed));
@@ -455,7 +457,7 @@ START_TEST(test_identity__a_removed_shm_file_is_made_anew_when_nobody_uses_the_s
     store_bed_open(&bed);
     submit(bed.store, 1);
     unlink(beside("-shm"));
-    expect_submit(2, "-shm was moved or removed while it was in use");
+    expect_submit(2, lost_shm);
     pen_store_close(bed.store);
     bed.store = store_bed_handle(&bed);
     expect_submit(2, NULL);

@@ -357,8 +357,8 @@ static int submit(struct pen_client *client, const struct values *values,
     return code;
 }
 
-/* Checks what can be told before the document is read: that the output has a format at all, and
- * that it can be written. */
+/* Checks what can be told before the document is read: that a render or, if the document may ask
+ * for one, a study such as an explanation can have that output; and that it can be written. */
 static bool check_output(const struct values *values, struct pen_status *st)
 {
     if (!values->output)

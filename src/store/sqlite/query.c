@@ -367,7 +367,7 @@ static bool has_name(struct pen_sqlite_store *store, struct pen_status *st)
     const char *lost = moved ? "" : pen_sqlite_lost_beside(store);
     if (!lost)
         return true;
-    if (strcmp(lost, "-wal") == 0)
+    if (strcmp(lost, pen_sqlite_beside[PEN_SQLITE_LOG]) == 0)
         sqlite3_wal_checkpoint_v2(store->db, "main", SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
     note_fault(store, PEN_FAULT_IO, ENOENT);
     return pen_sqlite_lost_name(store, lost, st);

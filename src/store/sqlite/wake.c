@@ -78,13 +78,18 @@ static bool fill_file(int fd)
     return true;
 }
 
+static struct flock in_use_byte(int type)
+{
+    return (struct flock){
+        .l_type = (short)type, .l_whence = SEEK_SET, .l_start = IN_USE_AT, .l_len = 1};
+}
+
 /* Locks the byte of the handles: F_RDLCK as one of several, F_WRLCK as the only one. The lock
  * belongs to the descriptor (an open file description lock). Returns false if others prevent it; a
  * file system without locks prevents nothing. */
 static bool lock_in_use(int fd, int type)
 {
-    struct flock lock = {
-        .l_type = (short)type, .l_whence = SEEK_SET, .l_start = IN_USE_AT, .l_len = 1};
+    struct flock lock = in_use_byte(type);
     return fcntl(fd, F_OFD_SETLK, &lock) == 0 || (errno != EAGAIN && errno != EACCES);
 }
 
@@ -204,7 +209,7 @@ void pen_wake_unlock(int lock)
 
 bool pen_wake_has_others(struct pen_wake *wake)
 {
-    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_start = IN_USE_AT, .l_len = 1};
+    struct flock lock = in_use_byte(F_WRLCK);
     return wake->fd >= 0 && fcntl(wake->fd, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
 }
 
