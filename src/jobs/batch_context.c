@@ -48,6 +48,21 @@ void pen_batch_context_release(struct pen_batch_context *context)
     free(context->image);
 }
 
+/* Four times what a batch is meant to take. */
+enum { SPLIT_MS = 4000 };
+
+void pen_batch_bound(struct pen_batch_context *context)
+{
+    const int64_t ms = context->batch_ms > 0 ? context->batch_ms : SPLIT_MS;
+    context->split_ns = pen_clock_ns() + ms * 1000000;
+}
+
+bool pen_batch_is_long(void *user)
+{
+    const struct pen_batch_context *context = user;
+    return pen_clock_ns() >= context->split_ns;
+}
+
 /* Less than the ten seconds for which an explanation is waited for (http/handle_jobs.c). */
 enum { FORECAST_S = 8 };
 

@@ -52,11 +52,11 @@ static bool is_wanted(const struct pen_batch_context *context, const struct pen_
 }
 
 bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_forecast *forecast,
-                       int views, struct pen_status *st)
+                       double times, struct pen_status *st)
 {
     const int most_s = context->max_seconds;
-    return most_s == 0 || views * forecast->time_ms.low <= 1000.0 * most_s ||
-           fail_expected(views * forecast->time_ms.expected / 1000, "from some of its pixels",
+    return most_s == 0 || times * forecast->time_ms.low <= 1000.0 * most_s ||
+           fail_expected(times * forecast->time_ms.expected / 1000, "from some of its pixels",
                          most_s, st);
 }
 
@@ -74,18 +74,21 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
                                            .pixel_begins = pen_batch_pixel_hook(context),
                                            .pixel_user = context};
     const bool wanted = is_wanted(context, claim) && task.view >= 0;
-    const double budget_s = pen_stored_request_budget(request);
+    const double budget_s = pen_stored_request_budget(request),
+                 with_layers = 1 + pen_batch_layer_work(context);
     struct pen_forecast forecast;
     struct pen_status ignored;
     if (context->fresh && budget_s > 0)
-        pen_store_estimate(context->store, claim, (int64_t)ceil(1000 * budget_s), &ignored);
+        pen_store_estimate(context->store, claim, (int64_t)ceil(1000 * budget_s * with_layers),
+                           &ignored);
     context->fresh = false;
     if (!wanted)
         return true;
     if (!pen_batch_hook_done(context, pen_forecast_make(context->pool, &task, &forecast, st), st))
         return false;
-    const double all_ms = forecast.time_ms.expected * request->view_count;
-    const bool allowed = pen_batch_allowed(context, &forecast, request->view_count, st);
+    const double all_ms = forecast.time_ms.expected * request->view_count * with_layers;
+    const bool allowed =
+        pen_batch_allowed(context, &forecast, request->view_count * with_layers, st);
     const struct pen_log_about about = pen_claim_about(claim);
     pen_log_about(PEN_LOG_DEBUG, &about, "expected to take %.1f s", all_ms / 1000);
     pen_forecast_release(&forecast);

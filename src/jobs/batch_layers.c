@@ -1,65 +1,342 @@
 /* SPDX-License-Identifier: MIT */
-/* The layers of a view beside its picture: rendered by the worker that ends the view, before its
- * commit, and stored as PFM. A worker that renders them again, because the commit failed, replaces
- * them. */
+/* The layers of a view beside its picture, which the store has as PFM files in the end.
+ *
+ * `cost` takes several times as long as the pixels. So a batch makes the layers of its own tiles,
+ * before their pixels: if there is no time for all tiles, the layers decide how many the batch has.
+ * The batches of a view that has several keep their tiles of each layer in the store, as a part
+ * whose name has the first tile; the batch that assembles the picture makes the files from these.
+ * What a batch stores before its commit fails is replaced by the worker that makes it again.
+ *
+ * With a target error `cost` depends on how often each pixel was sampled in the end, so that it
+ * follows the rounds, in their batch. Its tiles are kept with the state of the last round as the
+ * rounds are, and give way to a batch that comes first. */
 #include "jobs/internal/batch.h"
 
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "jobs/internal/keep.h"
+#include "jobs/internal/view_pixels.h"
 #include "render/layers.h"
 
-static bool store_layer(struct pen_batch_context *context, const struct pen_claim *claim,
-                        const struct pen_layer_task *task, const struct pen_film *film,
-                        struct pen_status *st)
+enum { KEEP_MS = 10000, ASK_MS = 500 }; /* as of rounds */
+
+static bool is_wanted(const struct pen_batch_context *context, enum pen_layer layer)
+{
+    return layer != PEN_LAYER_BEAUTY && pen_stored_request_layer(&context->request, layer);
+}
+
+double pen_batch_layer_work(const struct pen_batch_context *context)
+{
+    double work = 0;
+    for (int layer = 0; layer < PEN_LAYER_COUNT; layer++)
+        if (is_wanted(context, (enum pen_layer)layer))
+            work +=
+                pen_layer_work((enum pen_layer)layer, pen_stored_request_cost(&context->request));
+    return work;
+}
+
+/* The index of the claim's view in the scene. Fails: PEN_INTERNAL. */
+static bool find_view(const struct pen_batch_context *context, const struct pen_claim *claim,
+                      const struct pen_scene *scene, int *view, struct pen_status *st)
+{
+    const char *name = pen_stored_request_view(&context->request, claim->view);
+    *view = name ? pen_scene_find_view(scene, name) : -1;
+    return *view >= 0 || pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
+}
+
+/* Makes tiles of a layer in the film. */
+static bool render_tiles(struct pen_batch_context *context, const struct pen_claim *claim,
+                         enum pen_layer layer, struct pen_film *film, struct pen_layer_tiles *tiles,
+                         struct pen_status *st)
+{
+    struct pen_scene_times times;
+    const struct pen_settings *s = &context->request.settings;
+    struct pen_layer_task task = {.settings = s,
+                                  .layer = layer,
+                                  .cost = pen_stored_request_cost(&context->request),
+                                  .rgb = film->rgb,
+                                  .cancel = pen_heartbeat_cancel_flag(context->heart),
+                                  .adaptive = context->adaptive};
+    task.scene = pen_scene_cache_get(context->scenes, context->store, claim,
+                                     (enum pen_accelerator)s->accelerator, &times, st);
+    return task.scene && find_view(context, claim, task.scene, &task.view, st) &&
+           pen_layer_render_tiles(context->pool, &task, tiles, st);
+}
+
+bool pen_batch_layers_begin(struct pen_batch_context *context, const struct pen_claim *claim,
+                            int *tiles, double *ms, struct pen_status *st)
+{
+    const struct pen_settings *s = &context->request.settings;
+    const int64_t begun_ns = pen_clock_ns();
+    *tiles = claim->tile_count;
+    *ms = 0;
+    for (int i = 0; i < PEN_LAYER_COUNT && !pen_settings_adaptive(s); i++) {
+        const enum pen_layer layer = (enum pen_layer)i;
+        struct pen_layer_tiles run = {.first = claim->first_tile,
+                                      .count = *tiles,
+                                      .pause = pen_batch_is_long,
+                                      .pause_user = context};
+        if (!is_wanted(context, layer))
+            continue;
+        context->layer[layer] = pen_film_new(s->width, s->height, st);
+        if (!context->layer[layer] ||
+            !render_tiles(context, claim, layer, context->layer[layer], &run, st))
+            return false;
+        *tiles = run.count;
+        *ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+    }
+    return true;
+}
+
+void pen_batch_layers_end(struct pen_batch_context *context)
+{
+    for (int layer = 0; layer < PEN_LAYER_COUNT; layer++) {
+        pen_film_free(context->layer[layer]);
+        context->layer[layer] = NULL;
+    }
+}
+
+static bool store_file(struct pen_batch_context *context, const struct pen_claim *claim,
+                       enum pen_layer layer, const struct pen_film *film, struct pen_status *st)
 {
     struct pen_buf file = {0};
-    const bool ok = pen_layer_render(context->pool, task, st) && pen_pfm_write(film, &file, st) &&
-                    pen_batch_store(context, claim, pen_layer_name(task->layer), "pfm", &file, st);
+    const bool ok = pen_pfm_write(film, &file, st) &&
+                    pen_batch_store(context, claim, pen_layer_name(layer), "pfm", &file, st);
     pen_buf_release(&file);
     return ok;
 }
 
-static bool render_layer(struct pen_batch_context *context, const struct pen_claim *claim,
-                         const struct pen_scene *scene, enum pen_layer layer, struct pen_status *st)
+/* A part: the number of its tiles, and their values. Layers of one number have it once. */
+struct part_name {
+    char text[24];
+};
+
+static struct part_name name_of(enum pen_layer layer, int first)
 {
-    const struct pen_settings *s = &context->request.settings;
-    const char *view = pen_stored_request_view(&context->request, claim->view);
-    struct pen_film *film = pen_film_new(s->width, s->height, st);
-    if (!film)
+    struct part_name name;
+    snprintf(name.text, sizeof name.text, "%s-%d", pen_layer_name(layer), first);
+    return name;
+}
+
+static size_t values_of_pixel(enum pen_layer layer)
+{
+    return layer == PEN_LAYER_NORMAL || layer == PEN_LAYER_ALBEDO ? 3 : 1;
+}
+
+/* Appends the part of these tiles. */
+static bool write_part(const struct pen_settings *s, enum pen_layer layer,
+                       const struct pen_film *film, int first, int count, struct pen_buf *part,
+                       struct pen_status *st)
+{
+    const uint32_t tiles = (uint32_t)count;
+    const size_t pixels = (size_t)pen_tiles_pixels(s, first, count), each = values_of_pixel(layer);
+    float *values = malloc(pixels * 3 * sizeof *values);
+    if (values) {
+        pen_tiles_gather(s, first, count, film->rgb, values);
+        for (size_t i = 0; each == 1 && i < pixels; i++)
+            values[i] = values[3 * i];
+        pen_buf_reserve(part, sizeof tiles + pixels * each * sizeof *values);
+        pen_buf_add(part, &tiles, sizeof tiles);
+        pen_buf_add(part, values, pixels * each * sizeof *values);
+    }
+    free(values);
+    return (values && !part->failed) || pen_fail(st, PEN_NO_MEMORY, "no memory for a layer");
+}
+
+/* Puts a part into the film; *count becomes the number of its tiles. Returns false if the part is
+ * not one of the view, or memory ran out. */
+static bool place_part(const struct pen_settings *s, enum pen_layer layer,
+                       const struct pen_buf *part, int first, struct pen_film *film, int *count)
+{
+    const int left = pen_tile_count(s->width, s->height, s->tile) - first;
+    const size_t each = values_of_pixel(layer);
+    uint32_t tiles = 0;
+    if (part->bytes >= sizeof tiles)
+        memcpy(&tiles, part->data, sizeof tiles);
+    *count = (int)tiles;
+    if (tiles < 1 || left < 1 || tiles > (uint32_t)left)
         return false;
-    const struct pen_layer_task task = {.scene = scene,
-                                        .view = view ? pen_scene_find_view(scene, view) : -1,
-                                        .settings = s,
-                                        .layer = layer,
-                                        .cost = pen_stored_request_cost(&context->request),
-                                        .rgb = film->rgb,
-                                        .cancel = pen_heartbeat_cancel_flag(context->heart),
-                                        .adaptive = context->adaptive};
-    const bool ok = task.view >= 0
-                        ? store_layer(context, claim, &task, film, st)
-                        : pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
-    pen_film_free(film);
+    const size_t pixels = (size_t)pen_tiles_pixels(s, first, *count);
+    if (part->bytes - sizeof tiles != pixels * each * sizeof(float))
+        return false;
+    float *values = malloc(pixels * 3 * sizeof *values);
+    if (!values)
+        return false;
+    memcpy(values, part->data + sizeof tiles, part->bytes - sizeof tiles);
+    for (size_t i = pixels; each == 1 && i-- > 0;)
+        values[3 * i] = values[3 * i + 1] = values[3 * i + 2] = values[i];
+    pen_tiles_scatter(s, first, *count, values, film->rgb);
+    free(values);
+    return true;
+}
+
+static bool read_part(struct pen_batch_context *context, const struct pen_claim *claim,
+                      enum pen_layer layer, int first, struct pen_film *film, int *count)
+{
+    struct pen_status ignored;
+    struct pen_buf part = {0};
+    const bool ok =
+        pen_store_kept(context->store, claim, name_of(layer, first).text, &part, &ignored) &&
+        place_part(&context->request.settings, layer, &part, first, film, count);
+    pen_buf_release(&part);
     return ok;
 }
 
-static bool has_layers(const struct pen_batch_context *context)
+static bool store_part(struct pen_batch_context *context, const struct pen_claim *claim,
+                       enum pen_layer layer, int tiles, struct pen_status *st)
 {
-    for (int layer = PEN_LAYER_BEAUTY + 1; layer < PEN_LAYER_COUNT; layer++)
-        if (pen_stored_request_layer(&context->request, (enum pen_layer)layer))
-            return true;
-    return false;
+    struct pen_buf bytes = {0};
+    const struct part_name name = name_of(layer, claim->first_tile);
+    bool ok = write_part(&context->request.settings, layer, context->layer[layer],
+                         claim->first_tile, tiles, &bytes, st);
+    if (ok) {
+        const struct pen_kept_part part = {
+            .name = name.text, .data = bytes.data, .bytes = bytes.bytes};
+        pen_heartbeat_pause(context->heart);
+        ok = pen_store_keep_part(context->store, claim, &part, st);
+        pen_heartbeat_resume(context->heart);
+    }
+    pen_buf_release(&bytes);
+    return ok;
 }
 
-bool pen_batch_layers(struct pen_batch_context *context, const struct pen_claim *claim,
-                      struct pen_status *st)
+bool pen_batch_layers_store(struct pen_batch_context *context, const struct pen_claim *claim,
+                            int tiles, struct pen_status *st)
 {
-    struct pen_scene_times times;
+    const bool whole = claim->view_batches <= 1 && tiles == claim->tile_count;
+    bool ok = true;
+    for (int i = 0; ok && i < PEN_LAYER_COUNT; i++) {
+        const enum pen_layer layer = (enum pen_layer)i;
+        if (context->layer[i])
+            ok = whole ? store_file(context, claim, layer, context->layer[i], st)
+                       : store_part(context, claim, layer, tiles, st);
+    }
+    return ok;
+}
+
+/* Puts the parts of a layer together. What is not there as a part is rendered: batches of earlier
+ * versions made no parts. */
+static bool assemble(struct pen_batch_context *context, const struct pen_claim *claim,
+                     enum pen_layer layer, struct pen_film *film, struct pen_status *st)
+{
     const struct pen_settings *s = &context->request.settings;
-    if (!has_layers(context))
-        return true;
-    const struct pen_scene *scene = pen_scene_cache_get(
-        context->scenes, context->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
-    bool ok = scene != NULL;
-    for (int layer = PEN_LAYER_BEAUTY + 1; ok && layer < PEN_LAYER_COUNT; layer++)
-        if (pen_stored_request_layer(&context->request, (enum pen_layer)layer))
-            ok = render_layer(context, claim, scene, (enum pen_layer)layer, st);
+    const int tiles = pen_tile_count(s->width, s->height, s->tile);
+    int first = 0, count;
+    while (first < tiles && read_part(context, claim, layer, first, film, &count))
+        first += count;
+    struct pen_layer_tiles rest = {.first = first, .count = tiles - first};
+    return first == tiles || render_tiles(context, claim, layer, film, &rest, st);
+}
+
+bool pen_batch_layers_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
+                               struct pen_status *st)
+{
+    const struct pen_settings *s = &context->request.settings;
+    bool ok = true;
+    for (int i = 0; ok && i < PEN_LAYER_COUNT; i++) {
+        const enum pen_layer layer = (enum pen_layer)i;
+        if (!is_wanted(context, layer))
+            continue;
+        struct pen_film *film = pen_film_new(s->width, s->height, st);
+        ok = film && assemble(context, claim, layer, film, st) &&
+             store_file(context, claim, layer, film, st);
+        pen_film_free(film);
+    }
+    return ok;
+}
+
+/* A layer of a view with a target error, which is made after the rounds. */
+struct after_rounds {
+    struct pen_keeper keeper;
+    enum pen_layer layer;
+    struct pen_film *film;
+    const struct pen_render_stats *stats; /* of the rounds */
+    int done, tiles;                      /* of the layer */
+};
+
+/* Whether the job has taken longer than the operator allows; a budget does not bound its layers. */
+static bool is_overdue(const struct after_rounds *a)
+{
+    const struct pen_batch_context *context = a->keeper.context;
+    return pen_batch_is_overdue(context, a->keeper.claim, context->begun_ns);
+}
+
+static bool pause_layer(void *user)
+{
+    struct after_rounds *a = user;
+    return is_overdue(a) || pen_keeper_is_due(&a->keeper);
+}
+
+/* Keeps the tiles that are done, and with them the state of the rounds, unless the store has it.
+ * Returns whether to go on. */
+static bool keep(struct after_rounds *a)
+{
+    struct pen_batch_context *context = a->keeper.context;
+    struct pen_buf state = {0}, bytes = {0};
+    struct pen_status ignored;
+    const struct part_name name = name_of(a->layer, 0);
+    const int64_t begun_ns = pen_clock_ns();
+    const double work = pen_batch_layer_work(context), share = (double)a->done / a->tiles;
+    bool gives_way;
+    if (!context->rounds_kept)
+        pen_batch_save_rounds(context, a->stats, &state);
+    const bool ok =
+        write_part(&context->request.settings, a->layer, a->film, 0, a->done, &bytes, &ignored) &&
+        !state.failed;
+    const struct pen_kept_part part = {.name = name.text, .data = bytes.data, .bytes = bytes.bytes};
+    const struct pen_kept kept = {
+        .done = (int64_t)((1 + work * share) / (1 + work) * (double)a->keeper.claim->pixels),
+        .data = state.data,
+        .bytes = state.bytes,
+        .parts = &part,
+        .part_count = 1};
+    if (pen_keeper_keep(&a->keeper, ok ? &kept : NULL, begun_ns, &gives_way))
+        context->rounds_kept = true;
+    pen_buf_release(&state);
+    pen_buf_release(&bytes);
+    return !gives_way;
+}
+
+static bool render_after_rounds(struct after_rounds *a, struct pen_status *st)
+{
+    struct pen_batch_context *context = a->keeper.context;
+    while (a->done < a->tiles) {
+        struct pen_layer_tiles run = {
+            .first = a->done, .count = a->tiles - a->done, .pause = pause_layer, .pause_user = a};
+        if (!render_tiles(context, a->keeper.claim, a->layer, a->film, &run, st))
+            return false;
+        a->done += run.count;
+        if (a->done < a->tiles && is_overdue(a))
+            return pen_batch_fail_overdue(context, st);
+        if (a->done < a->tiles && !keep(a))
+            return pen_fail(st, PEN_UNAVAILABLE, "interrupted after %d tiles of a layer", a->done);
+    }
+    return true;
+}
+
+bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
+                                   const struct pen_render_stats *stats, struct pen_status *st)
+{
+    const struct pen_settings *s = &context->request.settings;
+    bool ok = true;
+    for (int i = 0; ok && i < PEN_LAYER_COUNT; i++) {
+        if (!is_wanted(context, (enum pen_layer)i))
+            continue;
+        struct after_rounds a = {.keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS),
+                                 .layer = (enum pen_layer)i,
+                                 .film = pen_film_new(s->width, s->height, st),
+                                 .stats = stats,
+                                 .tiles = pen_tile_count(s->width, s->height, s->tile)};
+        if (a.film && context->rounds_kept &&
+            !read_part(context, claim, a.layer, 0, a.film, &a.done))
+            a.done = 0;
+        ok = a.film && render_after_rounds(&a, st) &&
+             store_file(context, claim, a.layer, a.film, st);
+        pen_film_free(a.film);
+    }
     return ok;
 }

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The size of a batch: about one second of work. A crash loses at most one batch; a job is
- * cancelled, previewed and shared between workers in steps of one batch. Beforehand only an upper
- * bound of a job's primary and shadow rays is known, which blur multiplies, and nothing about the
- * worker's speed, so a batch is a fixed number of such rays. One that takes longer is divided while
- * it is rendered (batch_render.c), between two tiles: so the client's choice of tiles holds only as
- * far as none has more than a batch. A pixel has as many samples as the client wants; below a block
- * of pixels, which a cancel waits for as well, nothing is divided. */
+/* The size of a batch: about one second of work, with the layers of its tiles. A crash loses at
+ * most one batch; a job is cancelled, previewed and shared between workers in steps of one batch.
+ * Beforehand only an upper bound of a job's primary and shadow rays is known, which blur
+ * multiplies, and nothing about the worker's speed, so a batch is a fixed number of such rays. One
+ * that takes longer is divided while it is rendered (batch_render.c), between two tiles: so the
+ * client's choice of tiles holds only as far as none has more than a batch. A pixel has as many
+ * samples as the client wants; below a block of pixels, which a cancel waits for as well, nothing
+ * is divided. */
 #include "jobs/internal/batch_layout.h"
 
 #include <math.h>
@@ -31,7 +32,7 @@ static double rays_of_pixel(const struct pen_request *request)
     const struct pen_settings *s = &request->settings, sampling = pen_settings_sampling(s);
     const bool blurred = pen_effects_blur(pen_desc_effects(&request->desc, s));
     return pen_work_per_pixel(&request->desc, s) * (blurred ? sampling.blur_samples : 1) *
-           (pen_settings_adaptive(s) ? adaptive_share : 1);
+           (pen_settings_adaptive(s) ? adaptive_share : 1) * (1 + pen_request_layer_work(request));
 }
 
 int pen_batch_tile(const struct pen_request *request)

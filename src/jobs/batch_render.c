@@ -23,9 +23,6 @@
 #include "jobs/internal/stats.h"
 #include "jobs/internal/view_pixels.h"
 
-/* Four times what a batch is meant to take. */
-enum { SPLIT_MS = 4000 };
-
 static double ms_since(int64_t begin_ns)
 {
     return (double)(pen_clock_ns() - begin_ns) * 1e-6;
@@ -66,12 +63,12 @@ static void set_picture(struct pen_batch_output *output)
     output->result.artefact_bytes = output->artefact.bytes;
 }
 
-/* Begins the picture of the batch's view, if the batch has all of its tiles. */
+/* Begins the picture of the batch's view, if all of its tiles are rendered. */
 static bool begin_picture(struct pen_batch_context *context, const struct pen_claim *claim,
-                          struct pen_batch_output *output, struct pen_status *st)
+                          int tiles, struct pen_batch_output *output, struct pen_status *st)
 {
     struct pen_film film = film_of(context);
-    if (claim->view_batches > 1)
+    if (claim->view_batches > 1 || tiles < claim->tile_count)
         return true;
     context->picture = pen_view_png_begin(&film, &context->request.settings, &output->artefact, st);
     return context->picture != NULL;
@@ -125,15 +122,9 @@ static int view_of(const struct pen_batch_context *context, const struct pen_cla
     return view ? pen_scene_find_view(scene, view) : -1;
 }
 
-/* Whether the batch has taken so long that the tiles that are not begun are left. */
-static bool is_long(void *user)
-{
-    const struct pen_batch_context *context = user;
-    return pen_clock_ns() >= context->split_ns;
-}
-
+/* Renders the first `count` tiles of the claim. */
 static bool run_tiles(struct pen_batch_context *context, const struct pen_claim *claim,
-                      const struct pen_scene *scene, struct pen_render_stats *stats,
+                      const struct pen_scene *scene, int count, struct pen_render_stats *stats,
                       struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
@@ -141,7 +132,7 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .view = view_of(context, claim, scene),
                                    .settings = s,
                                    .first_tile = claim->first_tile,
-                                   .tile_count = claim->tile_count,
+                                   .tile_count = count,
                                    .rgb = context->image,
                                    .cancel = pen_heartbeat_cancel_flag(context->heart),
                                    .tile_done = pen_pixel_compressor_tile_done,
@@ -154,9 +145,8 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .pixel_by_pixel = claim->attempt > 1,
                                    .keep_tile_ms = true};
     if (!pen_settings_adaptive(s)) {
-        const int64_t split_ms = context->batch_ms > 0 ? context->batch_ms : SPLIT_MS;
-        context->split_ns = pen_clock_ns() + split_ms * 1000000;
-        task.pause = is_long;
+        pen_batch_bound(context);
+        task.pause = pen_batch_is_long;
         task.pause_user = context;
     }
     if (task.view < 0)
@@ -227,13 +217,18 @@ static int64_t time_for_rounds(const struct pen_batch_context *context)
     return left_ns > 1 ? (int64_t)left_ns : 1;
 }
 
-/* Makes what a job may ask for beside the picture of a view. */
-static bool end_view(struct pen_batch_context *context, const struct pen_claim *claim,
-                     struct pen_audit *audit, bool *audited, struct pen_status *st)
+/* Stores the layers of the tiles that are rendered and, if they are the whole view, makes what else
+ * the job may ask for. */
+static bool make_extras(struct pen_batch_context *context, const struct pen_claim *claim,
+                        bool whole, const struct pen_render_stats *stats, struct pen_audit *audit,
+                        bool *audited, struct pen_status *st)
 {
     const struct pen_film film = film_of(context);
-    return pen_batch_layers(context, claim, st) &&
-           pen_batch_audit(context, claim, &film, audit, audited, st);
+    const bool rounds = context->adaptive != NULL;
+    if (rounds ? !pen_batch_layers_after_rounds(context, claim, stats, st)
+               : !pen_batch_layers_store(context, claim, (int)stats->tile_count, st))
+        return false;
+    return !whole || pen_batch_audit(context, claim, &film, audit, audited, st);
 }
 
 static bool render(struct pen_batch_context *context, const struct pen_claim *claim,
@@ -246,14 +241,20 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     struct pen_scene_precision precision;
     struct pen_audit audit;
     bool audited = false;
+    double layers_ms;
+    int tiles;
     const struct pen_scene *scene = pen_scene_cache_get(
         context->scenes, context->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
-    if (!scene || !pen_batch_estimate(context, claim, scene, st) || !reserve_image(context, st) ||
-        !begin_picture(context, claim, output, st) || !run_tiles(context, claim, scene, &stats, st))
+    if (!scene || !pen_batch_estimate(context, claim, scene, st) || !reserve_image(context, st))
+        return false;
+    pen_batch_bound(context);
+    if (!pen_batch_layers_begin(context, claim, &tiles, &layers_ms, st) ||
+        !begin_picture(context, claim, tiles, output, st) ||
+        !run_tiles(context, claim, scene, tiles, &stats, st))
         return false;
     double encode_ms = 0;
     const bool part = cut_result(context, claim, &stats, output);
-    pen_batch_paced(context, claim, output->result.pixels, stats.render_ms);
+    pen_batch_paced(context, claim, output->result.pixels, layers_ms + stats.render_ms);
     bool ok = end_picture(context, output, stats.done_ns, &encode_ms, st);
     warn_of_dropped(claim, &stats.rays);
     pen_store_tally_add(context->store, PEN_TALLY_RAYS,
@@ -269,8 +270,8 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     write_hex(claim->scene_sha256, sizeof claim->scene_sha256, scene_sha256);
     if (find_precision(context, claim, scene, &precision))
         in.precision = &precision;
-    if (ok && claim->view_batches <= 1 && !part)
-        ok = end_view(context, claim, &audit, &audited, st);
+    const bool whole = claim->view_batches <= 1 && !part;
+    ok = ok && make_extras(context, claim, whole, &stats, &audit, &audited, st);
     if (ok)
         ok = take_compressed(context, output, st);
     else
@@ -293,6 +294,7 @@ bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim 
     context->picture = NULL;
     pen_adaptive_free(context->adaptive);
     context->adaptive = NULL;
+    pen_batch_layers_end(context);
     return ok;
 }
 
@@ -318,7 +320,8 @@ bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_clai
     const double encode_ms = ms_since(begin_ns);
     struct pen_audit audit;
     bool audited;
-    if (!end_view(context, claim, &audit, &audited, st))
+    if (!pen_batch_layers_assemble(context, claim, st) ||
+        !pen_batch_audit(context, claim, &film, &audit, &audited, st))
         return false;
     json_t *stats = json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms));
     if (audited)

@@ -37,10 +37,18 @@ struct rounds {
     json_t *host;
 };
 
-static const char *build_of(const struct rounds *r)
+static const char *build_of(const json_t *host)
 {
-    const char *build = json_string_value(json_object_get(r->host, "build"));
+    const char *build = json_string_value(json_object_get(host, "build"));
     return build ? build : "";
+}
+
+void pen_batch_save_rounds(const struct pen_batch_context *context,
+                           const struct pen_render_stats *stats, struct pen_buf *out)
+{
+    json_t *host = pen_host_json();
+    pen_adaptive_save(context->adaptive, stats, build_of(host), out);
+    json_decref(host);
 }
 
 /* Whether the job has taken longer than the operator allows. A budget is bounded already. */
@@ -57,13 +65,14 @@ static bool pause_round(void *user)
     return is_overdue(r) || pen_keeper_is_due(&r->keeper);
 }
 
-/* The share of the view that is done. */
+/* The share of the view that is done; its layers follow. */
 static double share_of(const struct rounds *r, const struct pen_render_stats *stats)
 {
+    const double all = 1 + pen_batch_layer_work(r->keeper.context);
     const double most = 0.99, budget_ms = (double)r->keeper.context->budget_ns * 1e-6;
     const double by_rays = pen_adaptive_share(&stats->adaptive, (int)stats->tile_count);
     const double by_time = budget_ms > 0 ? stats->render_ms / budget_ms : 0;
-    return fmin(most, fmax(by_rays, by_time));
+    return fmin(most, fmax(by_rays, by_time)) / all;
 }
 
 /* Keeps the state, if that is due. Returns whether the rounds go on. */
@@ -79,7 +88,7 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
         return true;
     const int64_t begun_ns = pen_clock_ns();
     const double share = share_of(r, stats);
-    pen_adaptive_save(adaptive, stats, build_of(r), &state);
+    pen_adaptive_save(adaptive, stats, build_of(r->host), &state);
     const struct pen_kept kept = {.done = (int64_t)(share * (double)r->keeper.claim->pixels),
                                   .data = state.data,
                                   .bytes = state.bytes};
@@ -97,14 +106,14 @@ static bool read_kept(struct rounds *r, const struct pen_render_task *task,
     const struct pen_claim *claim = r->keeper.claim;
     const bool ok =
         pen_store_kept(r->keeper.context->store, claim, PEN_KEPT_STATE, &state, &ignored) &&
-        pen_adaptive_load(adaptive, state.data, state.bytes, build_of(r), earlier, task->rgb,
+        pen_adaptive_load(adaptive, state.data, state.bytes, build_of(r->host), earlier, task->rgb,
                           &ignored);
     pen_buf_release(&state);
     if (ok) {
         const struct pen_log_about about = pen_claim_about(claim);
         const struct pen_adaptive_stats *a = &earlier->adaptive;
         pen_log_about(PEN_LOG_INFO, &about, "goes on after %d rounds and %d tiles", a->rounds,
-                      a->round[a->rounds].tiles);
+                      a->ended ? 0 : a->round[a->rounds].tiles);
     }
     return ok;
 }
@@ -122,6 +131,7 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
     r.host = pen_host_json();
     if (read_kept(&r, task, context->adaptive, &earlier))
         rounds.earlier = &earlier;
+    context->rounds_kept = rounds.earlier && earlier.adaptive.ended;
     rounds.pause = pause_round;
     rounds.paused = keep;
     rounds.pause_user = &r;

@@ -8,6 +8,7 @@
 #include "io/builtin.h"
 #include "jobs/internal/json_member.h"
 #include "jobs/internal/request_errors.h"
+#include "render/layers.h"
 #include "study/bill.h"
 
 static const char builtin_prefix[] = "builtin:";
@@ -181,6 +182,37 @@ static void limits_place(const struct pen_request *request, char *at, size_t byt
                  json_object_get(request->scene, "render") ? "/render" : "");
 }
 
+const char *pen_request_cost(const struct pen_request *request)
+{
+    const char *time = pen_cost_names[PEN_COST_TIME];
+    for (size_t i = 0; i < json_array_size(request->layers); i++)
+        if (strcmp(json_string_value(json_array_get(request->layers, i)),
+                   pen_layer_name(PEN_LAYER_COST)) == 0)
+            return request->cost ? request->cost : time;
+    return NULL;
+}
+
+double pen_request_layer_work(const struct pen_request *request)
+{
+    const char *cost = pen_request_cost(request);
+    if (!cost)
+        return 0;
+    return pen_layer_work(PEN_LAYER_COST, strcmp(cost, pen_cost_names[PEN_COST_TESTS]) == 0
+                                              ? PEN_COST_TESTS
+                                              : PEN_COST_TIME);
+}
+
+/* Checks how long the pixels and the layers of a render are expected to take. */
+static bool check_layers_time(const struct pen_request *request, const struct pen_limits *limits,
+                              const char *at, struct pen_status *st)
+{
+    const struct pen_settings *s = &request->settings, sampling = pen_settings_sampling(s);
+    const double work = pen_request_layer_work(request),
+                 rays = (double)request->view_count * s->width * s->height *
+                        pen_work_per_pixel(&request->desc, &sampling);
+    return work == 0 || pen_limits_check_time(limits, rays * (1 + work), at, st);
+}
+
 static bool is_within_limits(const struct pen_request *request, const struct pen_limits *limits,
                              struct pen_status *st)
 {
@@ -200,7 +232,8 @@ static bool is_within_limits(const struct pen_request *request, const struct pen
         return pen_bill_check(limits, desc, request->views[0], &request->settings, request->repeats,
                               at, st);
     return pen_limits_check(limits, desc, &request->settings, (uint32_t)request->view_count, at,
-                            st);
+                            st) &&
+           check_layers_time(request, limits, at, st);
 }
 
 /* The budget of a request, in seconds; NULL: it has none. */
@@ -221,22 +254,24 @@ static double *budget_of(struct pen_request *request)
     return NULL;
 }
 
-/* No budget is longer than the operator allows a job to take. One that the body does not name, a
- * default, becomes as long as that. */
+/* No budget is longer than the operator allows a job to take, with the layers that follow it. One
+ * that the body does not name, a default, becomes as long as that. */
 static void bound_budget(struct pen_request *request, const struct pen_limits *limits,
                          struct pen_errors *errors)
 {
     double *budget = budget_of(request);
     const json_t *value = request->bare ? NULL : json_object_get(request->body, "budget_seconds");
-    if (!budget || limits->seconds <= 0 || *budget <= limits->seconds)
+    const double work = request->kind == PEN_KIND_RENDER ? pen_request_layer_work(request) : 0,
+                 most = limits->seconds / (1 + work);
+    if (!budget || limits->seconds <= 0 || *budget <= most)
         return;
     if (value)
         pen_request_fail(errors, PEN_INVALID, "", "budget_seconds",
                          "must be a number above 0, at most %g, which this daemon allows "
-                         "(--max-seconds), found %s",
-                         limits->seconds, pen_found(value).text);
+                         "%s(--max-seconds), found %s",
+                         most, work > 0 ? "beside the layer cost " : "", pen_found(value).text);
     else
-        *budget = limits->seconds;
+        *budget = most;
 }
 
 static void check_limits(struct pen_request *request, const struct pen_limits *limits,

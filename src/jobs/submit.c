@@ -39,17 +39,6 @@ static json_t *layers_json(const struct pen_request *request)
                            : json_pack("[s]", pen_layer_name(PEN_LAYER_BEAUTY));
 }
 
-/* What the layer `cost` is; NULL if the job has none. */
-static const char *cost_of(const struct pen_request *request)
-{
-    const char *time = pen_cost_names[PEN_COST_TIME];
-    for (size_t i = 0; i < json_array_size(request->layers); i++)
-        if (strcmp(json_string_value(json_array_get(request->layers, i)),
-                   pen_layer_name(PEN_LAYER_COST)) == 0)
-            return request->cost ? request->cost : time;
-    return NULL;
-}
-
 /* NULL without an audit. */
 static json_t *audit_json(const struct pen_request *request)
 {
@@ -81,10 +70,10 @@ static json_t *common_json(const struct pen_request *request)
                      "kind", pen_job_kinds[request->kind], "name", name, "labels", labels,
                      "priority", request->priority, "max_attempts", request->max_attempts,
                      "timeout_seconds", (double)request->timeout_ms / 1000, "views",
-                     views_json(request), "layers", layers_json(request), "cost", cost_of(request),
-                     "audit", audit_json(request), "budget_seconds", budget_json(request), "render",
-                     pen_settings_json(&request->settings), "tile_edge", tile_json(request),
-                     "effects",
+                     views_json(request), "layers", layers_json(request), "cost",
+                     pen_request_cost(request), "audit", audit_json(request), "budget_seconds",
+                     budget_json(request), "render", pen_settings_json(&request->settings),
+                     "tile_edge", tile_json(request), "effects",
                      pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
 }
 

@@ -37,9 +37,8 @@ void pen_tiles_gather(const struct pen_settings *settings, int first, int count,
     }
 }
 
-/* Copies tiles first … first + count - 1 into an image. */
-static void scatter_tiles(const struct pen_settings *settings, int first, int count,
-                          const float *tiles, float *image)
+void pen_tiles_scatter(const struct pen_settings *settings, int first, int count,
+                       const float *tiles, float *image)
 {
     for (int i = first; i < first + count; i++) {
         struct pen_rect r = pen_tile_rect(settings->width, settings->height, settings->tile, i);
@@ -77,7 +76,7 @@ static bool place_batch(void *user, int first, int count, const float *rgb, int6
                     pixels != pen_tiles_pixels(s, first, count);
     if (load->outside)
         return false;
-    scatter_tiles(s, first, count, rgb, load->film->rgb);
+    pen_tiles_scatter(s, first, count, rgb, load->film->rgb);
     if (load->mask)
         mark_tiles(load, first, count);
     load->filled += pixels;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[8] = "PENADP3";
+static const char magic[8] = "PENADP4";
 
 static const double ms_max = 1e12; /* 30 years: a time that can be counted in nanoseconds */
 
@@ -61,11 +61,14 @@ void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_ren
     pen_buf_add(out, adaptive->wanted, pixels_of(s));
 }
 
-/* Whether statistics are of rounds with this target, one of which goes on. */
-static bool goes_on(const struct pen_adaptive_stats *a, const struct pen_settings *s)
+/* Whether statistics are of rounds with this target, which have ended or one of which goes on. */
+static bool fits(const struct pen_adaptive_stats *a, const struct pen_settings *s)
 {
-    return a->target == s->target_error && a->rounds >= 0 && a->rounds < PEN_ROUNDS_MAX &&
-           a->round[a->rounds].tiles >= 0 && (size_t)a->round[a->rounds].tiles < tiles_of(s);
+    const bool target = a->target == s->target_error && a->rounds >= 0;
+    if (a->ended)
+        return target && a->rounds > 0 && a->rounds <= PEN_ROUNDS_MAX;
+    return target && a->rounds < PEN_ROUNDS_MAX && a->round[a->rounds].tiles >= 0 &&
+           (size_t)a->round[a->rounds].tiles < tiles_of(s);
 }
 
 /* Whether a header and what follows it are of these settings and this build. */
@@ -77,8 +80,8 @@ static bool is_usable(const struct header *h, const unsigned char *rest, size_t 
     return memcmp(h->magic, magic, sizeof magic) == 0 && h->width == (uint32_t)s->width &&
            h->height == (uint32_t)s->height && (h->tiles == 0 || h->tiles == tiles_of(s)) &&
            h->build_bytes == strlen(build) && count == h->build_bytes + tiles + pixels &&
-           memcmp(rest, build, h->build_bytes) == 0 && goes_on(&h->adaptive, s) &&
-           h->render_ms >= 0 && h->render_ms < ms_max;
+           memcmp(rest, build, h->build_bytes) == 0 && fits(&h->adaptive, s) && h->render_ms >= 0 &&
+           h->render_ms < ms_max;
 }
 
 bool pen_adaptive_load(struct pen_adaptive *adaptive, const void *bytes, size_t count,

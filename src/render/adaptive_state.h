@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The state of an adaptive render as bytes, so that another process can go on between two rounds,
- * or between two tiles of a round. The picture gets the same bits.
+ * between two tiles of a round, or after the last round. The picture gets the same bits.
  *
  * It has the sums of all pixels, the statistics of the rounds with the number of tiles that are
  * finished of the one that goes on, and the pixels that this round refines. The latter are kept,

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Threads take rows of blocks, 8 pixels high, from a counter. Each pixel is a pure function of its
- * place, except that times are measured. */
+/* Threads take rows of blocks, 8 pixels high, of a tile from a counter, tile after tile. Each pixel
+ * is a pure function of its place, except that times are measured. */
 #include "render/layers.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,7 +31,9 @@ struct job {
     const struct pen_kernel *kernel;
     struct worker *worker; /* by thread */
     int threads;
-    atomic_int next; /* row of blocks; order does not matter: each is taken once */
+    struct pen_layer_tiles *tiles;
+    pthread_mutex_t lock;
+    int64_t next; /* guarded by lock; the row of blocks that is begun next */
 };
 
 const char *const pen_layer_names[PEN_LAYER_COUNT + 1] = {
@@ -170,20 +173,52 @@ static bool stopped(const struct pen_layer_task *task)
     return task->cancel && atomic_load_explicit(task->cancel, memory_order_relaxed);
 }
 
+/* The rows of blocks of a tile that is not cut. */
+static int rows_of_tile(const struct pen_settings *s)
+{
+    const int height = s->tile < s->height ? s->tile : s->height;
+    return (height + PEN_BLOCK_SIDE - 1) / PEN_BLOCK_SIDE;
+}
+
+/* Takes the next row of blocks, whose tile is counted as done: each that is begun is finished,
+ * unless the layer is cancelled. False: there is none, or the caller pauses. */
+static bool take_row(struct job *job, struct pen_rect *row)
+{
+    const struct pen_settings *s = job->task->settings;
+    struct pen_layer_tiles *tiles = job->tiles;
+    const int rows = rows_of_tile(s);
+    pthread_mutex_lock(&job->lock);
+    const int tile = (int)(job->next / rows), number = (int)(job->next % rows);
+    const bool begins = number == 0 && tile < tiles->count;
+    bool more = tile < tiles->count;
+    if (begins && tile > 0 && tiles->pause && tiles->pause(tiles->pause_user)) {
+        tiles->count = tile; /* the next look finds no more either */
+        more = false;
+    }
+    job->next += more;
+    pthread_mutex_unlock(&job->lock);
+    if (!more)
+        return false;
+    *row = pen_tile_rect(s->width, s->height, s->tile, tiles->first + tile);
+    const int below = number * PEN_BLOCK_SIDE, left = row->height - below;
+    row->y += below;
+    row->height =
+        left < PEN_BLOCK_SIDE ? left : PEN_BLOCK_SIDE; /* 0 or less in a tile that is cut */
+    return true;
+}
+
 static void work(void *user, int index)
 {
     struct job *job = user;
-    const struct pen_settings *s = job->task->settings;
-    const int side = PEN_BLOCK_SIDE, rows = (s->height + side - 1) / side;
-    int row;
+    struct pen_rect row;
     if (job->task->layer == PEN_LAYER_COST) /* memory that is touched first would count */
         time_of(job, &job->worker[index], (struct pen_rect){0, 0, 1, 1});
-    while (!stopped(job->task) &&
-           (row = atomic_fetch_add_explicit(&job->next, 1, memory_order_relaxed)) < rows) {
-        const int y = row * side, height = s->height - y < side ? s->height - y : side;
-        for (int x = 0; x < s->width; x += side) {
-            const int width = s->width - x < side ? s->width - x : side;
-            layer_block(job, &job->worker[index], (struct pen_rect){x, y, width, height});
+    while (!stopped(job->task) && take_row(job, &row)) {
+        for (int x = 0; row.height > 0 && x < row.width && !stopped(job->task);
+             x += PEN_BLOCK_SIDE) {
+            const int left = row.width - x, width = left < PEN_BLOCK_SIDE ? left : PEN_BLOCK_SIDE;
+            layer_block(job, &job->worker[index],
+                        (struct pen_rect){row.x + x, row.y, width, row.height});
         }
     }
 }
@@ -238,20 +273,38 @@ static bool find_state(struct pen_thread_pool *pool, const struct pen_layer_task
     return *own && pen_render_rounds(pool, &all, *own, &stats, st);
 }
 
-bool pen_layer_render(struct pen_thread_pool *pool, const struct pen_layer_task *task,
-                      struct pen_status *st)
+bool pen_layer_render_tiles(struct pen_thread_pool *pool, const struct pen_layer_task *task,
+                            struct pen_layer_tiles *tiles, struct pen_status *st)
 {
     const struct pen_settings sampling = pen_settings_sampling(task->settings);
     struct pen_adaptive *own;
     bool ok = find_state(pool, task, &own, st);
     struct job job = {.task = task,
                       .adaptive = own ? own : task->adaptive,
-                      .input = pen_kernel_input_of(task->scene, task->view, &sampling)};
+                      .input = pen_kernel_input_of(task->scene, task->view, &sampling),
+                      .tiles = tiles,
+                      .lock = PTHREAD_MUTEX_INITIALIZER};
     job.kernel = pen_kernel_select(job.input.effects, pen_cpu_isa());
     job.threads = pen_render_threads(pool, task->settings);
     ok = ok && run(pool, &job, st);
+    pthread_mutex_destroy(&job.lock);
     pen_adaptive_free(own);
     return ok;
+}
+
+bool pen_layer_render(struct pen_thread_pool *pool, const struct pen_layer_task *task,
+                      struct pen_status *st)
+{
+    const struct pen_settings *s = task->settings;
+    struct pen_layer_tiles all = {.count = pen_tile_count(s->width, s->height, s->tile)};
+    return pen_layer_render_tiles(pool, task, &all, st);
+}
+
+double pen_layer_work(enum pen_layer layer, enum pen_cost cost)
+{
+    if (layer != PEN_LAYER_COST)
+        return 0;
+    return cost == PEN_COST_TIME ? 4 : 3;
 }
 
 /* Black, blue, red, yellow, white: each brighter than the one before it. */

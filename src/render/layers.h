@@ -41,7 +41,7 @@ struct pen_layer_task {
     enum pen_cost cost;
     float *rgb; /* the whole image, width * height * 3, row 0 at the top; layers of one number have
                    it three times */
-    const atomic_bool *cancel; /* polled before each row of blocks; may be NULL */
+    const atomic_bool *cancel; /* polled before each block of pixels; may be NULL */
     /* With a target error: the state after the last round. NULL: samples and cost, which depend on
      * it, render all rounds first. */
     const struct pen_adaptive *adaptive;
@@ -55,6 +55,24 @@ extern const char *const pen_cost_names[];
  * long as one that does not; time both. */
 bool pen_layer_render(struct pen_thread_pool *pool, const struct pen_layer_task *task,
                       struct pen_status *st);
+
+/* Tiles of a layer's view, as pen_tile_rect numbers them. */
+struct pen_layer_tiles {
+    int first;
+    int count; /* out: how many are done, from the first on */
+    /* Asked before each tile but the first, from a render thread, one call at a time; may be NULL.
+     * When it returns true no more tiles are begun, and those that are begun are finished. */
+    bool (*pause)(void *user);
+    void *pause_user;
+};
+
+/* Makes these tiles of a layer; the other pixels stay as they are. Else as pen_layer_render. */
+bool pen_layer_render_tiles(struct pen_thread_pool *pool, const struct pen_layer_task *task,
+                            struct pen_layer_tiles *tiles, struct pen_status *st);
+
+/* About how many times as long as the picture's pixels those of the layer take: 2 to 16 for `cost`,
+ * in most scenes 3 to 4; little for the others, which count as 0. */
+double pen_layer_work(enum pen_layer layer, enum pen_cost cost);
 
 /* Makes a layer of numbers one that can be looked at, in place: samples grey up to the largest
  * number; depth grey, the nearest white, twice as far half as bright; cost a heat map from black at

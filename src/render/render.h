@@ -35,6 +35,7 @@ struct pen_adaptive_stats {
     double target;
     bool met;
     bool timed; /* the render had a deadline */
+    bool ended; /* no round follows */
     int rounds; /* that are decided; 0 after a render: it was not adaptive */
     struct pen_round round[PEN_ROUNDS_MAX]; /* between rounds and in them, the next is the one that
                                              * goes on */

@@ -7,7 +7,9 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/cpu.h"
 #include "math/fn.h"
+#include "render/internal/kernel_input.h"
 #include "render/internal/refine.h"
 
 /* The rounds of one view. */
@@ -142,6 +144,7 @@ static bool select_next(struct rounds *r, const struct pen_decision *d, bool *la
     const int done = a->rounds;
     *last = repeat ? done >= repeat->rounds
                    : d->done || done == PEN_ROUNDS_MAX || a->round[done - 1].tiles < r->tiles;
+    a->ended = *last;
     if (*last)
         return true;
     struct pen_round *round = &a->round[done];
@@ -161,18 +164,24 @@ static bool select_next(struct rounds *r, const struct pen_decision *d, bool *la
 static bool run_rounds(struct rounds *r, struct pen_status *st)
 {
     struct pen_decision d;
-    for (bool last = false; !last;)
+    for (bool last = r->stats->adaptive.ended; !last;)
         if (!run_round(r, st) || !decide(r, &d, st) || !select_next(r, &d, &last, st) ||
             (!last && !ask_to_go_on(r, st)))
             return false;
     return true;
 }
 
-/* Calls what is called of a finished picture. */
+/* Completes the statistics, and calls what is called of a finished picture. */
 static void finish(const struct rounds *r)
 {
     const struct pen_render_task *task = r->task;
     const struct pen_settings *s = task->settings;
+    if (!r->stats->kernel) { /* an earlier render has made all rounds */
+        const struct pen_kernel_input input =
+            pen_kernel_input_of(task->scene, task->view, &r->adaptive->sampling);
+        r->stats->kernel = pen_kernel_select(input.effects, pen_cpu_isa())->name;
+        r->stats->effects = input.effects;
+    }
     for (int i = 0; task->tile_done && i < r->tiles; i++)
         task->tile_done(task->user, pen_tile_rect(s->width, s->height, s->tile, i));
     if (task->rows_done)

@@ -204,7 +204,7 @@ static bool put_kept(struct pen_store *store, const struct pen_batch_row *batch,
     struct pen_artefact_key key = {
         .job = batch->job, .view = batch->view, .layer = PEN_KEPT_LAYER, .format = PEN_KEPT_STATE};
     int64_t number;
-    bool ok = pen_put_artefact(store, &key, keep->values, &number, st);
+    bool ok = !keep->kept->data || pen_put_artefact(store, &key, keep->values, &number, st);
     for (int i = 0; ok && i < keep->kept->part_count; i++) {
         key.format = keep->kept->parts[i].name;
         ok = pen_put_artefact(store, &key, &keep->values[i + 1], &number, st);

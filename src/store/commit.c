@@ -61,6 +61,14 @@ static bool add_assemble_batch(struct pen_store *store, const struct commit *com
     return store->driver->ops->batch_add(store->driver, &add, &added, st);
 }
 
+/* What the view's batches kept is of no more use. */
+static bool drop_kept(struct pen_store *store, const struct commit *commit, struct pen_status *st)
+{
+    const struct pen_artefact_key key = {
+        .job = commit->batch.job, .view = commit->batch.view, .layer = PEN_KEPT_LAYER};
+    return store->driver->ops->artefacts_drop(store->driver, &key, st);
+}
+
 static bool end_view(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
@@ -68,7 +76,8 @@ static bool end_view(struct pen_store *store, const struct commit *commit, struc
     if (!commit->result->artefact)
         return pen_fail(st, PEN_INTERNAL,
                         "the batch that ends a view was committed without its picture or report");
-    if (!driver->ops->job_view_ended(driver, commit->batch.job, &open_views, st))
+    if (!drop_kept(store, commit, st) ||
+        !driver->ops->job_view_ended(driver, commit->batch.job, &open_views, st))
         return false;
     return open_views > 0 ||
            driver->ops->job_succeed(driver, commit->batch.job, commit->now_ms, st);
@@ -85,15 +94,6 @@ static bool count_down(struct pen_store *store, const struct commit *commit, str
     if (open > 0)
         return true;
     return batches == 1 ? end_view(store, commit, st) : add_assemble_batch(store, commit, st);
-}
-
-/* What the batch kept while it ran is of no more use. */
-static bool drop_kept(struct pen_store *store, const struct commit *commit, struct pen_status *st)
-{
-    const struct pen_artefact_key key = {
-        .job = commit->batch.job, .view = commit->batch.view, .layer = PEN_KEPT_LAYER};
-    return commit->batch.kind == PEN_BATCH_ASSEMBLE ||
-           store->driver->ops->artefacts_drop(store->driver, &key, st);
 }
 
 /* Makes what a result of the first tiles lacks a batch of its own. */
@@ -130,8 +130,7 @@ static bool write_result(struct pen_store *store, struct commit *commit, struct 
     if (!done)
         return pen_fail(st, PEN_STALE, "the batch is no longer held; its result was refused");
     if ((kind == PEN_BATCH_RENDER && !add_pixels(store, commit, st)) ||
-        (commit->result->artefact && !add_artefact(store, commit, st)) ||
-        !drop_kept(store, commit, st))
+        (commit->result->artefact && !add_artefact(store, commit, st)))
         return false;
     return kind == PEN_BATCH_ASSEMBLE ? end_view(store, commit, st) : count_down(store, commit, st);
 }

@@ -301,6 +301,14 @@ bool pen_policy_artefact_put(struct pen_store *store, const struct pen_claim *cl
            pen_value_write(store, &put.value, write_artefact, &put, st);
 }
 
+bool pen_policy_keep_part(struct pen_store *store, const struct pen_claim *claim,
+                          const struct pen_kept_part *part, struct pen_status *st)
+{
+    struct put put = {.claim = claim, .layer = PEN_KEPT_LAYER, .format = part->name};
+    return pen_value_store_apart(store, claim, part->data, part->bytes, &put.value, st) &&
+           pen_value_write(store, &put.value, write_artefact, &put, st);
+}
+
 bool pen_policy_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
                       struct pen_status *st)
 {

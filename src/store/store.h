@@ -400,16 +400,16 @@ struct pen_kept {
     /* Runs, as for pen_store_progress; of a view that is one batch, pixels: readers see them as
      * done. Progress does not go back. Below 0: it stays as it is. */
     int64_t done;
-    const void *data;
+    const void *data; /* NULL: the state stays as it is */
     size_t bytes;
     const struct pen_kept_part *parts;
     int part_count;
 };
 #define PEN_KEPT_STATE "state"
 
-/* Stores what the claim's batch keeps until its commit or the end of its job, in place of what it
- * kept before, with its progress, in one transaction. *outranked: as pen_store_outranked tells.
- * Fails: PEN_STALE; PEN_STORAGE_FULL, also if the store may not hold so much
+/* Stores what the claim's batch keeps until its view ends or its job, in place of what the view's
+ * batches kept before, with its progress, in one transaction. *outranked: as pen_store_outranked
+ * tells. Fails: PEN_STALE; PEN_STORAGE_FULL, also if the store may not hold so much
  * (pen_retention.keep_bytes). Nothing is stored then. */
 bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
                     const struct pen_kept *kept, bool *outranked, struct pen_status *st);
@@ -420,8 +420,13 @@ bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
 bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
                          struct pen_status *st);
 
-/* Appends what the claim's batch has kept: the part of that name, or PEN_KEPT_STATE. Fails:
- * PEN_NOT_FOUND (nothing yet), PEN_STORAGE (damaged). */
+/* Stores a part that belongs to the result of the claim's batch, for a later batch of the view. It
+ * has no state beside it, and is admitted as a result is. Fails: as pen_store_artefact_put. */
+bool pen_store_keep_part(struct pen_store *store, const struct pen_claim *claim,
+                         const struct pen_kept_part *part, struct pen_status *st);
+
+/* Appends what the batches of the claim's view have kept: the part of that name, or PEN_KEPT_STATE.
+ * Fails: PEN_NOT_FOUND (nothing yet), PEN_STORAGE (damaged). */
 bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, const char *name,
                     struct pen_buf *out, struct pen_status *st);
 
@@ -435,8 +440,8 @@ bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st);
 
-/* Whether the last call, a commit or pen_store_artefact_put, failed because the disk has too little
- * space for so large a result. Smaller ones may still be stored. */
+/* Whether the last call, a commit, pen_store_artefact_put or pen_store_keep_part, failed because
+ * the disk has too little space for so large a result. Smaller ones may still be stored. */
 bool pen_store_lacks_space(const struct pen_store *store);
 
 /* Gives a batch back whose result the disk has no space for, so that others, whose results fit, get

@@ -83,6 +83,16 @@ submit "$days"
 expect any-time-if-the-operator-says-so "$status" 202
 call "$job/cancel" -X POST
 daemon_stop
+
+# The map of what pixels cost takes several times as long as they.
+pixels='{"scene": "builtin:spheres", "render": {"width": 1000, "height": 1000, "samples_per_pixel": 8}'
+daemon_start --max-seconds 10
+submit "$pixels, \"layers\": [\"beauty\", \"cost\"]}"
+expect_problem layers-count 413 '*expected to take at least * s (* hours)*allows 10 s*--max-seconds*'
+submit "$pixels, \"layers\": [\"beauty\", \"depth\"]}"
+expect other-layers-take-little "$status" 202
+call "$job/cancel" -X POST
+daemon_stop
 echo '{"max_seconds": 5, "max_pixels": 10000, "max_samples": 16, "max_priority": 0}' >"$work/config.json"
 daemon_start --config "$work/config.json"
 submit '{"scene": "builtin:spheres", "render": {"width": 101, "height": 100}}'
@@ -102,6 +112,8 @@ for kind in render benchmark accuracy; do
     expect_problem "too-long-a-budget-$kind" 422 '*at most 5, which this daemon allows (--max-seconds), found 80000*'
     expect "its-place-$kind" "$(body '.errors[0].pointer')" /budget_seconds
 done
+submit '{"scene": "builtin:spheres", "budget_seconds": 2, "layers": ["cost"], "render": {"width": 16, "height": 12}}'
+expect_problem too-long-a-budget-with-its-layer 422 '*at most 1, which this daemon allows beside the layer cost (--max-seconds), found 2*'
 submit '{"scene": "builtin:spheres", "kind": "benchmark", "interval": 0.5, "render": {"width": 16, "height": 12}}'
 expect a-default-budget-is-bounded "$status $(body .budget_seconds)" "202 5"
 call "$job/cancel" -X POST

@@ -25,10 +25,27 @@ pen_batch_run_fn pen_batch_render;
 /* batch_render.c: encodes the picture of a view from its committed pixels. */
 pen_batch_run_fn pen_batch_assemble;
 
-/* batch_layers.c: renders and stores the layers that the job asks for, of the claim's view. Fails:
- * as pen_batch_run. */
-bool pen_batch_layers(struct pen_batch_context *context, const struct pen_claim *claim,
-                      struct pen_status *st);
+/* batch_layers.c: the layers that the job asks for. All fail as pen_batch_run.
+ *  - begin: without a target error, makes those of the claim's tiles, or of the first ones as far
+ *    as there is time; *tiles is how many, and the batch is to render no others. *ms is the time it
+ *    took. With a target error it does nothing.
+ *  - store: stores what begin has made of so many tiles.
+ *  - end: frees it, after success and failure alike.
+ *  - after_rounds: with a target error, makes and stores them of the claim's view, whose rounds
+ *    have ended with these statistics. Fails: also as pen_batch_rounds.
+ *  - assemble: stores those of a view of several batches. */
+bool pen_batch_layers_begin(struct pen_batch_context *context, const struct pen_claim *claim,
+                            int *tiles, double *ms, struct pen_status *st);
+bool pen_batch_layers_store(struct pen_batch_context *context, const struct pen_claim *claim,
+                            int tiles, struct pen_status *st);
+void pen_batch_layers_end(struct pen_batch_context *context);
+bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
+                                   const struct pen_render_stats *stats, struct pen_status *st);
+bool pen_batch_layers_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
+                               struct pen_status *st);
+
+/* batch_layers.c: how many times as long as the pixels of the context's job its layers take. */
+double pen_batch_layer_work(const struct pen_batch_context *context);
 
 /* batch_rounds.c: renders a view with a target error, as pen_render_rounds does, and leaves its
  * state in the context; goes on from the tile that an earlier worker has kept. Fails: also
@@ -37,6 +54,11 @@ bool pen_batch_layers(struct pen_batch_context *context, const struct pen_claim 
 bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
                       const struct pen_render_task *task, struct pen_render_stats *stats,
                       struct pen_status *st);
+
+/* batch_rounds.c: appends the state that the rounds of the context's view have left, as they keep
+ * it. */
+void pen_batch_save_rounds(const struct pen_batch_context *context,
+                           const struct pen_render_stats *stats, struct pen_buf *out);
 
 /* batch_audit.c: audits the picture of the claim's view, which the film has, if the job asks for
  * that; then *done is true. Fails: as pen_batch_run. */
@@ -50,10 +72,10 @@ bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *
 bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
                         const struct pen_scene *scene, struct pen_status *st);
 
-/* batch_estimate.c: whether the operator allows so many views as a forecast is of, as far as the
+/* batch_estimate.c: whether the operator allows so many times what a forecast is of, as far as the
  * lower end of its interval tells. Fails: PEN_TOO_LARGE, if not. */
 bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_forecast *forecast,
-                       int views, struct pen_status *st);
+                       double times, struct pen_status *st);
 
 /* batch_estimate.c: notes that a batch of the claim's job has rendered so many pixels in this time.
  */

@@ -12,6 +12,7 @@
 #include "jobs/internal/scene_cache.h"
 #include "jobs/internal/stored_request.h"
 #include "jobs/worker.h"
+#include "render/layers.h"
 #include "render/render.h"
 
 /* What this worker has rendered of a job. */
@@ -52,7 +53,9 @@ struct pen_batch_context {
     int64_t budget_ns;              /* for that view's rounds; 0: none */
     int64_t begun_ns;               /* when this worker has begun with it, by pen_clock_ns */
     struct pen_adaptive *adaptive;  /* of that view, with a target error; else NULL */
-    int64_t split_ns;               /* when its tiles end, by pen_clock_ns, if not in rounds */
+    bool rounds_kept;               /* the store has what the last of that view's rounds has left */
+    struct pen_film *layer[PEN_LAYER_COUNT]; /* of that view, without a target error; else NULL */
+    int64_t split_ns; /* when its tiles end, by pen_clock_ns, if not in rounds */
     int64_t keep_ms, patience_ms, batch_ms; /* as in pen_worker_options */
     int max_seconds;                        /* the same */
     struct pen_batch_pace pace[PEN_BATCH_PACES];
@@ -84,6 +87,11 @@ void pen_batch_context_release(struct pen_batch_context *context);
 /* By when a forecast that begins now is to end, by pen_clock_ns: soon, since it is not interrupted
  * for others, and within what the operator allows a job to take. */
 int64_t pen_batch_forecast_end(const struct pen_batch_context *context);
+
+/* Bounds the tiles of a batch by time: so long after the call, pen_batch_is_long tells that those
+ * which are not begun are left. The latter is `pause` of a task, whose user is the context. */
+void pen_batch_bound(struct pen_batch_context *context);
+bool pen_batch_is_long(void *context);
 
 /* Whether the claim's job has taken longer than the operator allows, with the time since
  * `begun_ns`, when this worker has begun with it; and the failure that says so, PEN_TOO_LARGE. */

@@ -56,6 +56,12 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
                       struct pen_request *out, struct pen_errors *errors);
 void pen_request_release(struct pen_request *request);
 
+/* What the layer `cost` is; NULL if the job has none. */
+const char *pen_request_cost(const struct pen_request *request);
+
+/* How many times as long as the pixels of a render its layers take: pen_layer_work. */
+double pen_request_layer_work(const struct pen_request *request);
+
 /* request_keys.c: the keys of a job other than scene, render, views and those of its benchmark.
  * `body` is an object. */
 void pen_request_keys_read(struct pen_request *request, struct pen_errors *errors);

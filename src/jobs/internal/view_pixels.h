@@ -12,9 +12,11 @@
 /* The number of pixels in tiles first … first + count - 1. */
 int64_t pen_tiles_pixels(const struct pen_settings *settings, int first, int count);
 
-/* Copies tiles first … first + count - 1 out of an image. */
+/* Copies tiles first … first + count - 1 out of an image, and into one. */
 void pen_tiles_gather(const struct pen_settings *settings, int first, int count, const float *image,
                       float *tiles);
+void pen_tiles_scatter(const struct pen_settings *settings, int first, int count,
+                       const float *tiles, float *image);
 
 /* Fills a film with the committed pixels of a view. mask (may be NULL) has one byte for each pixel,
  * which becomes 1 if the pixel is committed; *filled becomes the number of such pixels. Fails: as

@@ -129,6 +129,10 @@ typedef bool pen_value_admit(struct pen_store *store, int64_t bytes, struct pen_
 bool pen_value_store_if(struct pen_store *store, const struct pen_claim *fence,
                         pen_value_admit *admit, const void *data, size_t bytes,
                         struct pen_value *value, struct pen_status *st);
+/* As pen_value_store, of one of many values that are removed together: each is a large object,
+ * however small it is, so that they are removed in slices. */
+bool pen_value_store_apart(struct pen_store *store, const struct pen_claim *fence, const void *data,
+                           size_t bytes, struct pen_value *value, struct pen_status *st);
 /* As pen_blob_begin and pen_blob_finish, in the transaction that writes the row. */
 struct pen_blob_start pen_value_begin(const struct pen_value *value);
 bool pen_value_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t number,
@@ -143,7 +147,7 @@ bool pen_value_unused(struct pen_store *store, int64_t *object, bool *found, str
 /* Removes a slice of such an object. *more: there was one. */
 bool pen_values_shrink(struct pen_store *store, bool *more, struct pen_status *st);
 
-/* What a batch keeps are artefacts of its view, in this layer; each part's name is its format. */
+/* What batches keep are artefacts of their view, in this layer; each part's name is its format. */
 #define PEN_KEPT_LAYER "kept"
 
 /* Notes that a form of a picture was used, if it can be made again. */
@@ -227,6 +231,8 @@ bool pen_policy_artefact_bytes(struct pen_store *store, const char *id, int view
 bool pen_policy_artefact_put(struct pen_store *store, const struct pen_claim *claim,
                              const char *layer, const char *format, const void *data, size_t bytes,
                              struct pen_status *st);
+bool pen_policy_keep_part(struct pen_store *store, const struct pen_claim *claim,
+                          const struct pen_kept_part *part, struct pen_status *st);
 bool pen_policy_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
                             struct pen_status *st);
 bool pen_policy_worker_gone(struct pen_store *store, const char *id, struct pen_status *st);
