@@ -301,12 +301,16 @@ static bool keep(struct after_rounds *a)
     return !gives_way;
 }
 
+/* Makes the tiles that are left. A layer that takes little is not interrupted. */
 static bool render_after_rounds(struct after_rounds *a, struct pen_status *st)
 {
     struct pen_batch_context *context = a->keeper.context;
+    const bool is_long = pen_layer_work(a->layer, pen_stored_request_cost(&context->request)) > 0;
     while (a->done < a->tiles) {
-        struct pen_layer_tiles run = {
-            .first = a->done, .count = a->tiles - a->done, .pause = pause_layer, .pause_user = a};
+        struct pen_layer_tiles run = {.first = a->done,
+                                      .count = a->tiles - a->done,
+                                      .pause = is_long ? pause_layer : NULL,
+                                      .pause_user = a};
         if (!render_tiles(context, a->keeper.claim, a->layer, a->film, &run, st))
             return false;
         a->done += run.count;

@@ -17,9 +17,18 @@ json_t *pen_time_json(int64_t wall_ms)
     return json_string(text);
 }
 
+/* How many times as long as workers work on the job it takes, since they share their time among
+ * jobs: as it was from its start to its last commit. Less than 1 if several work on it at once. */
+static double time_sharing(const struct pen_job_record *job)
+{
+    const double seconds = (double)(job->updated_ms - job->started_ms) / 1000;
+    return job->committed_us > 0 ? seconds / ((double)job->committed_us / 1e6) : 1;
+}
+
 /* The seconds left at the job's last change; null: not known. They come from the rate since its
  * start and from the worker's estimate, which counts for less the more is done: the first pixels
- * may be the easy ones, but in the end the rate knows. */
+ * may be the easy ones, but in the end the rate knows. Jobs that share the workers with it are in
+ * both as far as they have done so. */
 static json_t *eta_json(const struct pen_job_record *job)
 {
     int64_t left = job->total_pixels - job->done_pixels;
@@ -28,7 +37,7 @@ static json_t *eta_json(const struct pen_job_record *job)
     if (job->state != PEN_JOB_RUNNING || (job->done_pixels == 0 && job->estimate_ms == 0))
         return json_null();
     const double share = (double)left / (double)job->total_pixels;
-    const double estimated = (double)job->estimate_ms / 1000 * share;
+    const double estimated = (double)job->estimate_ms / 1000 * share * time_sharing(job);
     if (job->done_pixels == 0)
         return json_real(estimated);
     const double seconds = (double)(job->updated_ms - job->started_ms) / 1000;

@@ -243,7 +243,8 @@ struct pen_job_record {
     int64_t created_ms, started_ms, finished_ms; /* by the store's clock; 0: not yet */
     int64_t updated_ms;                          /* when the revision last changed */
     int64_t done_pixels, total_pixels;
-    int64_t estimate_ms; /* what rendering is expected to take in all; 0: not estimated */
+    int64_t estimate_ms;  /* what rendering is expected to take in all; 0: not estimated */
+    int64_t committed_us; /* how long workers had worked on it at its last commit */
 };
 
 void pen_job_record_release(struct pen_job_record *job);

@@ -180,9 +180,9 @@ START_TEST(test_layers__job_of_higher_priority_comes_between_two_batches)
     jobs_worker_start(&bed);
     jobs_submit(&bed,
                 "{\"scene\": \"builtin:room\", \"layers\": [\"beauty\", \"cost\"],"
-                " \"render\": {\"width\": 400, \"height\": 400, \"samples_per_pixel\": 16}}",
+                " \"render\": {\"width\": 240, \"height\": 240, \"samples_per_pixel\": 16}}",
                 id);
-    ck_assert_int_gt(render_batches(), 5);
+    ck_assert_int_ge(render_batches(), 3);
     while (count_of("SELECT count(*) FROM batch WHERE kind = 0 AND state = 2") < 1)
         ck_assert(!pen_job_state_ended(store_job_state(bed.bed.store, id)));
     jobs_submit(&bed, urgent, other);

@@ -291,8 +291,9 @@ static double eta_of(void)
     return seconds;
 }
 
-/* What the worker expects counts fully at first, and the rate fully in the end. */
-START_TEST(test_list__first_eta_is_the_estimate_of_the_worker)
+/* What the worker expects counts fully at first, and the rate fully in the end. If the job got a
+ * part of the worker's time, it is expected to get no larger one. */
+static void check_eta(double spent_s)
 {
     static float rgb[64 * 64 * 3];
     struct pen_status st;
@@ -306,15 +307,23 @@ START_TEST(test_list__first_eta_is_the_estimate_of_the_worker)
     store_must(pen_store_estimate(bed.bed.store, &claim, 8000000, &st), &st, "estimate");
     ck_assert(eta_of() == 8000);
     struct pen_result result = {.rgb = rgb, .pixels = claim.pixels, .stats = "{}"};
+    claim.spent_us = (int64_t)(spent_s * 1e6);
     store_must(pen_store_commit(bed.bed.store, &claim, &result, &st), &st, "commit");
     struct pen_job_record job = store_job_get(bed.bed.store, id);
     const double left = 1 - (double)job.done_pixels / 4096,
                  took = (double)(job.updated_ms - job.started_ms) / 1000,
-                 rate = took * left / (1 - left), wanted = left * left * 8000 + (1 - left) * rate;
+                 rate = took * left / (1 - left), sharing = spent_s > 0 ? took / spent_s : 1,
+                 wanted = left * left * 8000 * sharing + (1 - left) * rate;
     ck_assert(left > 0 && left < 1);
     ck_assert(fabs(eta_of() - wanted) < 1e-6 * wanted);
     pen_job_record_release(&job);
     jobs_bed_close(&bed);
+}
+
+START_TEST(test_list__first_eta_is_the_estimate_of_the_worker)
+{
+    check_eta(0);
+    check_eta(0.002); /* a part of what has passed */
 }
 END_TEST
 

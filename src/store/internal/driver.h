@@ -141,7 +141,7 @@ struct pen_batch_add {
 struct pen_progress {
     int64_t job, pixels, now_ms;
     bool add;     /* true: add `pixels` to done_pixels. false: set it, to the job's total at most */
-    bool forgive; /* set the job's deaths and charges to 0, and end its pause */
+    bool forgive; /* set the job's deaths and charges to 0, end its pause, note its time */
     int64_t estimate_ms; /* above 0: what the job is expected to take */
     /* Instead of `add`: raise done_pixels to the pixels of the batches that are done and these, if
      * it is below. */

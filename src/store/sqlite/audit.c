@@ -50,6 +50,8 @@ static const struct rule rules[] = {
     {"a job on which less time was spent than on its batches",
      "SELECT id FROM job WHERE spent_us <"
      " (SELECT coalesce(sum(spent_us), 0) FROM batch WHERE job = number)"},
+    {"a job on which less time was spent than at its last commit",
+     "SELECT id FROM job WHERE spent_us < committed_us"},
     {"a lane whose count of unfinished jobs is wrong",
      "SELECT id FROM lane WHERE jobs = 0 OR jobs <>"
      " (SELECT count(*) FROM job WHERE lane = lane.id AND state < 2)"},

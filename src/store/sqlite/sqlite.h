@@ -200,6 +200,7 @@ enum pen_sqlite_sql {
     NEXT(done_pixels)                                                                              \
     NEXT(total_pixels)                                                                             \
     NEXT(estimate_ms)                                                                              \
+    NEXT(committed_us)                                                                             \
     NEXT(scene)
 #define PEN_SQLITE_CLAIM_COLUMNS(FIRST, NEXT)                                                      \
     FIRST(batch, b.id)                                                                             \
