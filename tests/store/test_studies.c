@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Studies: which worker gets one and what else it may hold, their progress, and the death of their
- * worker. */
+/* Studies: which worker gets one and what else it may hold, their progress, the death of their
+ * worker; what batches of all kinds keep. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -245,6 +245,60 @@ START_TEST(test_studies__parts_stay_until_they_are_replaced_or_committed)
 }
 END_TEST
 
+/* Parts without a state leave the state that there is. */
+START_TEST(test_studies__state_stays_if_parts_alone_are_kept)
+{
+    const struct pen_kept_part part = {"a", "one", 3};
+    const struct pen_kept parts = {.done = -1, .parts = &part, .part_count = 1};
+    bool outranked;
+    store_bed_open(&bed);
+    submit_study(1);
+    const struct pen_claim claim = store_claim(bed.store, "w");
+    keep(&claim, 2, "state");
+    store_must(pen_store_keep(bed.store, &claim, &parts, &outranked, &st), &st, "keep");
+    expect_kept(&claim, "state");
+    expect_part(&claim, "a", "one");
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    store_bed_close(&bed);
+}
+END_TEST
+
+static bool keep_part(const struct pen_claim *claim, const char *name, const char *text)
+{
+    const struct pen_kept_part part = {name, text, strlen(text)};
+    return pen_store_keep_part(bed.store, claim, &part, &st);
+}
+
+/* Parts of results are there for the batch that assembles the picture, and end with its view. Each
+ * is a large object, so that they are removed in slices. */
+START_TEST(test_studies__parts_of_results_stay_until_the_view_ends)
+{
+    store_bed_open(&bed);
+    submit_job(&first, 1, 2);
+    const struct pen_claim lost = store_claim(bed.store, "w");
+    ck_assert(keep_part(&lost, "0", "zero"));
+    store_must(pen_store_release(bed.store, &lost, &st), &st, "release");
+    ck_assert(!keep_part(&lost, "0", "late"));
+    ck_assert_int_eq(st.code, PEN_STALE);
+    const struct pen_claim again = store_claim(bed.store, "w");
+    ck_assert(keep_part(&again, "0", "again"));
+    ck_assert_int_eq(store_commit(bed.store, &again), PEN_OK);
+    const struct pen_claim other = store_claim(bed.store, "w");
+    ck_assert(keep_part(&other, "1", "one"));
+    ck_assert_int_eq(store_commit(bed.store, &other), PEN_OK);
+    const struct pen_claim assemble = store_claim(bed.store, "w");
+    ck_assert_int_eq(assemble.kind, PEN_BATCH_ASSEMBLE);
+    expect_part(&assemble, "0", "again");
+    expect_part(&assemble, "1", "one");
+    ck_assert_int_eq(
+        store_number(bed.url, "SELECT count(*) FROM artefact WHERE object IS NOT NULL"), 2);
+    ck_assert_int_eq(store_commit(bed.store, &assemble), PEN_OK);
+    expect_part(&assemble, "0", NULL);
+    expect_part(&assemble, "1", NULL);
+    store_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_studies__keeping_tells_of_batches_of_higher_priority)
 {
     store_bed_open(&bed);
@@ -334,6 +388,8 @@ PEN_SUITE("studies", test_studies__commit_stores_the_report_and_ends_the_job,
           test_studies__progress_is_seen_and_fenced,
           test_studies__what_is_kept_is_there_for_the_next_worker,
           test_studies__parts_stay_until_they_are_replaced_or_committed,
+          test_studies__state_stays_if_parts_alone_are_kept,
+          test_studies__parts_of_results_stay_until_the_view_ends,
           test_studies__keeping_tells_of_batches_of_higher_priority,
           test_studies__cancel_in_the_middle_leaves_a_sound_store,
           test_studies__crashes_are_charged_although_progress_was_stored,
