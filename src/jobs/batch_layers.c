@@ -2,10 +2,11 @@
 /* The layers of a view beside its picture, which the store has as PFM files in the end.
  *
  * `cost` takes several times as long as the pixels. So a batch makes the layers of its own tiles,
- * before their pixels: if there is no time for all tiles, the layers decide how many the batch has.
- * The batches of a view that has several keep their tiles of each layer in the store, as a part
- * whose name has the first tile; the batch that assembles the picture makes the files from these.
- * What a batch stores before its commit fails is replaced by the worker that makes it again.
+ * before their pixels: if there is no time for all tiles, the first layer decides how many the
+ * batch has. The batches of a view that has several keep their tiles of each layer in the store, as
+ * a part whose name has the first tile; the batch that assembles the picture makes the files from
+ * these. Parts are kept as far as the store has space for them; those that are missing are made
+ * again. What a batch stores before its commit fails is replaced by the worker that makes it again.
  *
  * With a target error `cost` depends on how often each pixel was sampled in the end, so that it
  * follows the rounds, in their batch. Its tiles are kept with the state of the last round as the
@@ -48,10 +49,27 @@ static bool find_view(const struct pen_batch_context *context, const struct pen_
     return *view >= 0 || pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
 }
 
-/* Makes tiles of a layer in the film. */
+/* The rows of tiles that some tiles are in, as an image of its own: its settings, where it begins
+ * in the view, and the number that the first of the tiles has in it. */
+struct strip {
+    struct pen_settings settings;
+    int first_row, first;
+};
+
+static struct strip strip_of(const struct pen_settings *s, int first, int count)
+{
+    const int across = pen_tile_count(s->width, 1, s->tile);
+    const struct pen_rect top = pen_tile_rect(s->width, s->height, s->tile, first),
+                          last = pen_tile_rect(s->width, s->height, s->tile, first + count - 1);
+    struct strip strip = {.settings = *s, .first_row = top.y, .first = first % across};
+    strip.settings.height = last.y + last.height - top.y;
+    return strip;
+}
+
+/* Makes tiles of a layer in a film that begins with this row of the view. */
 static bool render_tiles(struct pen_batch_context *context, const struct pen_claim *claim,
-                         enum pen_layer layer, struct pen_film *film, struct pen_layer_tiles *tiles,
-                         struct pen_status *st)
+                         enum pen_layer layer, struct pen_film *film, int first_row,
+                         struct pen_layer_tiles *tiles, struct pen_status *st)
 {
     struct pen_scene_times times;
     const struct pen_settings *s = &context->request.settings;
@@ -59,6 +77,7 @@ static bool render_tiles(struct pen_batch_context *context, const struct pen_cla
                                   .layer = layer,
                                   .cost = pen_stored_request_cost(&context->request),
                                   .rgb = film->rgb,
+                                  .first_row = first_row,
                                   .cancel = pen_heartbeat_cancel_flag(context->heart),
                                   .adaptive = context->adaptive};
     task.scene = pen_scene_cache_get(context->scenes, context->store, claim,
@@ -67,28 +86,29 @@ static bool render_tiles(struct pen_batch_context *context, const struct pen_cla
            pen_layer_render_tiles(context->pool, &task, tiles, st);
 }
 
-bool pen_batch_layers_begin(struct pen_batch_context *context, const struct pen_claim *claim,
-                            int *tiles, double *ms, struct pen_status *st)
+bool pen_batch_layers_make(struct pen_batch_context *context, const struct pen_claim *claim,
+                           bool bounded, int *tiles, double *ms, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     const int64_t begun_ns = pen_clock_ns();
-    *tiles = claim->tile_count;
-    *ms = 0;
+    bool pauses = bounded;
     for (int i = 0; i < PEN_LAYER_COUNT && !pen_settings_adaptive(s); i++) {
         const enum pen_layer layer = (enum pen_layer)i;
-        struct pen_layer_tiles run = {.first = claim->first_tile,
-                                      .count = *tiles,
-                                      .pause = pen_batch_is_long,
-                                      .pause_user = context};
         if (!is_wanted(context, layer))
             continue;
-        context->layer[layer] = pen_film_new(s->width, s->height, st);
-        if (!context->layer[layer] ||
-            !render_tiles(context, claim, layer, context->layer[layer], &run, st))
+        const struct strip strip = strip_of(s, claim->first_tile, claim->tile_count);
+        struct pen_layer_tiles run = {.first = claim->first_tile,
+                                      .count = *tiles,
+                                      .pause = pauses ? pen_batch_is_long : NULL,
+                                      .pause_user = context};
+        context->layer[i] = pen_film_new(s->width, strip.settings.height, st);
+        if (!context->layer[i] ||
+            !render_tiles(context, claim, layer, context->layer[i], strip.first_row, &run, st))
             return false;
         *tiles = run.count;
-        *ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+        pauses = false;
     }
+    *ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
     return true;
 }
 
@@ -127,16 +147,17 @@ static size_t values_of_pixel(enum pen_layer layer)
     return layer == PEN_LAYER_NORMAL || layer == PEN_LAYER_ALBEDO ? 3 : 1;
 }
 
-/* Appends the part of these tiles. */
-static bool write_part(const struct pen_settings *s, enum pen_layer layer,
-                       const struct pen_film *film, int first, int count, struct pen_buf *part,
-                       struct pen_status *st)
+/* Appends the part of these tiles, which are in the rows of the film. */
+static bool write_part(const struct strip *strip, enum pen_layer layer, const struct pen_film *film,
+                       int count, struct pen_buf *part, struct pen_status *st)
 {
+    const struct pen_settings *s = &strip->settings;
     const uint32_t tiles = (uint32_t)count;
-    const size_t pixels = (size_t)pen_tiles_pixels(s, first, count), each = values_of_pixel(layer);
+    const size_t pixels = (size_t)pen_tiles_pixels(s, strip->first, count),
+                 each = values_of_pixel(layer);
     float *values = malloc(pixels * 3 * sizeof *values);
     if (values) {
-        pen_tiles_gather(s, first, count, film->rgb, values);
+        pen_tiles_gather(s, strip->first, count, film->rgb, values);
         for (size_t i = 0; each == 1 && i < pixels; i++)
             values[i] = values[3 * i];
         pen_buf_reserve(part, sizeof tiles + pixels * each * sizeof *values);
@@ -147,52 +168,55 @@ static bool write_part(const struct pen_settings *s, enum pen_layer layer,
     return (values && !part->failed) || pen_fail(st, PEN_NO_MEMORY, "no memory for a layer");
 }
 
-/* Puts a part into the film; *count becomes the number of its tiles. Returns false if the part is
- * not one of the view, or memory ran out. */
+/* Puts a part into a film of the whole view; its tiles are these or, if *count is 0, as many as it
+ * has. Fails: PEN_NOT_FOUND, if it is not such a part; PEN_NO_MEMORY. */
 static bool place_part(const struct pen_settings *s, enum pen_layer layer,
-                       const struct pen_buf *part, int first, struct pen_film *film, int *count)
+                       const struct pen_buf *part, int first, int *count, struct pen_film *film,
+                       struct pen_status *st)
 {
     const int left = pen_tile_count(s->width, s->height, s->tile) - first;
     const size_t each = values_of_pixel(layer);
     uint32_t tiles = 0;
     if (part->bytes >= sizeof tiles)
         memcpy(&tiles, part->data, sizeof tiles);
-    *count = (int)tiles;
-    if (tiles < 1 || left < 1 || tiles > (uint32_t)left)
-        return false;
-    const size_t pixels = (size_t)pen_tiles_pixels(s, first, *count);
-    if (part->bytes - sizeof tiles != pixels * each * sizeof(float))
-        return false;
+    const bool fits = tiles > 0 && left > 0 && tiles <= (uint32_t)left &&
+                      (*count == 0 || tiles == (uint32_t)*count);
+    const size_t pixels = fits ? (size_t)pen_tiles_pixels(s, first, (int)tiles) : 0;
+    if (!fits || part->bytes - sizeof tiles != pixels * each * sizeof(float))
+        return pen_fail(st, PEN_NOT_FOUND, "a part that is not of its tiles");
     float *values = malloc(pixels * 3 * sizeof *values);
     if (!values)
-        return false;
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for a layer");
     memcpy(values, part->data + sizeof tiles, part->bytes - sizeof tiles);
     for (size_t i = pixels; each == 1 && i-- > 0;)
         values[3 * i] = values[3 * i + 1] = values[3 * i + 2] = values[i];
-    pen_tiles_scatter(s, first, *count, values, film->rgb);
+    pen_tiles_scatter(s, first, (int)tiles, values, film->rgb);
     free(values);
+    *count = (int)tiles;
     return true;
 }
 
+/* Reads a part as place_part does. *found = false: there is none that can be used. */
 static bool read_part(struct pen_batch_context *context, const struct pen_claim *claim,
-                      enum pen_layer layer, int first, struct pen_film *film, int *count)
+                      enum pen_layer layer, int first, int *count, struct pen_film *film,
+                      bool *found, struct pen_status *st)
 {
-    struct pen_status ignored;
     struct pen_buf part = {0};
-    const bool ok =
-        pen_store_kept(context->store, claim, name_of(layer, first).text, &part, &ignored) &&
-        place_part(&context->request.settings, layer, &part, first, film, count);
+    *found = pen_store_kept(context->store, claim, name_of(layer, first).text, &part, st) &&
+             place_part(&context->request.settings, layer, &part, first, count, film, st);
     pen_buf_release(&part);
-    return ok;
+    return *found || st->code == PEN_NOT_FOUND;
 }
 
-static bool store_part(struct pen_batch_context *context, const struct pen_claim *claim,
-                       enum pen_layer layer, int tiles, struct pen_status *st)
+/* Keeps a part, unless the store has no space for it. */
+static bool keep_part(struct pen_batch_context *context, const struct pen_claim *claim,
+                      enum pen_layer layer, int tiles, struct pen_status *st)
 {
     struct pen_buf bytes = {0};
+    const struct strip strip =
+        strip_of(&context->request.settings, claim->first_tile, claim->tile_count);
     const struct part_name name = name_of(layer, claim->first_tile);
-    bool ok = write_part(&context->request.settings, layer, context->layer[layer],
-                         claim->first_tile, tiles, &bytes, st);
+    bool ok = write_part(&strip, layer, context->layer[layer], tiles, &bytes, st);
     if (ok) {
         const struct pen_kept_part part = {
             .name = name.text, .data = bytes.data, .bytes = bytes.bytes};
@@ -201,7 +225,7 @@ static bool store_part(struct pen_batch_context *context, const struct pen_claim
         pen_heartbeat_resume(context->heart);
     }
     pen_buf_release(&bytes);
-    return ok;
+    return ok || st->code == PEN_STORAGE_FULL;
 }
 
 bool pen_batch_layers_store(struct pen_batch_context *context, const struct pen_claim *claim,
@@ -213,27 +237,41 @@ bool pen_batch_layers_store(struct pen_batch_context *context, const struct pen_
         const enum pen_layer layer = (enum pen_layer)i;
         if (context->layer[i])
             ok = whole ? store_file(context, claim, layer, context->layer[i], st)
-                       : store_part(context, claim, layer, tiles, st);
+                       : keep_part(context, claim, layer, tiles, st);
     }
     return ok;
 }
 
-/* Puts the parts of a layer together. What is not there as a part is rendered: batches of earlier
- * versions made no parts. */
+/* Puts the parts of a layer together; `begins` tells which tiles are the first ones of a batch.
+ * Batches without a part are rendered: those of earlier versions have none. */
 static bool assemble(struct pen_batch_context *context, const struct pen_claim *claim,
-                     enum pen_layer layer, struct pen_film *film, struct pen_status *st)
+                     enum pen_layer layer, const unsigned char *begins, struct pen_film *film,
+                     struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     const int tiles = pen_tile_count(s->width, s->height, s->tile);
-    int first = 0, count;
-    while (first < tiles && read_part(context, claim, layer, first, film, &count))
-        first += count;
-    struct pen_layer_tiles rest = {.first = first, .count = tiles - first};
-    return first == tiles || render_tiles(context, claim, layer, film, &rest, st);
+    struct pen_layer_tiles missing = {.first = 0};
+    for (int first = 0, end = 0; first < tiles; first = end) {
+        int count;
+        bool found;
+        do
+            end++;
+        while (end < tiles && !begins[end]);
+        count = end - first;
+        if (!read_part(context, claim, layer, first, &count, film, &found, st))
+            return false;
+        missing.count = found ? first - missing.first : end - missing.first;
+        if (missing.count > 0 && (found || end == tiles) &&
+            !render_tiles(context, claim, layer, film, 0, &missing, st))
+            return false;
+        if (found)
+            missing.first = end;
+    }
+    return true;
 }
 
 bool pen_batch_layers_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
-                               struct pen_status *st)
+                               const unsigned char *begins, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     bool ok = true;
@@ -242,7 +280,7 @@ bool pen_batch_layers_assemble(struct pen_batch_context *context, const struct p
         if (!is_wanted(context, layer))
             continue;
         struct pen_film *film = pen_film_new(s->width, s->height, st);
-        ok = film && assemble(context, claim, layer, film, st) &&
+        ok = film && assemble(context, claim, layer, begins, film, st) &&
              store_file(context, claim, layer, film, st);
         pen_film_free(film);
     }
@@ -284,9 +322,9 @@ static bool keep(struct after_rounds *a)
     bool gives_way;
     if (!context->rounds_kept)
         pen_batch_save_rounds(context, a->stats, &state);
+    const struct strip whole = strip_of(&context->request.settings, 0, a->tiles);
     const bool ok =
-        write_part(&context->request.settings, a->layer, a->film, 0, a->done, &bytes, &ignored) &&
-        !state.failed;
+        write_part(&whole, a->layer, a->film, a->done, &bytes, &ignored) && !state.failed;
     const struct pen_kept_part part = {.name = name.text, .data = bytes.data, .bytes = bytes.bytes};
     const struct pen_kept kept = {
         .done = (int64_t)((1 + work * share) / (1 + work) * (double)a->keeper.claim->pixels),
@@ -311,7 +349,7 @@ static bool render_after_rounds(struct after_rounds *a, struct pen_status *st)
                                       .count = a->tiles - a->done,
                                       .pause = is_long ? pause_layer : NULL,
                                       .pause_user = a};
-        if (!render_tiles(context, a->keeper.claim, a->layer, a->film, &run, st))
+        if (!render_tiles(context, a->keeper.claim, a->layer, a->film, 0, &run, st))
             return false;
         a->done += run.count;
         if (a->done < a->tiles && is_overdue(a))
@@ -326,6 +364,7 @@ bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const stru
                                    const struct pen_render_stats *stats, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
+    const bool resumes = context->rounds_kept;
     bool ok = true;
     for (int i = 0; ok && i < PEN_LAYER_COUNT; i++) {
         if (!is_wanted(context, (enum pen_layer)i))
@@ -335,11 +374,11 @@ bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const stru
                                  .film = pen_film_new(s->width, s->height, st),
                                  .stats = stats,
                                  .tiles = pen_tile_count(s->width, s->height, s->tile)};
-        if (a.film && context->rounds_kept &&
-            !read_part(context, claim, a.layer, 0, a.film, &a.done))
-            a.done = 0;
-        ok = a.film && render_after_rounds(&a, st) &&
-             store_file(context, claim, a.layer, a.film, st);
+        bool found = false;
+        ok = a.film &&
+             (!resumes || read_part(context, claim, a.layer, 0, &a.done, a.film, &found, st));
+        a.done = found ? a.done : 0;
+        ok = ok && render_after_rounds(&a, st) && store_file(context, claim, a.layer, a.film, st);
         pen_film_free(a.film);
     }
     return ok;

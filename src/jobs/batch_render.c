@@ -241,21 +241,26 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     struct pen_scene_precision precision;
     struct pen_audit audit;
     bool audited = false;
-    double layers_ms;
-    int tiles;
+    double layers_ms = 0;
+    int tiles = claim->tile_count;
+    /* After a crash the pixels come first, which tell at which of them it happens. */
+    const bool layers_first = claim->attempt <= 1;
     const struct pen_scene *scene = pen_scene_cache_get(
         context->scenes, context->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
     if (!scene || !pen_batch_estimate(context, claim, scene, st) || !reserve_image(context, st))
         return false;
     pen_batch_bound(context);
-    if (!pen_batch_layers_begin(context, claim, &tiles, &layers_ms, st) ||
+    if ((layers_first && !pen_batch_layers_make(context, claim, true, &tiles, &layers_ms, st)) ||
         !begin_picture(context, claim, tiles, output, st) ||
         !run_tiles(context, claim, scene, tiles, &stats, st))
         return false;
     double encode_ms = 0;
     const bool part = cut_result(context, claim, &stats, output);
-    pen_batch_paced(context, claim, output->result.pixels, layers_ms + stats.render_ms);
     bool ok = end_picture(context, output, stats.done_ns, &encode_ms, st);
+    tiles = (int)stats.tile_count;
+    if (ok && !layers_first)
+        ok = pen_batch_layers_make(context, claim, false, &tiles, &layers_ms, st);
+    pen_batch_paced(context, claim, output->result.pixels, layers_ms + stats.render_ms);
     warn_of_dropped(claim, &stats.rays);
     pen_store_tally_add(context->store, PEN_TALLY_RAYS,
                         stats.rays.primary + stats.rays.shadow + stats.rays.reflection +
@@ -298,17 +303,15 @@ bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim 
     return ok;
 }
 
-bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
-                        struct pen_batch_output *output, struct pen_status *st)
+static bool assemble(struct pen_batch_context *context, const struct pen_claim *claim,
+                     unsigned char *begins, struct pen_batch_output *output, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     int64_t filled = 0;
-    if (!reserve_image(context, st))
-        return false;
     struct pen_film film = film_of(context);
     int64_t begin_ns = pen_clock_ns();
     bool ok = pen_view_pixels_load(context->store, claim->job_id, claim->view, s, &film, NULL,
-                                   &filled, st);
+                                   begins, &filled, st);
     context->store_ms += ms_since(begin_ns);
     if (ok && filled != (int64_t)s->width * s->height)
         ok =
@@ -320,11 +323,25 @@ bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_clai
     const double encode_ms = ms_since(begin_ns);
     struct pen_audit audit;
     bool audited;
-    if (!pen_batch_layers_assemble(context, claim, st) ||
+    if (!pen_batch_layers_assemble(context, claim, begins, st) ||
         !pen_batch_audit(context, claim, &film, &audit, &audited, st))
         return false;
     json_t *stats = json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms));
     if (audited)
         stats = pen_json_with(stats, "audit", pen_stats_audit(&audit));
     return pen_batch_write_stats(context, stats, output, st);
+}
+
+bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
+                        struct pen_batch_output *output, struct pen_status *st)
+{
+    const struct pen_settings *s = &context->request.settings;
+    const size_t tiles = (size_t)pen_tile_count(s->width, s->height, s->tile);
+    if (!reserve_image(context, st))
+        return false;
+    unsigned char *begins = calloc(tiles, 1);
+    const bool ok = begins ? assemble(context, claim, begins, output, st)
+                           : pen_fail(st, PEN_NO_MEMORY, "no memory for %zu tiles", tiles);
+    free(begins);
+    return ok;
 }

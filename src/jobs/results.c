@@ -106,7 +106,7 @@ static bool load_view(struct pen_jobs *jobs, const struct wanted *want, int view
     if (want->layer != PEN_LAYER_BEAUTY)
         return load_layer(jobs, want, view, film, st);
     if (!pen_view_pixels_load(jobs->store, want->id, view, &want->request.settings, film, NULL,
-                              &filled, st))
+                              NULL, &filled, st))
         return false;
     return filled == (int64_t)film->width * film->height ||
            pen_fail(st, PEN_STORAGE, "job %s lacks pixels of a view", want->id);
@@ -349,9 +349,10 @@ static bool make_preview(struct pen_jobs *jobs, const struct wanted *want, struc
     if (film && !mask)
         pen_fail(st, PEN_NO_MEMORY, "no memory for a preview");
     struct pen_png_options options = {.bits = 8, .transfer = pen_view_transfer(s), .mask = mask};
-    bool ok = mask &&
-              pen_view_pixels_load(jobs->store, want->id, want->view, s, film, mask, &filled, st) &&
-              pen_png_write(film, &options, out, st);
+    bool ok =
+        mask &&
+        pen_view_pixels_load(jobs->store, want->id, want->view, s, film, mask, NULL, &filled, st) &&
+        pen_png_write(film, &options, out, st);
     free(mask);
     pen_film_free(film);
     return ok;

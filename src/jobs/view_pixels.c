@@ -52,7 +52,7 @@ void pen_tiles_scatter(const struct pen_settings *settings, int first, int count
 struct loading {
     const struct pen_settings *settings;
     struct pen_film *film;
-    unsigned char *mask;
+    unsigned char *mask, *begins;
     int64_t filled;
     bool outside; /* a batch lies outside the image: the store is damaged */
 };
@@ -79,15 +79,18 @@ static bool place_batch(void *user, int first, int count, const float *rgb, int6
     pen_tiles_scatter(s, first, count, rgb, load->film->rgb);
     if (load->mask)
         mark_tiles(load, first, count);
+    if (load->begins && count > 0)
+        load->begins[first] = 1;
     load->filled += pixels;
     return true;
 }
 
 bool pen_view_pixels_load(struct pen_store *store, const char *id, int view,
                           const struct pen_settings *settings, struct pen_film *film,
-                          unsigned char *mask, int64_t *filled, struct pen_status *st)
+                          unsigned char *mask, unsigned char *begins, int64_t *filled,
+                          struct pen_status *st)
 {
-    struct loading load = {.settings = settings, .film = film, .mask = mask};
+    struct loading load = {.settings = settings, .film = film, .mask = mask, .begins = begins};
     if (!pen_store_pixels(store, id, view, place_batch, &load, st))
         return false;
     *filled = load.filled;

@@ -131,7 +131,8 @@ static double time_of(const struct job *job, const struct worker *worker, struct
 
 static void put(const struct job *job, int x, int y, struct pen_vec3 v)
 {
-    float *to = job->task->rgb + 3 * ((size_t)y * (size_t)job->task->settings->width + (size_t)x);
+    const size_t row = (size_t)(y - job->task->first_row);
+    float *to = job->task->rgb + 3 * (row * (size_t)job->task->settings->width + (size_t)x);
     to[0] = (float)v.x;
     to[1] = (float)v.y;
     to[2] = (float)v.z;

@@ -39,11 +39,12 @@ struct pen_layer_task {
     const struct pen_settings *settings;
     enum pen_layer layer; /* not the beauty: pen_render_run */
     enum pen_cost cost;
-    float *rgb; /* the whole image, width * height * 3, row 0 at the top; layers of one number have
-                   it three times */
+    float *rgb; /* the image from a row on, width * 3 values for each, from the top down; layers of
+                   one number have it three times */
+    int first_row;             /* of the image, the first one in rgb */
     const atomic_bool *cancel; /* polled before each block of pixels; may be NULL */
     /* With a target error: the state after the last round. NULL: samples and cost, which depend on
-     * it, render all rounds first. */
+     * it, render all rounds first, for which rgb has the whole image. */
     const struct pen_adaptive *adaptive;
 };
 

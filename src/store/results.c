@@ -305,7 +305,8 @@ bool pen_policy_keep_part(struct pen_store *store, const struct pen_claim *claim
                           const struct pen_kept_part *part, struct pen_status *st)
 {
     struct put put = {.claim = claim, .layer = PEN_KEPT_LAYER, .format = part->name};
-    return pen_value_store_apart(store, claim, part->data, part->bytes, &put.value, st) &&
+    return pen_value_store_apart(store, claim, pen_admit_kept, part->data, part->bytes, &put.value,
+                                 st) &&
            pen_value_write(store, &put.value, write_artefact, &put, st);
 }
 

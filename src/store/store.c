@@ -429,8 +429,7 @@ bool pen_store_keep_part(struct pen_store *store, const struct pen_claim *claim,
                          const struct pen_kept_part *part, struct pen_status *st)
 {
     return enter(store, PEN_NEED_GROW, st) &&
-           leave(store, NULL,
-                 note_space(store, claim->job_id, pen_policy_keep_part(store, claim, part, st)));
+           leave(store, NULL, pen_policy_keep_part(store, claim, part, st));
 }
 
 bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,

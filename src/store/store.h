@@ -421,8 +421,8 @@ bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
 bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
                          struct pen_status *st);
 
-/* Stores a part that belongs to the result of the claim's batch, for a later batch of the view. It
- * has no state beside it, and is admitted as a result is. Fails: as pen_store_artefact_put. */
+/* Keeps a part without a state, which belongs to the result of the claim's batch, for a later batch
+ * of the view. Fails: as pen_store_keep. */
 bool pen_store_keep_part(struct pen_store *store, const struct pen_claim *claim,
                          const struct pen_kept_part *part, struct pen_status *st);
 
@@ -441,8 +441,8 @@ bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st);
 
-/* Whether the last call, a commit, pen_store_artefact_put or pen_store_keep_part, failed because
- * the disk has too little space for so large a result. Smaller ones may still be stored. */
+/* Whether the last call, a commit or pen_store_artefact_put, failed because the disk has too little
+ * space for so large a result. Smaller ones may still be stored. */
 bool pen_store_lacks_space(const struct pen_store *store);
 
 /* Gives a batch back whose result the disk has no space for, so that others, whose results fit, get

@@ -105,12 +105,13 @@ bool pen_value_store(struct pen_store *store, const struct pen_claim *fence, con
     return pen_value_store_if(store, fence, NULL, data, bytes, value, st);
 }
 
-bool pen_value_store_apart(struct pen_store *store, const struct pen_claim *fence, const void *data,
-                           size_t bytes, struct pen_value *value, struct pen_status *st)
+bool pen_value_store_apart(struct pen_store *store, const struct pen_claim *fence,
+                           pen_value_admit *admit, const void *data, size_t bytes,
+                           struct pen_value *value, struct pen_status *st)
 {
     *value =
         (struct pen_value){.data = data, .bytes = bytes, .checksum = pen_checksum(data, bytes)};
-    return write_object(store, fence, NULL, value, st);
+    return write_object(store, fence, admit, value, st);
 }
 
 struct pen_blob_start pen_value_begin(const struct pen_value *value)

@@ -92,6 +92,35 @@ START_TEST(test_layers__many_batches_make_the_same_as_one)
 }
 END_TEST
 
+/* Batches of a job with these layers, of which a worker has 3 ms for each. */
+static int batches_of(const char *layers)
+{
+    char body[400];
+    const int before = render_batches();
+    snprintf(body, sizeof body,
+             "{\"scene\": \"builtin:glass\", \"layers\": [%s], \"cost\": \"tests\","
+             " \"render\": {\"width\": 128, \"height\": 96, \"tile\": 8}}",
+             layers);
+    jobs_submit(&bed, body, id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    return render_batches() - before;
+}
+
+/* The first layer decides how many tiles a batch has: no other one throws away what that has made.
+ */
+START_TEST(test_layers__more_layers_do_not_cut_batches_again)
+{
+    jobs_bed_open(&bed);
+    bed.batch_ms = 3;
+    jobs_worker_start(&bed);
+    const int alone = batches_of("\"cost\""),
+              with_others = batches_of("\"cost\", \"depth\", \"normal\"");
+    ck_assert_int_gt(alone, 1);
+    ck_assert_msg(with_others <= 3 * alone + 5, "%d batches instead of %d", with_others, alone);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 static void stop_after_batches(const char *body, int batches)
 {
     const int before = count_of("SELECT count(*) FROM batch WHERE kind = 0 AND state = 2");
@@ -303,6 +332,7 @@ START_TEST(test_layers__job_of_higher_priority_comes_between_tiles_after_the_rou
 END_TEST
 
 PEN_SUITE("layers", test_layers__many_batches_make_the_same_as_one,
+          test_layers__more_layers_do_not_cut_batches_again,
           test_layers__parts_that_cannot_be_used_are_rendered_again,
           test_layers__batches_that_are_done_are_not_made_again,
           test_layers__cancel_drops_the_parts,

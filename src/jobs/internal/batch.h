@@ -26,23 +26,23 @@ pen_batch_run_fn pen_batch_render;
 pen_batch_run_fn pen_batch_assemble;
 
 /* batch_layers.c: the layers that the job asks for. All fail as pen_batch_run.
- *  - begin: without a target error, makes those of the claim's tiles, or of the first ones as far
- *    as there is time; *tiles is how many, and the batch is to render no others. *ms is the time it
- *    took. With a target error it does nothing.
- *  - store: stores what begin has made of so many tiles.
+ *  - make: without a target error, makes those of the claim's first *tiles tiles, of all or, if
+ *    `bounded`, as far as there is time: then *tiles becomes how many, and the batch is to render
+ * no others. *ms is the time it took. With a target error it does nothing.
+ *  - store: stores what `make` has made, of so many tiles.
  *  - end: frees it, after success and failure alike.
  *  - after_rounds: with a target error, makes and stores them of the claim's view, whose rounds
  *    have ended with these statistics. Fails: also as pen_batch_rounds.
- *  - assemble: stores those of a view of several batches. */
-bool pen_batch_layers_begin(struct pen_batch_context *context, const struct pen_claim *claim,
-                            int *tiles, double *ms, struct pen_status *st);
+ *  - assemble: stores those of a view of several batches; `begins` as of pen_view_pixels_load. */
+bool pen_batch_layers_make(struct pen_batch_context *context, const struct pen_claim *claim,
+                           bool bounded, int *tiles, double *ms, struct pen_status *st);
 bool pen_batch_layers_store(struct pen_batch_context *context, const struct pen_claim *claim,
                             int tiles, struct pen_status *st);
 void pen_batch_layers_end(struct pen_batch_context *context);
 bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
                                    const struct pen_render_stats *stats, struct pen_status *st);
 bool pen_batch_layers_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
-                               struct pen_status *st);
+                               const unsigned char *begins, struct pen_status *st);
 
 /* batch_layers.c: how many times as long as the pixels of the context's job its layers take. */
 double pen_batch_layer_work(const struct pen_batch_context *context);

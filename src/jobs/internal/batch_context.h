@@ -54,7 +54,8 @@ struct pen_batch_context {
     int64_t begun_ns;               /* when this worker has begun with it, by pen_clock_ns */
     struct pen_adaptive *adaptive;  /* of that view, with a target error; else NULL */
     bool rounds_kept;               /* the store has what the last of that view's rounds has left */
-    struct pen_film *layer[PEN_LAYER_COUNT]; /* of that view, without a target error; else NULL */
+    struct pen_film *layer[PEN_LAYER_COUNT]; /* without a target error: of the rows of tiles that
+                                                the batch is in; else NULL */
     int64_t split_ns; /* when its tiles end, by pen_clock_ns, if not in rounds */
     int64_t keep_ms, patience_ms, batch_ms; /* as in pen_worker_options */
     int max_seconds;                        /* the same */

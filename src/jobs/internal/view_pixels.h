@@ -19,11 +19,13 @@ void pen_tiles_scatter(const struct pen_settings *settings, int first, int count
                        const float *tiles, float *image);
 
 /* Fills a film with the committed pixels of a view. mask (may be NULL) has one byte for each pixel,
- * which becomes 1 if the pixel is committed; *filled becomes the number of such pixels. Fails: as
+ * which becomes 1 if the pixel is committed; begins (may be NULL) one for each tile, which becomes
+ * 1 if it is the first of a batch; *filled becomes the number of committed pixels. Fails: as
  * pen_store_pixels; PEN_STORAGE (pixels outside the image). */
 bool pen_view_pixels_load(struct pen_store *store, const char *id, int view,
                           const struct pen_settings *settings, struct pen_film *film,
-                          unsigned char *mask, int64_t *filled, struct pen_status *st);
+                          unsigned char *mask, unsigned char *begins, int64_t *filled,
+                          struct pen_status *st);
 
 /* The transfer function of the settings. */
 enum pen_transfer pen_view_transfer(const struct pen_settings *settings);

@@ -129,10 +129,11 @@ typedef bool pen_value_admit(struct pen_store *store, int64_t bytes, struct pen_
 bool pen_value_store_if(struct pen_store *store, const struct pen_claim *fence,
                         pen_value_admit *admit, const void *data, size_t bytes,
                         struct pen_value *value, struct pen_status *st);
-/* As pen_value_store, of one of many values that are removed together: each is a large object,
+/* As pen_value_store_if, of one of many values that are removed together: each is a large object,
  * however small it is, so that they are removed in slices. */
-bool pen_value_store_apart(struct pen_store *store, const struct pen_claim *fence, const void *data,
-                           size_t bytes, struct pen_value *value, struct pen_status *st);
+bool pen_value_store_apart(struct pen_store *store, const struct pen_claim *fence,
+                           pen_value_admit *admit, const void *data, size_t bytes,
+                           struct pen_value *value, struct pen_status *st);
 /* As pen_blob_begin and pen_blob_finish, in the transaction that writes the row. */
 struct pen_blob_start pen_value_begin(const struct pen_value *value);
 bool pen_value_finish(struct pen_store *store, enum pen_blob_kind kind, int64_t number,
