@@ -1,13 +1,78 @@
 /* SPDX-License-Identifier: MIT */
 /* The audit of a view: by the worker that ends the view, before its commit. The result is a part of
- * the batch's statistics. */
+ * the batch's statistics.
+ *
+ * An audit of many pixels takes longer than the picture. So what is judged is kept, as the state of
+ * rounds is, and the audit gives way to a batch that comes first. Whoever claims the batch again
+ * goes on, once the picture is there again: a picture with the same bytes has the same pixels
+ * drawn, by a seed that is its hash. */
 #include "jobs/internal/batch.h"
 
+#include <string.h>
+
+#include "base/clock.h"
 #include "study/hash.h"
 
+enum { KEEP_MS = 10000, ASK_MS = 500 }; /* as of rounds */
+
+#define PART "audit"
+
+/* What is kept of an audit. */
+struct kept_audit {
+    uint64_t seed;
+    struct pen_audit_progress progress;
+};
+
+static bool pause_audit(void *user)
+{
+    struct pen_keeper *keeper = user;
+    return pen_batch_keeper_is_overdue(keeper) || pen_keeper_is_due(keeper);
+}
+
+/* What an earlier worker has kept of an audit with this seed; else nothing. */
+static struct pen_audit_progress read_kept(struct pen_batch_context *context,
+                                           const struct pen_claim *claim, uint64_t seed)
+{
+    struct kept_audit kept = {.seed = 0};
+    struct pen_buf part = {0};
+    struct pen_status ignored;
+    if (pen_store_kept(context->store, claim, PART, &part, &ignored) && part.bytes == sizeof kept)
+        memcpy(&kept, part.data, sizeof kept);
+    pen_buf_release(&part);
+    return kept.seed == seed ? kept.progress : (struct pen_audit_progress){0};
+}
+
+static bool keep(struct pen_keeper *keeper, const struct pen_render_stats *stats, uint64_t seed,
+                 const struct pen_audit_progress *progress)
+{
+    const struct kept_audit kept = {.seed = seed, .progress = *progress};
+    const struct pen_kept_part part = {.name = PART, .data = &kept, .bytes = sizeof kept};
+    return pen_batch_keep_after_rounds(keeper, stats, -1, &part, pen_clock_ns());
+}
+
+static bool run(struct pen_batch_context *context, const struct pen_claim *claim,
+                struct pen_audit_task *task, const struct pen_render_stats *stats,
+                struct pen_audit *audit, struct pen_status *st)
+{
+    struct pen_keeper keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS);
+    struct pen_audit_progress progress = read_kept(context, claim, task->seed);
+    task->pause = pause_audit;
+    task->pause_user = &keeper;
+    do {
+        if (!pen_audit_continue(context->pool, task, &progress, audit, st))
+            return false;
+        if (progress.left > 0 && pen_batch_keeper_is_overdue(&keeper))
+            return pen_batch_fail_overdue(context, st);
+        if (progress.left > 0 && !keep(&keeper, stats, task->seed, &progress))
+            return pen_fail(st, PEN_UNAVAILABLE, "interrupted after %llu pixels of an audit",
+                            (unsigned long long)progress.done);
+    } while (progress.left > 0);
+    return true;
+}
+
 bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *claim,
-                     const struct pen_film *film, struct pen_audit *audit, bool *done,
-                     struct pen_status *st)
+                     const struct pen_film *film, const struct pen_render_stats *stats,
+                     struct pen_audit *audit, bool *done, struct pen_status *st)
 {
     struct pen_scene_times times;
     const struct pen_settings *s = &context->request.settings;
@@ -25,6 +90,6 @@ bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *
         return false;
     task.view = view ? pen_scene_find_view(task.scene, view) : -1;
     task.seed = pen_audit_seed(film);
-    return task.view >= 0 ? pen_audit_run(context->pool, &task, audit, st)
+    return task.view >= 0 ? run(context, claim, &task, stats, audit, st)
                           : pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
 }

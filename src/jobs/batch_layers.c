@@ -19,7 +19,6 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "jobs/internal/keep.h"
 #include "jobs/internal/view_pixels.h"
 #include "render/layers.h"
 
@@ -296,47 +295,30 @@ struct after_rounds {
     int done, tiles;                      /* of the layer */
 };
 
-/* Whether the job has taken longer than the operator allows; a budget does not bound its layers. */
-static bool is_overdue(const struct after_rounds *a)
-{
-    const struct pen_batch_context *context = a->keeper.context;
-    return pen_batch_is_overdue(context, a->keeper.claim, context->begun_ns);
-}
-
 static bool pause_layer(void *user)
 {
     struct after_rounds *a = user;
-    return is_overdue(a) || pen_keeper_is_due(&a->keeper);
+    return pen_batch_keeper_is_overdue(&a->keeper) || pen_keeper_is_due(&a->keeper);
 }
 
-/* Keeps the tiles that are done, and with them the state of the rounds, unless the store has it.
- * Returns whether to go on. */
+/* Keeps the tiles that are done. Returns whether to go on. */
 static bool keep(struct after_rounds *a)
 {
     struct pen_batch_context *context = a->keeper.context;
-    struct pen_buf state = {0}, bytes = {0};
+    struct pen_buf bytes = {0};
     struct pen_status ignored;
     const struct part_name name = name_of(a->layer, 0);
+    const struct strip whole = strip_of(&context->request.settings, 0, a->tiles);
     const int64_t begun_ns = pen_clock_ns();
     const double work = pen_batch_layer_work(context), share = (double)a->done / a->tiles;
-    bool gives_way;
-    if (!context->rounds_kept)
-        pen_batch_save_rounds(context, a->stats, &state);
-    const struct strip whole = strip_of(&context->request.settings, 0, a->tiles);
-    const bool ok =
-        write_part(&whole, a->layer, a->film, a->done, &bytes, &ignored) && !state.failed;
-    const struct pen_kept_part part = {.name = name.text, .data = bytes.data, .bytes = bytes.bytes};
-    const struct pen_kept kept = {
-        .done = (int64_t)((1 + work * share) / (1 + work) * (double)a->keeper.claim->pixels),
-        .data = state.data,
-        .bytes = state.bytes,
-        .parts = &part,
-        .part_count = 1};
-    if (pen_keeper_keep(&a->keeper, ok ? &kept : NULL, begun_ns, &gives_way))
-        context->rounds_kept = true;
-    pen_buf_release(&state);
+    const bool ok = write_part(&whole, a->layer, a->film, a->done, &bytes, &ignored);
+    const struct pen_kept_part part = {
+        .name = name.text, .data = bytes.data, .bytes = ok ? bytes.bytes : 0};
+    const double done = (1 + work * share) / (1 + work) * (double)a->keeper.claim->pixels;
+    const bool goes_on =
+        pen_batch_keep_after_rounds(&a->keeper, a->stats, (int64_t)done, &part, begun_ns);
     pen_buf_release(&bytes);
-    return !gives_way;
+    return goes_on;
 }
 
 /* Makes the tiles that are left. A layer that takes little is not interrupted. */
@@ -352,7 +334,7 @@ static bool render_after_rounds(struct after_rounds *a, struct pen_status *st)
         if (!render_tiles(context, a->keeper.claim, a->layer, a->film, 0, &run, st))
             return false;
         a->done += run.count;
-        if (a->done < a->tiles && is_overdue(a))
+        if (a->done < a->tiles && pen_batch_keeper_is_overdue(&a->keeper))
             return pen_batch_fail_overdue(context, st);
         if (a->done < a->tiles && !keep(a))
             return pen_fail(st, PEN_UNAVAILABLE, "interrupted after %d tiles of a layer", a->done);

@@ -228,7 +228,7 @@ static bool make_extras(struct pen_batch_context *context, const struct pen_clai
     if (rounds ? !pen_batch_layers_after_rounds(context, claim, stats, st)
                : !pen_batch_layers_store(context, claim, (int)stats->tile_count, st))
         return false;
-    return !whole || pen_batch_audit(context, claim, &film, audit, audited, st);
+    return !whole || pen_batch_audit(context, claim, &film, stats, audit, audited, st);
 }
 
 static bool render(struct pen_batch_context *context, const struct pen_claim *claim,
@@ -324,7 +324,7 @@ static bool assemble(struct pen_batch_context *context, const struct pen_claim *
     struct pen_audit audit;
     bool audited;
     if (!pen_batch_layers_assemble(context, claim, begins, st) ||
-        !pen_batch_audit(context, claim, &film, &audit, &audited, st))
+        !pen_batch_audit(context, claim, &film, NULL, &audit, &audited, st))
         return false;
     json_t *stats = json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms));
     if (audited)

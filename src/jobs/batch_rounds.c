@@ -43,20 +43,35 @@ static const char *build_of(const json_t *host)
     return build ? build : "";
 }
 
-void pen_batch_save_rounds(const struct pen_batch_context *context,
-                           const struct pen_render_stats *stats, struct pen_buf *out)
+bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_render_stats *stats,
+                                 int64_t done, const struct pen_kept_part *part, int64_t begun_ns)
 {
-    json_t *host = pen_host_json();
-    pen_adaptive_save(context->adaptive, stats, build_of(host), out);
-    json_decref(host);
+    struct pen_batch_context *context = keeper->context;
+    struct pen_buf state = {0};
+    bool gives_way;
+    if (context->adaptive && !context->rounds_kept) {
+        json_t *host = pen_host_json();
+        pen_adaptive_save(context->adaptive, stats, build_of(host), &state);
+        json_decref(host);
+    }
+    const bool ok = part->bytes > 0 && !state.failed;
+    const struct pen_kept kept = {
+        .done = done, .data = state.data, .bytes = state.bytes, .parts = part, .part_count = 1};
+    if (pen_keeper_keep(keeper, ok ? &kept : NULL, begun_ns, &gives_way))
+        context->rounds_kept = context->adaptive != NULL;
+    pen_buf_release(&state);
+    return !gives_way;
+}
+
+bool pen_batch_keeper_is_overdue(const struct pen_keeper *keeper)
+{
+    return pen_batch_is_overdue(keeper->context, keeper->claim, keeper->context->begun_ns);
 }
 
 /* Whether the job has taken longer than the operator allows. A budget is bounded already. */
 static bool is_overdue(const struct rounds *r)
 {
-    const struct pen_batch_context *context = r->keeper.context;
-    return context->budget_ns == 0 &&
-           pen_batch_is_overdue(context, r->keeper.claim, context->begun_ns);
+    return r->keeper.context->budget_ns == 0 && pen_batch_keeper_is_overdue(&r->keeper);
 }
 
 static bool pause_round(void *user)

@@ -8,6 +8,7 @@
 #include "io/builtin.h"
 #include "jobs/internal/json_member.h"
 #include "jobs/internal/request_errors.h"
+#include "render/audit.h"
 #include "render/layers.h"
 #include "study/bill.h"
 
@@ -202,12 +203,24 @@ double pen_request_layer_work(const struct pen_request *request)
                                               : PEN_COST_TIME);
 }
 
-/* Checks how long the pixels and the layers of a render are expected to take. */
-static bool check_layers_time(const struct pen_request *request, const struct pen_limits *limits,
+/* How many times as long as the pixels of a view its audit takes; with a target error at least. */
+static double audit_work(const struct pen_request *request)
+{
+    const struct pen_settings *s = &request->settings, sampling = pen_settings_sampling(s);
+    const double pixels = (double)s->width * s->height,
+                 audited = request->audit_pixels < pixels ? request->audit_pixels : pixels,
+                 own = pen_camera_samples(pen_desc_has_lens(&request->desc), &sampling),
+                 again = PEN_AUDIT_TIMES * own > PEN_AUDIT_LEAST ? PEN_AUDIT_TIMES * own
+                                                                 : PEN_AUDIT_LEAST;
+    return audited / pixels * again / own;
+}
+
+/* Checks how long the pixels of a render are expected to take with its layers and audits. */
+static bool check_extras_time(const struct pen_request *request, const struct pen_limits *limits,
                               const char *at, struct pen_status *st)
 {
     const struct pen_settings *s = &request->settings, sampling = pen_settings_sampling(s);
-    const double work = pen_request_layer_work(request),
+    const double work = pen_request_layer_work(request) + audit_work(request),
                  rays = (double)request->view_count * s->width * s->height *
                         pen_work_per_pixel(&request->desc, &sampling);
     return work == 0 || pen_limits_check_time(limits, rays * (1 + work), at, st);
@@ -233,7 +246,7 @@ static bool is_within_limits(const struct pen_request *request, const struct pen
                               at, st);
     return pen_limits_check(limits, desc, &request->settings, (uint32_t)request->view_count, at,
                             st) &&
-           check_layers_time(request, limits, at, st);
+           check_extras_time(request, limits, at, st);
 }
 
 /* The budget of a request, in seconds; NULL: it has none. */

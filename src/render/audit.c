@@ -4,6 +4,7 @@
 #include "render/audit.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 
 #include "film/encode.h"
@@ -26,7 +27,9 @@ struct job {
     int threads;
     size_t *drawn; /* numbers of pixels */
     uint64_t count;
-    atomic_ullong next, wrong, undecided;
+    pthread_mutex_t lock;
+    uint64_t first, next;      /* the pixels that are begun; next is guarded by lock */
+    uint64_t wrong, undecided; /* guarded by lock */
 };
 
 /* Draws pixels without replacement: numbers that were drawn before are passed over. */
@@ -141,15 +144,32 @@ static bool is_cancelled(const struct job *job)
     return job->task->cancel && atomic_load_explicit(job->task->cancel, memory_order_relaxed);
 }
 
+/* Takes the next pixel, which is judged then, unless the audit is cancelled. False: there is none,
+ * or the caller pauses. */
+static bool take_pixel(struct job *job, uint64_t *i)
+{
+    const struct pen_audit_task *task = job->task;
+    pthread_mutex_lock(&job->lock);
+    if (job->next > job->first && job->next < job->count && task->pause &&
+        task->pause(task->pause_user))
+        job->count = job->next; /* the next look finds no more either */
+    *i = job->next;
+    const bool more = job->next < job->count;
+    job->next += more;
+    pthread_mutex_unlock(&job->lock);
+    return more;
+}
+
 static void audit_pixels(void *user, int thread)
 {
     struct job *job = user;
     uint64_t i;
-    while (!is_cancelled(job) &&
-           (i = atomic_fetch_add_explicit(&job->next, 1, memory_order_relaxed)) < job->count) {
+    while (!is_cancelled(job) && take_pixel(job, &i)) {
         const enum verdict verdict = audit_pixel(job, thread, job->drawn[i]);
-        atomic_fetch_add_explicit(&job->wrong, verdict == WRONG, memory_order_relaxed);
-        atomic_fetch_add_explicit(&job->undecided, verdict == UNDECIDED, memory_order_relaxed);
+        pthread_mutex_lock(&job->lock);
+        job->wrong += verdict == WRONG;
+        job->undecided += verdict == UNDECIDED;
+        pthread_mutex_unlock(&job->lock);
     }
 }
 
@@ -180,29 +200,46 @@ static void release(struct job *job)
     free(job->drawn);
 }
 
-bool pen_audit_run(struct pen_thread_pool *pool, const struct pen_audit_task *task,
-                   struct pen_audit *audit, struct pen_status *st)
+bool pen_audit_continue(struct pen_thread_pool *pool, const struct pen_audit_task *task,
+                        struct pen_audit_progress *progress, struct pen_audit *audit,
+                        struct pen_status *st)
 {
     const size_t pixels = (size_t)task->settings->width * (size_t)task->settings->height;
-    struct job job = {.task = task, .sampling = sampling_of(task)};
+    struct job job = {.task = task,
+                      .sampling = sampling_of(task),
+                      .lock = PTHREAD_MUTEX_INITIALIZER,
+                      .first = progress->done,
+                      .next = progress->done,
+                      .wrong = progress->wrong,
+                      .undecided = progress->undecided};
     job.input = pen_kernel_input_of(task->scene, task->view, &job.sampling);
     job.kernel = pen_kernel_select(job.input.effects, pen_cpu_isa());
     job.threads = pen_render_threads(pool, task->settings);
     const bool ok = draw(&job, pixels, st) && make_scratch(&job, st);
+    const uint64_t all = job.count;
     if (ok)
         pen_thread_pool_run(pool, job.threads, audit_pixels, &job);
     release(&job);
     if (!ok || is_cancelled(&job))
         return ok && pen_fail(st, PEN_CANCELLED, "the audit was cancelled");
+    *progress = (struct pen_audit_progress){
+        .done = job.next, .left = all - job.next, .wrong = job.wrong, .undecided = job.undecided};
     *audit = (struct pen_audit){.pixels = job.count,
-                                .wrong = atomic_load(&job.wrong),
-                                .undecided = atomic_load(&job.undecided),
+                                .wrong = job.wrong,
+                                .undecided = job.undecided,
                                 .threshold = task->threshold,
                                 .seed = task->seed};
     const uint64_t not_right = audit->wrong + audit->undecided;
     audit->bound = job.count == pixels ? (double)not_right / (double)pixels
                                        : pen_audit_bound(not_right, job.count);
     return true;
+}
+
+bool pen_audit_run(struct pen_thread_pool *pool, const struct pen_audit_task *task,
+                   struct pen_audit *audit, struct pen_status *st)
+{
+    struct pen_audit_progress progress = {0};
+    return pen_audit_continue(pool, task, &progress, audit, st);
 }
 
 /* The logarithm of the probability of k or fewer of n, each with probability p: that of k, times

@@ -35,6 +35,12 @@ enum {
     PEN_AUDIT_PIXELS_MAX = 1000000
 };
 
+/* The pixels of an audit that were judged, in the order in which they are drawn. */
+struct pen_audit_progress {
+    uint64_t done, left; /* pixels */
+    uint64_t wrong, undecided;
+};
+
 /* Everything is borrowed. */
 struct pen_audit_task {
     const struct pen_scene *scene;
@@ -47,6 +53,10 @@ struct pen_audit_task {
     double threshold;
     uint64_t seed;
     const atomic_bool *cancel; /* polled before each pixel; may be NULL */
+    /* Asked before each pixel but the first, from a render thread, one call at a time; may be NULL.
+     * When it returns true no more pixels are begun. */
+    bool (*pause)(void *user);
+    void *pause_user;
 };
 
 struct pen_audit {
@@ -60,6 +70,12 @@ struct pen_audit {
 /* Threads: as pen_render_run. Fails: PEN_NO_MEMORY, PEN_CANCELLED. */
 bool pen_audit_run(struct pen_thread_pool *pool, const struct pen_audit_task *task,
                    struct pen_audit *audit, struct pen_status *st);
+
+/* The same in parts: goes on after what is done, which is {0} at first, until nothing is left or
+ * there is a pause. Only then, with nothing left, *audit is that of all pixels. */
+bool pen_audit_continue(struct pen_thread_pool *pool, const struct pen_audit_task *task,
+                        struct pen_audit_progress *progress, struct pen_audit *audit,
+                        struct pen_status *st);
 
 /* The largest share with which `wrong` or fewer of n pixels are met with a probability of 5 %. */
 double pen_audit_bound(uint64_t wrong, uint64_t pixels);

@@ -89,8 +89,10 @@ pixels='{"scene": "builtin:spheres", "render": {"width": 1000, "height": 1000, "
 daemon_start --max-seconds 10
 submit "$pixels, \"layers\": [\"beauty\", \"cost\"]}"
 expect_problem layers-count 413 '*expected to take at least * s (* hours)*allows 10 s*--max-seconds*'
-submit "$pixels, \"layers\": [\"beauty\", \"depth\"]}"
-expect other-layers-take-little "$status" 202
+submit "$pixels, \"audit\": {\"pixels\": 100000}}"
+expect_problem audits-count 413 '*expected to take at least * s (* hours)*allows 10 s*--max-seconds*'
+submit "$pixels, \"audit\": {}, \"layers\": [\"beauty\", \"depth\"]}"
+expect what-takes-little "$status" 202
 call "$job/cancel" -X POST
 daemon_stop
 echo '{"max_seconds": 5, "max_pixels": 10000, "max_samples": 16, "max_priority": 0}' >"$work/config.json"

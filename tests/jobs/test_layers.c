@@ -274,7 +274,7 @@ static json_t *stats_of(const char *job)
 START_TEST(test_layers__worker_killed_after_the_rounds_goes_on_with_the_layer)
 {
     for (int changed = 0; changed < 2; changed++) {
-        struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, has_ended);
+        struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, PEN_KEPT_STATE, has_ended);
         pen_buf_release(&state);
         struct pen_buf part = jobs_wait_kept(&bed, id, "cost-0");
         const float value = 12345;

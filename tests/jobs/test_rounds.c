@@ -49,7 +49,7 @@ static void check_finished_picture(void)
 
 START_TEST(test_rounds__killed_worker_loses_no_round_that_is_kept)
 {
-    struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, NULL);
+    struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, PEN_KEPT_STATE, NULL);
     pen_buf_release(&state);
     jobs_worker_start(&bed);
     check_finished_picture();
@@ -62,7 +62,7 @@ END_TEST
 START_TEST(test_rounds__next_worker_goes_on_with_what_is_kept)
 {
     for (int cut = 0; cut < 2; cut++) {
-        struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, NULL);
+        struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, PEN_KEPT_STATE, NULL);
         /* The last pixel's first sum comes before the pixels' marks. */
         double *red = (double *)(void *)(state.data + state.bytes - WIDTH * HEIGHT - 64);
         *red += 0.01;
@@ -167,7 +167,7 @@ START_TEST(test_rounds__worker_killed_within_a_round_goes_on_inside_it)
 {
     for (int changed = 0; changed < 2; changed++) {
         bed.fault = &gates;
-        struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, NULL);
+        struct pen_buf state = jobs_begin_and_kill(&bed, lengthy, id, PEN_KEPT_STATE, NULL);
         assert_within_round(&state, 0);
         if (changed)
             *(double *)(void *)(state.data + state.bytes - WIDTH * HEIGHT - 64) += 0.01;

@@ -149,7 +149,7 @@ static char *marked(const struct pen_buf *state)
 static void check_goes_on(const struct kind *tested)
 {
     kind = tested;
-    struct pen_buf state = jobs_begin_and_kill(&bed, body(), id, enough);
+    struct pen_buf state = jobs_begin_and_kill(&bed, body(), id, PEN_KEPT_STATE, enough);
     char *text = marked(&state);
     jobs_put_kept(&bed, id, PEN_KEPT_STATE, text, strlen(text));
     pen_buf_release(&state);
@@ -196,7 +196,7 @@ static void damage(enum damage damage, char *state)
 static void check_not_used(const struct kind *tested, enum damage done)
 {
     kind = tested;
-    struct pen_buf state = jobs_begin_and_kill(&bed, body(), id, enough);
+    struct pen_buf state = jobs_begin_and_kill(&bed, body(), id, PEN_KEPT_STATE, enough);
     char *text = marked(&state);
     damage(done, text);
     pen_buf_release(&state);

@@ -51,6 +51,40 @@ static struct pen_audit audit(uint64_t pixels, double threshold, uint64_t seed)
     return out;
 }
 
+/* Pauses after every few pixels. */
+static bool pause_often(void *user)
+{
+    int *asked = user;
+    return ++*asked % 5 == 0;
+}
+
+/* The same in parts, which are more than one. */
+static struct pen_audit audit_in_parts(uint64_t pixels, double threshold, uint64_t seed)
+{
+    struct pen_status st;
+    struct pen_audit out;
+    struct pen_audit_progress progress = {0};
+    int asked = 0, parts = 0;
+    const struct pen_audit_task task = {.scene = scene,
+                                        .settings = &kit.settings,
+                                        .rgb = rgb,
+                                        .pixels = pixels,
+                                        .threshold = threshold,
+                                        .samples = samples,
+                                        .seed = seed,
+                                        .pause = pause_often,
+                                        .pause_user = &asked};
+    do {
+        const uint64_t before = progress.done;
+        ck_assert_msg(pen_audit_continue(pool, &task, &progress, &out, &st), "%s", st.msg);
+        ck_assert_uint_gt(progress.done, before);
+        ck_assert_uint_eq(progress.done + progress.left, pixels);
+        parts++;
+    } while (progress.left > 0);
+    ck_assert_int_gt(parts, 1);
+    return out;
+}
+
 /* The probability of k or fewer of n, term by term from binomial coefficients in long double. */
 static double at_most(int k, int n, double p)
 {
@@ -147,9 +181,12 @@ START_TEST(test_audit__pixel_centres_at_an_edge_are_wrong)
     memcpy(rgb, film, sizeof rgb);
     free(film);
     samples = 0;
-    const struct pen_audit a = audit(PIXELS, 0.05, 3);
+    const struct pen_audit a = audit(PIXELS, 0.05, 3), parts = audit_in_parts(PIXELS, 0.05, 3);
     ck_assert_uint_eq(a.wrong, SIDE);
     ck_assert_uint_eq(a.undecided, 0);
+    ck_assert_uint_eq(parts.wrong, SIDE);
+    ck_assert_uint_eq(parts.undecided, 0);
+    ck_assert_uint_eq(parts.pixels, PIXELS);
     end();
 }
 END_TEST

@@ -75,6 +75,7 @@ pid_t jobs_worker_fork(const struct jobs_bed *bed)
                                              .id = "doomed:1:1",
                                              .threads = 2,
                                              .keep_ms = random_fewer(),
+                                             .batch_ms = bed->batch_ms,
                                              .fault = bed->fault};
         atomic_bool stop = false;
         struct pen_status st;
@@ -123,14 +124,14 @@ void jobs_put_kept(struct jobs_bed *bed, const char *id, const char *name, const
     store_put(bed->bed.store, &(struct store_artefact){id, 0, "kept", name, data, bytes});
 }
 
-/* Waits until a state is enough, for four minutes at most. */
-static void wait_enough(struct jobs_bed *bed, const char *id,
-                        bool (*enough)(const struct pen_buf *state))
+/* Waits until what is kept is enough, for four minutes at most. */
+static void wait_enough(struct jobs_bed *bed, const char *id, const char *name,
+                        bool (*enough)(const struct pen_buf *kept))
 {
     for (int i = 0; i < 24000; i++) {
-        struct pen_buf state = jobs_wait_kept(bed, id, PEN_KEPT_STATE);
-        const bool done = !enough || enough(&state);
-        pen_buf_release(&state);
+        struct pen_buf kept = jobs_wait_kept(bed, id, name);
+        const bool done = !enough || enough(&kept);
+        pen_buf_release(&kept);
         if (done)
             return;
         usleep(10000);
@@ -139,7 +140,7 @@ static void wait_enough(struct jobs_bed *bed, const char *id,
 }
 
 struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES],
-                                   bool (*enough)(const struct pen_buf *state))
+                                   const char *name, bool (*enough)(const struct pen_buf *kept))
 {
     struct pen_status st;
     int status, opened;
@@ -147,12 +148,12 @@ struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char 
     const pid_t pid = jobs_worker_fork(bed);
     jobs_bed_open(bed);
     jobs_submit(bed, body, id);
-    wait_enough(bed, id, enough);
+    wait_enough(bed, id, name, enough);
     kill(pid, SIGKILL);
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
     store_must(pen_store_expire_leases(bed->bed.store, "doomed:1:1", &opened, &st), &st, "expire");
     ck_assert_int_eq(opened, 1);
-    return jobs_wait_kept(bed, id, PEN_KEPT_STATE); /* it may have kept more since */
+    return jobs_wait_kept(bed, id, name); /* it may have kept more since */
 }
 
 enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id)

@@ -49,9 +49,9 @@ void jobs_put_kept(struct jobs_bed *bed, const char *id, const char *name, const
                    size_t bytes);
 
 /* Opens the bed, and begins a job in a worker process, which is killed as soon as what it has kept
- * is enough; NULL: anything is. Returns the state that is left, to be released. */
+ * under a name is enough; `enough` NULL: anything is. Returns what is left, to be released. */
 struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES],
-                                   bool (*enough)(const struct pen_buf *state));
+                                   const char *name, bool (*enough)(const struct pen_buf *kept));
 
 /* Submits a job and writes its id. The test fails with the errors if the job is refused. */
 void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES]);

@@ -4,6 +4,7 @@
 #define PEN_JOBS_INTERNAL_BATCH_H
 
 #include "jobs/internal/batch_context.h"
+#include "jobs/internal/keep.h"
 #include "render/audit.h"
 #include "render/forecast.h"
 
@@ -55,16 +56,23 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
                       const struct pen_render_task *task, struct pen_render_stats *stats,
                       struct pen_status *st);
 
-/* batch_rounds.c: appends the state that the rounds of the context's view have left, as they keep
- * it. */
-void pen_batch_save_rounds(const struct pen_batch_context *context,
-                           const struct pen_render_stats *stats, struct pen_buf *out);
+/* batch_rounds.c: keeps a part of what follows the pixels of a view, which is `done` (pen_kept),
+ * and with it the state that rounds have left, unless there were none or the store has it. A part
+ * with no bytes is one that memory ran out for. `stats` are those of the rounds. Returns whether to
+ * go on. */
+bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_render_stats *stats,
+                                 int64_t done, const struct pen_kept_part *part, int64_t begun_ns);
+
+/* batch_rounds.c: whether the job of a keeper's batch has taken longer than the operator allows, if
+ * what it does is not bounded by a budget. */
+bool pen_batch_keeper_is_overdue(const struct pen_keeper *keeper);
 
 /* batch_audit.c: audits the picture of the claim's view, which the film has, if the job asks for
- * that; then *done is true. Fails: as pen_batch_run. */
+ * that; then *done is true. `stats` are those of the view's rounds, or of other renders. Fails: as
+ * pen_batch_rounds. */
 bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *claim,
-                     const struct pen_film *film, struct pen_audit *audit, bool *done,
-                     struct pen_status *st);
+                     const struct pen_film *film, const struct pen_render_stats *stats,
+                     struct pen_audit *audit, bool *done, struct pen_status *st);
 
 /* batch_estimate.c: before the first batch of a job that may take long, estimates what it will
  * take, and stores that. A small job is left as it is. Fails: as pen_forecast_make; PEN_TOO_LARGE
