@@ -2,6 +2,7 @@
 /* Choosing the function for a batch by its kind, and for a study by that of its job. */
 #include "jobs/internal/batch.h"
 
+#include "base/clock.h"
 #include "base/memory.h"
 
 static pen_batch_run_fn *study_of(enum pen_job_kind kind)
@@ -40,6 +41,7 @@ bool pen_batch_run(struct pen_batch_context *context, const struct pen_claim *cl
 {
     *output = (struct pen_batch_output){0};
     pen_memory_peak_reset();
+    context->begun_ns = pen_clock_ns();
     bool ok = pen_batch_context_load(context, claim, st);
     pen_batch_run_fn *run = ok ? function_of(claim->kind, context->request.kind) : NULL;
     if (ok && !run)

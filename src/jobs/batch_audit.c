@@ -47,7 +47,11 @@ static bool keep(struct pen_keeper *keeper, const struct pen_render_stats *stats
 {
     const struct kept_audit kept = {.seed = seed, .progress = *progress};
     const struct pen_kept_part part = {.name = PART, .data = &kept, .bytes = sizeof kept};
-    return pen_batch_keep_after_rounds(keeper, stats, -1, &part, pen_clock_ns());
+    const struct pen_claim *claim = keeper->claim;
+    /* Of a view that is one batch, which has told nothing of its pixels since its rounds. */
+    const int64_t done =
+        claim->kind == PEN_BATCH_RENDER ? (int64_t)(0.99 * (double)claim->pixels) : -1;
+    return pen_batch_keep_after_rounds(keeper, stats, done, &part, pen_clock_ns());
 }
 
 static bool run(struct pen_batch_context *context, const struct pen_claim *claim,

@@ -51,10 +51,10 @@ void pen_batch_context_release(struct pen_batch_context *context)
 /* Four times what a batch is meant to take. */
 enum { SPLIT_MS = 4000 };
 
-void pen_batch_bound(struct pen_batch_context *context)
+void pen_batch_bound(struct pen_batch_context *context, double share)
 {
     const int64_t ms = context->batch_ms > 0 ? context->batch_ms : SPLIT_MS;
-    context->split_ns = pen_clock_ns() + ms * 1000000;
+    context->split_ns = pen_clock_ns() + (int64_t)((double)ms * share * 1e6);
 }
 
 bool pen_batch_is_long(void *user)

@@ -129,7 +129,12 @@ static bool store_file(struct pen_batch_context *context, const struct pen_claim
     return ok;
 }
 
-/* A part: the number of its tiles, and their values. Layers of one number have it once. */
+/* A part has this, and the values of its tiles; layers of one number have it once. */
+struct part_head {
+    uint32_t tiles;
+    uint32_t picture; /* after rounds, a hash of the picture, which tells by which rounds; else 0 */
+};
+
 struct part_name {
     char text[24];
 };
@@ -148,10 +153,10 @@ static size_t values_of_pixel(enum pen_layer layer)
 
 /* Appends the part of these tiles, which are in the rows of the film. */
 static bool write_part(const struct strip *strip, enum pen_layer layer, const struct pen_film *film,
-                       int count, struct pen_buf *part, struct pen_status *st)
+                       const struct part_head *head, struct pen_buf *part, struct pen_status *st)
 {
     const struct pen_settings *s = &strip->settings;
-    const uint32_t tiles = (uint32_t)count;
+    const int count = (int)head->tiles;
     const size_t pixels = (size_t)pen_tiles_pixels(s, strip->first, count),
                  each = values_of_pixel(layer);
     float *values = malloc(pixels * 3 * sizeof *values);
@@ -159,50 +164,52 @@ static bool write_part(const struct strip *strip, enum pen_layer layer, const st
         pen_tiles_gather(s, strip->first, count, film->rgb, values);
         for (size_t i = 0; each == 1 && i < pixels; i++)
             values[i] = values[3 * i];
-        pen_buf_reserve(part, sizeof tiles + pixels * each * sizeof *values);
-        pen_buf_add(part, &tiles, sizeof tiles);
+        pen_buf_reserve(part, sizeof *head + pixels * each * sizeof *values);
+        pen_buf_add(part, head, sizeof *head);
         pen_buf_add(part, values, pixels * each * sizeof *values);
     }
     free(values);
     return (values && !part->failed) || pen_fail(st, PEN_NO_MEMORY, "no memory for a layer");
 }
 
-/* Puts a part into a film of the whole view; its tiles are these or, if *count is 0, as many as it
- * has. Fails: PEN_NOT_FOUND, if it is not such a part; PEN_NO_MEMORY. */
+/* Puts a part into a film of the whole view; it must be of this picture, and of so many tiles or,
+ * if that is 0, of any, which head->tiles becomes. Fails: PEN_NOT_FOUND, if it is not such a part;
+ * PEN_NO_MEMORY. */
 static bool place_part(const struct pen_settings *s, enum pen_layer layer,
-                       const struct pen_buf *part, int first, int *count, struct pen_film *film,
-                       struct pen_status *st)
+                       const struct pen_buf *part, int first, struct part_head *head,
+                       struct pen_film *film, struct pen_status *st)
 {
     const int left = pen_tile_count(s->width, s->height, s->tile) - first;
     const size_t each = values_of_pixel(layer);
-    uint32_t tiles = 0;
-    if (part->bytes >= sizeof tiles)
-        memcpy(&tiles, part->data, sizeof tiles);
-    const bool fits = tiles > 0 && left > 0 && tiles <= (uint32_t)left &&
-                      (*count == 0 || tiles == (uint32_t)*count);
-    const size_t pixels = fits ? (size_t)pen_tiles_pixels(s, first, (int)tiles) : 0;
-    if (!fits || part->bytes - sizeof tiles != pixels * each * sizeof(float))
+    struct part_head has = {.tiles = 0};
+    if (part->bytes >= sizeof has)
+        memcpy(&has, part->data, sizeof has);
+    const bool fits = has.tiles > 0 && left > 0 && has.tiles <= (uint32_t)left &&
+                      (head->tiles == 0 || has.tiles == head->tiles) &&
+                      has.picture == head->picture;
+    const size_t pixels = fits ? (size_t)pen_tiles_pixels(s, first, (int)has.tiles) : 0;
+    if (!fits || part->bytes - sizeof has != pixels * each * sizeof(float))
         return pen_fail(st, PEN_NOT_FOUND, "a part that is not of its tiles");
     float *values = malloc(pixels * 3 * sizeof *values);
     if (!values)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for a layer");
-    memcpy(values, part->data + sizeof tiles, part->bytes - sizeof tiles);
+    memcpy(values, part->data + sizeof has, part->bytes - sizeof has);
     for (size_t i = pixels; each == 1 && i-- > 0;)
         values[3 * i] = values[3 * i + 1] = values[3 * i + 2] = values[i];
-    pen_tiles_scatter(s, first, (int)tiles, values, film->rgb);
+    pen_tiles_scatter(s, first, (int)has.tiles, values, film->rgb);
     free(values);
-    *count = (int)tiles;
+    head->tiles = has.tiles;
     return true;
 }
 
 /* Reads a part as place_part does. *found = false: there is none that can be used. */
 static bool read_part(struct pen_batch_context *context, const struct pen_claim *claim,
-                      enum pen_layer layer, int first, int *count, struct pen_film *film,
-                      bool *found, struct pen_status *st)
+                      enum pen_layer layer, int first, struct part_head *head,
+                      struct pen_film *film, bool *found, struct pen_status *st)
 {
     struct pen_buf part = {0};
     *found = pen_store_kept(context->store, claim, name_of(layer, first).text, &part, st) &&
-             place_part(&context->request.settings, layer, &part, first, count, film, st);
+             place_part(&context->request.settings, layer, &part, first, head, film, st);
     pen_buf_release(&part);
     return *found || st->code == PEN_NOT_FOUND;
 }
@@ -215,7 +222,8 @@ static bool keep_part(struct pen_batch_context *context, const struct pen_claim 
     const struct strip strip =
         strip_of(&context->request.settings, claim->first_tile, claim->tile_count);
     const struct part_name name = name_of(layer, claim->first_tile);
-    bool ok = write_part(&strip, layer, context->layer[layer], tiles, &bytes, st);
+    const struct part_head head = {.tiles = (uint32_t)tiles};
+    bool ok = write_part(&strip, layer, context->layer[layer], &head, &bytes, st);
     if (ok) {
         const struct pen_kept_part part = {
             .name = name.text, .data = bytes.data, .bytes = bytes.bytes};
@@ -251,13 +259,12 @@ static bool assemble(struct pen_batch_context *context, const struct pen_claim *
     const int tiles = pen_tile_count(s->width, s->height, s->tile);
     struct pen_layer_tiles missing = {.first = 0};
     for (int first = 0, end = 0; first < tiles; first = end) {
-        int count;
         bool found;
         do
             end++;
         while (end < tiles && !begins[end]);
-        count = end - first;
-        if (!read_part(context, claim, layer, first, &count, film, &found, st))
+        struct part_head head = {.tiles = (uint32_t)(end - first)};
+        if (!read_part(context, claim, layer, first, &head, film, &found, st))
             return false;
         missing.count = found ? first - missing.first : end - missing.first;
         if (missing.count > 0 && (found || end == tiles) &&
@@ -290,6 +297,7 @@ bool pen_batch_layers_assemble(struct pen_batch_context *context, const struct p
 struct after_rounds {
     struct pen_keeper keeper;
     enum pen_layer layer;
+    uint32_t picture; /* as in a part's head */
     struct pen_film *film;
     const struct pen_render_stats *stats; /* of the rounds */
     int done, tiles;                      /* of the layer */
@@ -311,7 +319,8 @@ static bool keep(struct after_rounds *a)
     const struct strip whole = strip_of(&context->request.settings, 0, a->tiles);
     const int64_t begun_ns = pen_clock_ns();
     const double work = pen_batch_layer_work(context), share = (double)a->done / a->tiles;
-    const bool ok = write_part(&whole, a->layer, a->film, a->done, &bytes, &ignored);
+    const struct part_head head = {.tiles = (uint32_t)a->done, .picture = a->picture};
+    const bool ok = write_part(&whole, a->layer, a->film, &head, &bytes, &ignored);
     const struct pen_kept_part part = {
         .name = name.text, .data = bytes.data, .bytes = ok ? bytes.bytes : 0};
     const double done = (1 + work * share) / (1 + work) * (double)a->keeper.claim->pixels;
@@ -346,20 +355,24 @@ bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const stru
                                    const struct pen_render_stats *stats, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
+    const struct pen_film picture = {s->width, s->height, context->image};
     const bool resumes = context->rounds_kept;
     bool ok = true;
     for (int i = 0; ok && i < PEN_LAYER_COUNT; i++) {
         if (!is_wanted(context, (enum pen_layer)i))
             continue;
+        const uint32_t hash = (uint32_t)pen_film_hash(&picture);
         struct after_rounds a = {.keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS),
                                  .layer = (enum pen_layer)i,
+                                 .picture = hash,
                                  .film = pen_film_new(s->width, s->height, st),
                                  .stats = stats,
                                  .tiles = pen_tile_count(s->width, s->height, s->tile)};
+        struct part_head head = {.picture = hash};
         bool found = false;
         ok = a.film &&
-             (!resumes || read_part(context, claim, a.layer, 0, &a.done, a.film, &found, st));
-        a.done = found ? a.done : 0;
+             (!resumes || read_part(context, claim, a.layer, 0, &head, a.film, &found, st));
+        a.done = found ? (int)head.tiles : 0;
         ok = ok && render_after_rounds(&a, st) && store_file(context, claim, a.layer, a.film, st);
         pen_film_free(a.film);
     }

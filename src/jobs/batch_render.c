@@ -145,7 +145,9 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .pixel_by_pixel = claim->attempt > 1,
                                    .keep_tile_ms = true};
     if (!pen_settings_adaptive(s)) {
-        pen_batch_bound(context);
+        /* After a crash the layers follow. */
+        const bool last = claim->attempt <= 1;
+        pen_batch_bound(context, last ? 1 : 1 / (1 + pen_batch_layer_work(context)));
         task.pause = pen_batch_is_long;
         task.pause_user = context;
     }
@@ -249,7 +251,7 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
         context->scenes, context->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
     if (!scene || !pen_batch_estimate(context, claim, scene, st) || !reserve_image(context, st))
         return false;
-    pen_batch_bound(context);
+    pen_batch_bound(context, 1);
     if ((layers_first && !pen_batch_layers_make(context, claim, true, &tiles, &layers_ms, st)) ||
         !begin_picture(context, claim, tiles, output, st) ||
         !run_tiles(context, claim, scene, tiles, &stats, st))
@@ -292,7 +294,6 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
 bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim *claim,
                       struct pen_batch_output *output, struct pen_status *st)
 {
-    context->begun_ns = pen_clock_ns();
     context->budget_ns = time_for_rounds(context);
     bool ok = render(context, claim, output, st);
     pen_png_free(context->picture);

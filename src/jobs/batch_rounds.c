@@ -65,19 +65,15 @@ bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_ren
 
 bool pen_batch_keeper_is_overdue(const struct pen_keeper *keeper)
 {
-    return pen_batch_is_overdue(keeper->context, keeper->claim, keeper->context->begun_ns);
-}
-
-/* Whether the job has taken longer than the operator allows. A budget is bounded already. */
-static bool is_overdue(const struct rounds *r)
-{
-    return r->keeper.context->budget_ns == 0 && pen_batch_keeper_is_overdue(&r->keeper);
+    const struct pen_batch_context *context = keeper->context;
+    return pen_stored_request_budget(&context->request) == 0 &&
+           pen_batch_is_overdue(context, keeper->claim, context->begun_ns);
 }
 
 static bool pause_round(void *user)
 {
     struct rounds *r = user;
-    return is_overdue(r) || pen_keeper_is_due(&r->keeper);
+    return pen_batch_keeper_is_overdue(&r->keeper) || pen_keeper_is_due(&r->keeper);
 }
 
 /* The share of the view that is done; its layers follow. */
@@ -97,7 +93,7 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
     struct rounds *r = user;
     struct pen_buf state = {0};
     bool gives_way;
-    if (is_overdue(r))
+    if (pen_batch_keeper_is_overdue(&r->keeper))
         return false;
     if (!pen_keeper_is_due(&r->keeper))
         return true;
@@ -154,7 +150,7 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
         rounds.deadline_ns =
             context->begun_ns + context->budget_ns - (int64_t)(earlier.render_ms * 1e6);
     bool ok = pen_render_rounds(context->pool, &rounds, context->adaptive, stats, st);
-    if (!ok && st->code == PEN_UNAVAILABLE && is_overdue(&r))
+    if (!ok && st->code == PEN_UNAVAILABLE && pen_batch_keeper_is_overdue(&r.keeper))
         ok = pen_batch_fail_overdue(context, st);
     free(earlier.tile_ms);
     json_decref(r.host);

@@ -21,7 +21,7 @@ json_t *pen_time_json(int64_t wall_ms)
  * jobs: as it was from its start to its last commit. Less than 1 if several work on it at once. */
 static double time_sharing(const struct pen_job_record *job)
 {
-    const double seconds = (double)(job->updated_ms - job->started_ms) / 1000;
+    const double seconds = (double)(job->committed_ms - job->started_ms) / 1000;
     return job->committed_us > 0 ? seconds / ((double)job->committed_us / 1e6) : 1;
 }
 

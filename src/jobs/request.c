@@ -203,13 +203,16 @@ double pen_request_layer_work(const struct pen_request *request)
                                               : PEN_COST_TIME);
 }
 
-/* How many times as long as the pixels of a view its audit takes; with a target error at least. */
+/* How many times as long as the pixels of a view its audit takes: with a target error about, if
+ * that leads to no fewer than 16 samples of a pixel, else more. */
 static double audit_work(const struct pen_request *request)
 {
     const struct pen_settings *s = &request->settings, sampling = pen_settings_sampling(s);
     const double pixels = (double)s->width * s->height,
                  audited = request->audit_pixels < pixels ? request->audit_pixels : pixels,
-                 own = pen_camera_samples(pen_desc_has_lens(&request->desc), &sampling),
+                 own = pen_settings_adaptive(s)
+                           ? (double)PEN_AUDIT_LEAST / PEN_AUDIT_TIMES
+                           : pen_camera_samples(pen_desc_has_lens(&request->desc), &sampling),
                  again = PEN_AUDIT_TIMES * own > PEN_AUDIT_LEAST ? PEN_AUDIT_TIMES * own
                                                                  : PEN_AUDIT_LEAST;
     return audited / pixels * again / own;
@@ -267,22 +270,25 @@ static double *budget_of(struct pen_request *request)
     return NULL;
 }
 
-/* No budget is longer than the operator allows a job to take, with the layers that follow it. One
- * that the body does not name, a default, becomes as long as that. */
+/* No budget is longer than the operator allows a job to take, with the layers and the audit that
+ * follow it. One that the body does not name, a default, becomes as long as that. */
 static void bound_budget(struct pen_request *request, const struct pen_limits *limits,
                          struct pen_errors *errors)
 {
     double *budget = budget_of(request);
     const json_t *value = request->bare ? NULL : json_object_get(request->body, "budget_seconds");
-    const double work = request->kind == PEN_KIND_RENDER ? pen_request_layer_work(request) : 0,
-                 most = limits->seconds / (1 + work);
+    const double extra = request->kind == PEN_KIND_RENDER
+                             ? pen_request_layer_work(request) + audit_work(request)
+                             : 0,
+                 most = limits->seconds / (1 + extra);
     if (!budget || limits->seconds <= 0 || *budget <= most)
         return;
     if (value)
         pen_request_fail(errors, PEN_INVALID, "", "budget_seconds",
                          "must be a number above 0, at most %g, which this daemon allows "
                          "%s(--max-seconds), found %s",
-                         most, work > 0 ? "beside the layer cost " : "", pen_found(value).text);
+                         most, extra > 0 ? "beside the layer cost and the audit " : "",
+                         pen_found(value).text);
     else
         *budget = most;
 }

@@ -245,6 +245,7 @@ struct pen_job_record {
     int64_t done_pixels, total_pixels;
     int64_t estimate_ms;  /* what rendering is expected to take in all; 0: not estimated */
     int64_t committed_us; /* how long workers had worked on it at its last commit */
+    int64_t committed_ms; /* when that was; 0: there was none */
 };
 
 void pen_job_record_release(struct pen_job_record *job);

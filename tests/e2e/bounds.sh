@@ -115,7 +115,10 @@ for kind in render benchmark accuracy; do
     expect "its-place-$kind" "$(body '.errors[0].pointer')" /budget_seconds
 done
 submit '{"scene": "builtin:spheres", "budget_seconds": 2, "layers": ["cost"], "render": {"width": 16, "height": 12}}'
-expect_problem too-long-a-budget-with-its-layer 422 '*at most 1, which this daemon allows beside the layer cost (--max-seconds), found 2*'
+expect_problem too-long-a-budget-with-its-layer 422 '*at most 1, which this daemon allows beside the layer cost and the audit (--max-seconds), found 2*'
+submit '{"scene": "builtin:spheres", "budget_seconds": 2, "audit": {}, "render": {"width": 100, "height": 100}}'
+expect_problem too-long-a-budget-with-its-audit 422 '*at most 1.0*, which this daemon allows beside*'
+expect its-place-of-the-audit "$(body '.errors[0].pointer')" /budget_seconds
 submit '{"scene": "builtin:spheres", "kind": "benchmark", "interval": 0.5, "render": {"width": 16, "height": 12}}'
 expect a-default-budget-is-bounded "$status $(body .budget_seconds)" "202 5"
 call "$job/cancel" -X POST

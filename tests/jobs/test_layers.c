@@ -170,7 +170,7 @@ START_TEST(test_layers__batches_that_are_done_are_not_made_again)
     stop_after_batches(all, 2);
     struct pen_buf part = jobs_wait_kept(&bed, id, "cost-0");
     const float value = 12345;
-    memcpy(part.data + sizeof(uint32_t), &value, sizeof value);
+    memcpy(part.data + 2 * sizeof(uint32_t), &value, sizeof value);
     jobs_put_kept(&bed, id, "cost-0", part.data, part.bytes);
     pen_buf_release(&part);
     finish();
@@ -279,7 +279,7 @@ START_TEST(test_layers__worker_killed_after_the_rounds_goes_on_with_the_layer)
         struct pen_buf part = jobs_wait_kept(&bed, id, "cost-0");
         const float value = 12345;
         if (changed) {
-            memcpy(part.data + sizeof(uint32_t), &value, sizeof value);
+            memcpy(part.data + 2 * sizeof(uint32_t), &value, sizeof value);
             jobs_put_kept(&bed, id, "cost-0", part.data, part.bytes);
         }
         pen_buf_release(&part);

@@ -47,7 +47,7 @@ static const char *const undo[] = {
     "DROP INDEX artefact_object; DROP INDEX pixels_object;"
     "ALTER TABLE artefact DROP COLUMN object; ALTER TABLE pixels DROP COLUMN object;"
     "DROP TABLE large_object_part; DROP TABLE large_object",
-    "ALTER TABLE job DROP COLUMN committed_us",
+    "ALTER TABLE job DROP COLUMN committed_us; ALTER TABLE job DROP COLUMN committed_ms",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

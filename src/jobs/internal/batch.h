@@ -63,8 +63,8 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
 bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_render_stats *stats,
                                  int64_t done, const struct pen_kept_part *part, int64_t begun_ns);
 
-/* batch_rounds.c: whether the job of a keeper's batch has taken longer than the operator allows, if
- * what it does is not bounded by a budget. */
+/* batch_rounds.c: whether the job of a keeper's batch has taken longer than the operator allows. A
+ * job with a budget is bounded already, also what follows its rounds, when it is submitted. */
 bool pen_batch_keeper_is_overdue(const struct pen_keeper *keeper);
 
 /* batch_audit.c: audits the picture of the claim's view, which the film has, if the job asks for

@@ -89,9 +89,10 @@ void pen_batch_context_release(struct pen_batch_context *context);
  * for others, and within what the operator allows a job to take. */
 int64_t pen_batch_forecast_end(const struct pen_batch_context *context);
 
-/* Bounds the tiles of a batch by time: so long after the call, pen_batch_is_long tells that those
- * which are not begun are left. The latter is `pause` of a task, whose user is the context. */
-void pen_batch_bound(struct pen_batch_context *context);
+/* Bounds the tiles of a batch by time: so long after the call, or after this share of that,
+ * pen_batch_is_long tells that those which are not begun are left. The latter is `pause` of a task,
+ * whose user is the context. */
+void pen_batch_bound(struct pen_batch_context *context, double share);
 bool pen_batch_is_long(void *context);
 
 /* Whether the claim's job has taken longer than the operator allows, with the time since

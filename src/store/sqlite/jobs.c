@@ -141,6 +141,7 @@ static bool fill_row(const struct pen_sqlite_query *query, struct pen_job_row *r
             .total_pixels = pen_sqlite_column_int(query, JOB_total_pixels),
             .estimate_ms = pen_sqlite_column_int(query, JOB_estimate_ms),
             .committed_us = pen_sqlite_column_int(query, JOB_committed_us),
+            .committed_ms = pen_sqlite_column_int(query, JOB_committed_ms),
         }};
     const char *id = pen_sqlite_column_text(query, JOB_id);
     size_t length = id ? strlen(id) : 0;

@@ -34,6 +34,7 @@
  * job.paused_until_ms  until then other jobs go first
  * job.spent_us         how long workers have worked on the job, by their monotonic clocks
  * job.committed_us     what spent_us was at the last commit of a batch
+ * job.committed_ms     when that was
  * job.removed_ms       when it was removed; its rows go in slices, the job's own row last
  * job.address          of the client; job.lane, batch.lane: the share that they belong to
  * peer.jobs, lane.jobs the unfinished jobs
@@ -306,7 +307,8 @@ static const char step_14[] =
     "CREATE TRIGGER pixels_removed AFTER DELETE ON pixels WHEN OLD.object IS NOT NULL BEGIN"
     " UPDATE large_object SET expires_ms = 0 WHERE id = OLD.object; END;";
 
-static const char step_15[] = "ALTER TABLE job ADD COLUMN committed_us INTEGER NOT NULL DEFAULT 0;";
+static const char step_15[] = "ALTER TABLE job ADD COLUMN committed_us INTEGER NOT NULL DEFAULT 0;"
+                              "ALTER TABLE job ADD COLUMN committed_ms INTEGER NOT NULL DEFAULT 0;";
 
 static const char *const steps[] = {step_1,  step_2,  step_3,  step_4,  step_5,
                                     step_6,  step_7,  step_8,  step_9,  step_10,

@@ -180,6 +180,7 @@ static const char *const sql_text[] = {
         " paused_until_ms = CASE WHEN ?5 THEN 0 ELSE paused_until_ms END,"
         " estimate_ms = CASE WHEN ?6 > 0 THEN ?6 ELSE estimate_ms END,"
         " committed_us = CASE WHEN ?5 THEN spent_us ELSE committed_us END,"
+        " committed_ms = CASE WHEN ?5 THEN ?4 ELSE committed_ms END,"
         " revision = revision + 1 WHERE number = ?1",
     [SQL_JOB_VIEW_ENDED] = "UPDATE job SET open_views = open_views - 1 WHERE number = ?"
                            " RETURNING open_views",

@@ -201,6 +201,7 @@ enum pen_sqlite_sql {
     NEXT(total_pixels)                                                                             \
     NEXT(estimate_ms)                                                                              \
     NEXT(committed_us)                                                                             \
+    NEXT(committed_ms)                                                                             \
     NEXT(scene)
 #define PEN_SQLITE_CLAIM_COLUMNS(FIRST, NEXT)                                                      \
     FIRST(batch, b.id)                                                                             \
