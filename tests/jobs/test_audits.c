@@ -78,9 +78,8 @@ START_TEST(test_audits__next_worker_goes_on_with_what_is_kept)
         uint64_t numbers[NUMBERS];
         const bool another_seed = shape >= SHAPES;
         const char *body = body_of(shape % SHAPES);
-        bed.max_seconds =
-            120; /* counts from the claim, also in a worker that has rendered nothing */
         struct pen_buf part = jobs_begin_and_kill(&bed, body, id, "audit", NULL);
+        bed.max_seconds = 120; /* which count from the claim, in a new worker, too */
         ck_assert_uint_eq(part.bytes, sizeof numbers);
         memcpy(numbers, part.data, sizeof numbers);
         pen_buf_release(&part);
