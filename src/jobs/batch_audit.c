@@ -13,8 +13,6 @@
 #include "base/clock.h"
 #include "study/hash.h"
 
-enum { KEEP_MS = 10000, ASK_MS = 500 }; /* as of rounds */
-
 #define PART "audit"
 
 /* What is kept of an audit. */
@@ -22,12 +20,6 @@ struct kept_audit {
     uint64_t seed;
     struct pen_audit_progress progress;
 };
-
-static bool pause_audit(void *user)
-{
-    struct pen_keeper *keeper = user;
-    return pen_batch_keeper_is_overdue(keeper) || pen_keeper_is_due(keeper);
-}
 
 /* What an earlier worker has kept of an audit with this seed; else nothing. */
 static struct pen_audit_progress read_kept(struct pen_batch_context *context,
@@ -58,9 +50,9 @@ static bool run(struct pen_batch_context *context, const struct pen_claim *claim
                 struct pen_audit_task *task, const struct pen_render_stats *stats,
                 struct pen_audit *audit, struct pen_status *st)
 {
-    struct pen_keeper keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS);
+    struct pen_keeper keeper = pen_batch_keeper(context, claim);
     struct pen_audit_progress progress = read_kept(context, claim, task->seed);
-    task->pause = pause_audit;
+    task->pause = pen_batch_keeper_pauses;
     task->pause_user = &keeper;
     do {
         if (!pen_audit_continue(context->pool, task, &progress, audit, st))
@@ -80,7 +72,6 @@ bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *
 {
     struct pen_scene_times times;
     const struct pen_settings *s = &context->request.settings;
-    const char *view = pen_stored_request_view(&context->request, claim->view);
     struct pen_audit_task task = {.settings = s,
                                   .rgb = film->rgb,
                                   .adaptive = context->adaptive,
@@ -92,8 +83,7 @@ bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *
                                      (enum pen_accelerator)s->accelerator, &times, st);
     if (!task.scene)
         return false;
-    task.view = view ? pen_scene_find_view(task.scene, view) : -1;
+    task.view = pen_batch_view(context, claim, task.scene, st);
     task.seed = pen_audit_seed(film);
-    return task.view >= 0 ? run(context, claim, &task, stats, audit, st)
-                          : pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
+    return task.view >= 0 && run(context, claim, &task, stats, audit, st);
 }

@@ -48,6 +48,16 @@ void pen_batch_context_release(struct pen_batch_context *context)
     free(context->image);
 }
 
+int pen_batch_view(const struct pen_batch_context *context, const struct pen_claim *claim,
+                   const struct pen_scene *scene, struct pen_status *st)
+{
+    const char *name = pen_stored_request_view(&context->request, claim->view);
+    const int view = name ? pen_scene_find_view(scene, name) : -1;
+    if (view < 0)
+        pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
+    return view;
+}
+
 /* Four times what a batch is meant to take. */
 enum { SPLIT_MS = 4000 };
 

@@ -64,9 +64,9 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
                         const struct pen_scene *scene, struct pen_status *st)
 {
     const struct pen_stored_request *request = &context->request;
-    const char *name = pen_stored_request_view(request, claim->view);
+    struct pen_status ignored;
     const struct pen_forecast_task task = {.scene = scene,
-                                           .view = name ? pen_scene_find_view(scene, name) : -1,
+                                           .view = pen_batch_view(context, claim, scene, &ignored),
                                            .settings = &request->settings,
                                            .quick = true,
                                            .deadline_ns = pen_batch_forecast_end(context),
@@ -77,7 +77,6 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
     const double budget_s = pen_stored_request_budget(request),
                  with_layers = 1 + pen_batch_layer_work(context);
     struct pen_forecast forecast;
-    struct pen_status ignored;
     if (context->fresh && budget_s > 0)
         pen_store_estimate(context->store, claim, (int64_t)ceil(1000 * budget_s * with_layers),
                            &ignored);

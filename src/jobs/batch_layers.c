@@ -13,7 +13,6 @@
  * rounds are, and give way to a batch that comes first. */
 #include "jobs/internal/batch.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,8 +20,6 @@
 #include "base/clock.h"
 #include "jobs/internal/view_pixels.h"
 #include "render/layers.h"
-
-enum { KEEP_MS = 10000, ASK_MS = 500 }; /* as of rounds */
 
 static bool is_wanted(const struct pen_batch_context *context, enum pen_layer layer)
 {
@@ -37,15 +34,6 @@ double pen_batch_layer_work(const struct pen_batch_context *context)
             work +=
                 pen_layer_work((enum pen_layer)layer, pen_stored_request_cost(&context->request));
     return work;
-}
-
-/* The index of the claim's view in the scene. Fails: PEN_INTERNAL. */
-static bool find_view(const struct pen_batch_context *context, const struct pen_claim *claim,
-                      const struct pen_scene *scene, int *view, struct pen_status *st)
-{
-    const char *name = pen_stored_request_view(&context->request, claim->view);
-    *view = name ? pen_scene_find_view(scene, name) : -1;
-    return *view >= 0 || pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
 }
 
 /* The rows of tiles that some tiles are in, as an image of its own: its settings, where it begins
@@ -81,8 +69,9 @@ static bool render_tiles(struct pen_batch_context *context, const struct pen_cla
                                   .adaptive = context->adaptive};
     task.scene = pen_scene_cache_get(context->scenes, context->store, claim,
                                      (enum pen_accelerator)s->accelerator, &times, st);
-    return task.scene && find_view(context, claim, task.scene, &task.view, st) &&
-           pen_layer_render_tiles(context->pool, &task, tiles, st);
+    if (!task.scene || (task.view = pen_batch_view(context, claim, task.scene, st)) < 0)
+        return false;
+    return pen_layer_render_tiles(context->pool, &task, tiles, st);
 }
 
 bool pen_batch_layers_make(struct pen_batch_context *context, const struct pen_claim *claim,
@@ -303,12 +292,6 @@ struct after_rounds {
     int done, tiles;                      /* of the layer */
 };
 
-static bool pause_layer(void *user)
-{
-    struct after_rounds *a = user;
-    return pen_batch_keeper_is_overdue(&a->keeper) || pen_keeper_is_due(&a->keeper);
-}
-
 /* Keeps the tiles that are done. Returns whether to go on. */
 static bool keep(struct after_rounds *a)
 {
@@ -338,8 +321,8 @@ static bool render_after_rounds(struct after_rounds *a, struct pen_status *st)
     while (a->done < a->tiles) {
         struct pen_layer_tiles run = {.first = a->done,
                                       .count = a->tiles - a->done,
-                                      .pause = is_long ? pause_layer : NULL,
-                                      .pause_user = a};
+                                      .pause = is_long ? pen_batch_keeper_pauses : NULL,
+                                      .pause_user = &a->keeper};
         if (!render_tiles(context, a->keeper.claim, a->layer, a->film, 0, &run, st))
             return false;
         a->done += run.count;
@@ -362,7 +345,7 @@ bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const stru
         if (!is_wanted(context, (enum pen_layer)i))
             continue;
         const uint32_t hash = (uint32_t)pen_film_hash(&picture);
-        struct after_rounds a = {.keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS),
+        struct after_rounds a = {.keeper = pen_batch_keeper(context, claim),
                                  .layer = (enum pen_layer)i,
                                  .picture = hash,
                                  .film = pen_film_new(s->width, s->height, st),

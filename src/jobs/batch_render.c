@@ -114,14 +114,6 @@ static bool run_task(struct pen_batch_context *context, const struct pen_claim *
     return pen_batch_hook_done(context, ok, st);
 }
 
-/* The index of the claim's view in the scene, or -1. */
-static int view_of(const struct pen_batch_context *context, const struct pen_claim *claim,
-                   const struct pen_scene *scene)
-{
-    const char *view = pen_stored_request_view(&context->request, claim->view);
-    return view ? pen_scene_find_view(scene, view) : -1;
-}
-
 /* Renders the first `count` tiles of the claim. */
 static bool run_tiles(struct pen_batch_context *context, const struct pen_claim *claim,
                       const struct pen_scene *scene, int count, struct pen_render_stats *stats,
@@ -129,7 +121,7 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
 {
     const struct pen_settings *s = &context->request.settings;
     struct pen_render_task task = {.scene = scene,
-                                   .view = view_of(context, claim, scene),
+                                   .view = pen_batch_view(context, claim, scene, st),
                                    .settings = s,
                                    .first_tile = claim->first_tile,
                                    .tile_count = count,
@@ -152,7 +144,7 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
         task.pause_user = context;
     }
     if (task.view < 0)
-        return pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
+        return false;
     return run_task(context, claim, &task, stats, st);
 }
 
@@ -187,8 +179,9 @@ static bool find_precision(const struct pen_batch_context *context, const struct
                            const struct pen_scene *scene, struct pen_scene_precision *precision)
 {
     const struct pen_settings *s = &context->request.settings;
-    return pen_scene_precision(scene, view_of(context, claim, scene), s->width, s->height,
-                               precision);
+    struct pen_status ignored;
+    return pen_scene_precision(scene, pen_batch_view(context, claim, scene, &ignored), s->width,
+                               s->height, precision);
 }
 
 /* Logs that samples of the batch are not in the picture; the job's statistics count them. */

@@ -66,14 +66,25 @@ bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_ren
 bool pen_batch_keeper_is_overdue(const struct pen_keeper *keeper)
 {
     const struct pen_batch_context *context = keeper->context;
-    return pen_stored_request_budget(&context->request) == 0 &&
-           pen_batch_is_overdue(context, keeper->claim, context->begun_ns);
+    return pen_batch_is_overdue(context, keeper->claim, context->begun_ns) &&
+           pen_stored_request_budget(&context->request) == 0;
+}
+
+struct pen_keeper pen_batch_keeper(struct pen_batch_context *context, const struct pen_claim *claim)
+{
+    return pen_keeper_make(context, claim, KEEP_MS, ASK_MS);
+}
+
+bool pen_batch_keeper_pauses(void *user)
+{
+    struct pen_keeper *keeper = user;
+    return pen_batch_keeper_is_overdue(keeper) || pen_keeper_is_due(keeper);
 }
 
 static bool pause_round(void *user)
 {
     struct rounds *r = user;
-    return pen_batch_keeper_is_overdue(&r->keeper) || pen_keeper_is_due(&r->keeper);
+    return pen_batch_keeper_pauses(&r->keeper);
 }
 
 /* The share of the view that is done; its layers follow. */
@@ -133,7 +144,7 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
                       const struct pen_render_task *task, struct pen_render_stats *stats,
                       struct pen_status *st)
 {
-    struct rounds r = {.keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS)};
+    struct rounds r = {.keeper = pen_batch_keeper(context, claim)};
     struct pen_render_stats earlier = {0};
     struct pen_render_task rounds = *task;
     context->adaptive = pen_adaptive_new(task->settings, st);

@@ -89,6 +89,10 @@ void pen_batch_context_release(struct pen_batch_context *context);
  * for others, and within what the operator allows a job to take. */
 int64_t pen_batch_forecast_end(const struct pen_batch_context *context);
 
+/* The index of the claim's view in its scene, or -1. Fails: PEN_INTERNAL, with -1. */
+int pen_batch_view(const struct pen_batch_context *context, const struct pen_claim *claim,
+                   const struct pen_scene *scene, struct pen_status *st);
+
 /* Bounds the tiles of a batch by time: so long after the call, or after this share of that,
  * pen_batch_is_long tells that those which are not begun are left. The latter is `pause` of a task,
  * whose user is the context. */
