@@ -50,7 +50,7 @@ for file in tests/*/check_*.sh tests/cmd/*.sh tests/e2e/*.sh tests/*/test_*.c; d
 done
 touch "$work/together" "$work/waiting" "$work/paired" "$work/alone"
 
-# Reads the names of those that are done, and prints their reports as soon as their turn has come.
+# Reads the names of those that are done, and prints their lines as soon as their turn has come.
 report() {
     passed=0 failed=0 broken=
     set -- $(cat "$work/together" "$work/waiting" "$work/paired" "$work/alone")
@@ -61,18 +61,21 @@ report() {
         done
     done
     for file; do # never happens unless a process is killed from outside
-        failed=$((failed + 1)) broken="$broken ${file%.*}"
+        failed=$((failed + 1)) broken="$broken $file"
     done
-    [ -z "$broken" ] || echo "failed:$broken"
+    for file in $broken; do
+        echo
+        cat "$work/$file/report" 2>/dev/null || echo "FAIL $file did not end"
+    done
     echo "$passed passed, $failed failed"
     [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
 }
 
-count() { # FILE: prints its report and adds it up
-    cat "$work/$1/report"
+count() { # FILE: prints its line and adds it up
+    head -n 1 "$work/$1/report"
     read -r good bad <"$work/$1/counts"
     passed=$((passed + good)) failed=$((failed + bad))
-    [ "$bad" -eq 0 ] || broken="$broken ${1%.*}"
+    [ "$bad" -eq 0 ] || broken="$broken $1"
 }
 
 each() { # LIST COUNT: runs the files of a list, so many at a time

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Runs one test program or script and judges it, for run.sh:
 #   tests/run_one.sh FOLDER BUILD FILE
-# writes FOLDER/FILE/counts (passed, failed) and then FOLDER/FILE/report (what to print), and prints
-# FILE when that is done.
+# writes FOLDER/FILE/counts (passed, failed) and then FOLDER/FILE/report (a line, and after a failure what
+# it printed), and prints FILE when that is done.
 # A program or script closes with libcheck's line `P%: Checks: N, Failures: F, Errors: E`; one that
 # does not counts as one failure, whatever it printed. A script that cannot test a build of this kind
 # prints `skipped: WHY` and ends with code 77; it counts neither as passed nor as failed.
@@ -45,10 +45,10 @@ fi
 if [ -n "$skipped" ]; then
     printf 'skip %-44s %s\n' "$name" "$skipped"
 elif [ "$bad" -gt 0 ]; then
-    printf 'FAIL %-44s %4d of %d failed (exit %d)\n' "$name" "$bad" "$checks" "$code"
+    printf 'FAIL %-44s %4d of %d failed (exit %d, %d s)\n' "$name" "$bad" "$checks" "$code" "$seconds"
     grep -aE '^not ok|:[FE]:' "$out" | head -n 30 | sed 's/^/    /'
     echo "    … the end of what it printed:"
-    tail -n 25 "$out" | sed 's/^/    /'
+    tail -n 40 "$out" | sed 's/^/    /'
 else
     printf 'ok   %-44s %4d checks %4d s\n' "$name" "$checks" "$seconds"
 fi >"$folder/report.part"

@@ -55,7 +55,13 @@ daemon_start() {
         kill -0 "$daemon" 2>/dev/null || break
         sleep 0.02
     done
-    echo "the daemon does not start:"
+    if kill -0 "$daemon" 2>/dev/null; then
+        echo "the daemon does not become ready: $(curl -s -m 9 "$url/readyz")"
+    else
+        wait "$daemon"
+        echo "the daemon does not start, exit code $?:"
+        daemon=
+    fi
     tail -n 20 "$work/log"
     not_ok daemon-starts "see above"
     finish
