@@ -8,6 +8,7 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/log.h"
@@ -466,6 +467,38 @@ START_TEST(test_identity__a_removed_shm_file_is_made_anew_when_nobody_uses_the_s
 }
 END_TEST
 
+/* A process that is ending keeps its handle a moment longer than it is seen to run. */
+START_TEST(test_identity__a_handle_that_is_about_to_go_is_waited_for)
+{
+    int ready[2];
+    char byte = 0;
+    pen_log_set_level(PEN_LOG_ERROR + 1);
+    store_bed_open(&bed);
+    submit(bed.store, 1);
+    pen_store_close(bed.store);
+    ck_assert_int_eq(pipe(ready), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        const struct timespec pause = {.tv_nsec = 400000000};
+        struct pen_status st;
+        const bool opened = pen_store_open(bed.url, &st) != NULL;
+        const bool told = write(ready[1], &byte, 1) == 1;
+        nanosleep(&pause, NULL);
+        _exit(opened && told ? 0 : 1);
+    }
+    ck_assert_int_eq(read(ready[0], &byte, 1), 1);
+    unlink(beside("-shm"));
+    bed.store = store_bed_handle(&bed);
+    ck_assert_int_eq(count_jobs(bed.store), 1);
+    int status;
+    ck_assert_int_eq(waitpid(child, &status, 0), child);
+    ck_assert_int_eq(status, 0);
+    close(ready[0]);
+    close(ready[1]);
+    store_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_identity__files_beside_the_store_must_be_files)
 {
     static const char *const ends[] = {"-wal", "-shm"};
@@ -539,6 +572,7 @@ PEN_SUITE("identity of a store", test_identity__is_made_once_and_a_backup_has_an
           test_identity__what_a_removed_log_had_is_saved,
           test_identity__a_removed_shm_file_takes_no_jobs_and_no_further_process,
           test_identity__a_removed_shm_file_is_made_anew_when_nobody_uses_the_store,
+          test_identity__a_handle_that_is_about_to_go_is_waited_for,
           test_identity__files_beside_the_store_must_be_files,
           test_identity__a_held_lock_is_an_error_that_names_its_holder,
           test_identity__a_truncated_wake_file_is_filled_again)

@@ -28,10 +28,15 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "store/sqlite/sqlite.h"
 #include "store/sqlite/wake.h"
+
+/* How long a process that has ended may take until its handles are gone. */
+static const int64_t leaving_ns = 2 * INT64_C(1000000000);
 
 /* What the file says without its log. */
 struct facts {
@@ -102,16 +107,31 @@ bool pen_sqlite_may_make(const struct pen_sqlite_store *store, struct pen_status
                     store->path, known ? "-wake" : "-wal");
 }
 
-/* Checks that the handle will share its -shm file with the others that use the store. */
-static bool check_shm(const struct pen_sqlite_store *store, struct pen_status *st)
+/* Whether the handle will share its -shm file with the others that use the store, if there are any.
+ */
+static bool shares_shm(const struct pen_sqlite_store *store)
 {
     char path[PEN_SQLITE_PATH_BYTES];
     struct stat info;
     if (!store->wake || !pen_wake_has_others(store->wake))
         return true;
     pen_sqlite_path(store, "-shm", path);
-    return (stat(path, &info) == 0 && pen_wake_is_shm(store->wake, &info)) ||
-           pen_sqlite_lost_name(store, "-shm", st);
+    return stat(path, &info) == 0 && pen_wake_is_shm(store->wake, &info);
+}
+
+/* Waits for handles that use another -shm file to be gone. That of a process that was killed stays
+ * for a moment after the process is listed as a zombie: until its last thread has given back its
+ * memory. */
+static bool check_shm(const struct pen_sqlite_store *store, struct pen_status *st)
+{
+    const struct timespec pause = {.tv_nsec = 5000000};
+    const int64_t until = pen_clock_ns() + leaving_ns;
+    while (!shares_shm(store)) {
+        if (pen_clock_ns() >= until)
+            return pen_sqlite_lost_name(store, "-shm", st);
+        nanosleep(&pause, NULL);
+    }
+    return true;
 }
 
 bool pen_sqlite_check_company(struct pen_sqlite_store *store, struct pen_status *st)
