@@ -18,6 +18,8 @@
 
 enum { EVENTS = 128, LINGER_S = 2 };
 static const int64_t second_ns = INT64_C(1000000000);
+/* Whose head, or window of a body, began less than this ago has had no time to send it. */
+static const int64_t fresh_ns = INT64_C(1000000000);
 /* A reader that has not taken its window for so long gives way to a new connection. */
 static const int64_t stalled_ns = 2 * INT64_C(1000000000);
 
@@ -144,20 +146,29 @@ static struct conn *first_of(const struct loop *loop, enum conn_wait wait, bool 
     return conn;
 }
 
-/* Closes the connection that can best be spared, of those in reserved slots or of the others.
- * Returns false if all are at work. */
-static bool close_idlest(struct loop *loop, bool reserved)
+/* The one of a list that has waited longest, in a reserved slot or in another one, if it has waited
+ * for so long; else NULL. */
+static struct conn *waiting_for(const struct loop *loop, enum conn_wait wait, bool reserved,
+                                int64_t least_ns)
 {
-    struct conn *head = first_of(loop, WAIT_HEAD, reserved);
-    struct conn *body = first_of(loop, WAIT_BODY, reserved);
-    struct conn *reader = first_of(loop, WAIT_READER, reserved);
+    struct conn *conn = first_of(loop, wait, reserved);
+    return conn && loop->now_ns - conn->since_ns >= least_ns ? conn : NULL;
+}
+
+/* Closes the connection that can best be spared, of those in reserved slots or of the others: with
+ * `also_fresh`, also one that has come just now. Returns false if all others are at work. */
+static bool close_idlest(struct loop *loop, bool reserved, bool also_fresh)
+{
+    const int64_t least_ns = also_fresh ? 0 : fresh_ns;
+    struct conn *head = waiting_for(loop, WAIT_HEAD, reserved, least_ns);
+    struct conn *body = waiting_for(loop, WAIT_BODY, reserved, least_ns);
     struct conn *idlest = first_of(loop, WAIT_LINGER, reserved);
     if (!idlest)
         idlest = first_of(loop, WAIT_IDLE, reserved);
     if (!idlest)
         idlest = !head || (body && body->since_ns < head->since_ns) ? body : head;
-    if (!idlest && reader && loop->now_ns - reader->since_ns >= stalled_ns)
-        idlest = reader;
+    if (!idlest)
+        idlest = waiting_for(loop, WAIT_READER, reserved, stalled_ns);
     if (idlest)
         pen_http_conn_close(idlest);
     return idlest != NULL;
@@ -170,7 +181,7 @@ static bool make_place(struct conn *conn)
     int others = atomic_fetch_add_explicit(&http->connections, 1, memory_order_relaxed) -
                  atomic_load_explicit(&http->reserved, memory_order_relaxed);
     atomic_fetch_sub_explicit(&http->arriving, 1, memory_order_relaxed);
-    return others < http->connection_max || close_idlest(conn->loop, false);
+    return others < http->connection_max || close_idlest(conn->loop, false, false);
 }
 
 /* Passes a new connection on to the next loop, which may have one to spare. Returns false if all
@@ -188,13 +199,21 @@ static bool pass_on(struct conn *conn)
     return false;
 }
 
-/* Gives a new connection one of the reserved slots. Returns false if they are all at work, too. */
+/* Gives a new connection one of the reserved slots. When these are taken, too, by connections that
+ * have come just now or are at work, the first of those that have come just now gives way. Returns
+ * false if all are at work. */
 static bool reserve(struct conn *conn)
 {
     struct pen_http *http = conn->loop->http;
     conn->reserved = true;
-    return atomic_fetch_add_explicit(&http->reserved, 1, memory_order_relaxed) < RESERVED_SLOTS ||
-           close_idlest(conn->loop, true);
+    if (atomic_fetch_add_explicit(&http->reserved, 1, memory_order_relaxed) < RESERVED_SLOTS ||
+        close_idlest(conn->loop, true, false))
+        return true;
+    if (!close_idlest(conn->loop, false, true))
+        return close_idlest(conn->loop, true, true);
+    conn->reserved = false;
+    atomic_fetch_sub_explicit(&http->reserved, 1, memory_order_relaxed);
+    return true;
 }
 
 static void begin(struct conn *conn)

@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "http/internal/http.h"
 #include "support/server.h"
 #include "support/suite.h"
@@ -85,24 +86,71 @@ START_TEST(test_connections__early_bytes_buy_no_time)
 }
 END_TEST
 
+/* Waits until the server has looked at all connections that were opened, and then until none of
+ * them is fresh any more. */
+static void let_them_grow_old(struct server *server)
+{
+    for (int i = 0; i < 400 && atomic_load(&server->http->arriving) > 0; i++)
+        client_pause(50);
+    client_pause(1500);
+}
+
 START_TEST(test_connections__idle_connections_give_way)
 {
-    enum { OPEN = 20 };
+    enum { OPEN = 20, ALLOWED = OPEN + RESERVED_SLOTS, ALL = 2 * ALLOWED };
     struct server server;
     server_start(&server, &(struct server_options){.connections = OPEN});
-    int fds[3 * OPEN];
-    for (int i = 0; i < 3 * OPEN; i++) {
+    int fds[ALL];
+    for (int i = 0; i < ALL; i++) {
         fds[i] = server_connect(&server);
         client_send(fds[i], i % 2 ? "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n" : "GET /");
     }
+    let_them_grow_old(&server);
     for (int i = 0; i < 2 * OPEN; i++)
         server_expect_alive(&server);
     int open = 0;
-    for (int i = 0; i < 3 * OPEN; i++) {
+    for (int i = 0; i < ALL; i++) {
         open += !client_sees_end(fds[i], 0);
         close(fds[i]);
     }
-    ck_assert_int_le(open, OPEN);
+    ck_assert_int_le(open, ALLOWED);
+    server_stop(&server);
+}
+END_TEST
+
+/* All but one connection are at work. Whoever takes the last place does not lose it to the next one
+ * before it could send anything: there are reserved slots for that one. */
+START_TEST(test_connections__fresh_connections_keep_their_place)
+{
+    enum { OPEN = 20, ROUNDS = 10, TRIES = 50 };
+    static const char head[] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    struct server server;
+    server_start(&server, &(struct server_options){.connections = OPEN});
+    char path[80];
+    int polls[OPEN - 1], judged = 0;
+    server_submit(&server, path);
+    for (int i = 0; i < 400 && atomic_load(&server.http->connections) > 0; i++)
+        client_pause(50);
+    server_open_polls(&server, path, "", polls, OPEN - 1);
+    for (int i = 0; i < 400 && atomic_load(&server.http->active) < OPEN - 1; i++)
+        client_pause(50);
+    for (int i = 0; i < TRIES && judged < ROUNDS; i++) {
+        struct answer answer;
+        const int64_t begun_ns = pen_clock_ns();
+        const int fresh = server_connect(&server);
+        for (int k = 0; k < 4; k++)
+            ck_assert_int_eq(server_status(&server, "GET /healthz HTTP/1.1", NULL), 200);
+        client_send(fresh, head);
+        client_read(fresh, false, &answer);
+        const bool was_fresh = pen_clock_ns() - begun_ns < 900000000;
+        ck_assert_msg(answer.status == 200 || !was_fresh, "round %d: no answer", i);
+        judged += was_fresh;
+        answer_release(&answer);
+        close(fresh);
+    }
+    ck_assert_int_eq(judged, ROUNDS);
+    for (int i = 0; i < OPEN - 1; i++)
+        close(polls[i]);
     server_stop(&server);
 }
 END_TEST
@@ -111,12 +159,12 @@ END_TEST
  * threads: connections are dealt out to two to four of these in turn. */
 START_TEST(test_connections__half_bodies_give_way)
 {
-    enum { OPEN = 20, HALVES = 24, THREADS = 4 };
+    enum { OPEN = 20, THREADS = 4 };
     struct server server;
     char path[80];
-    int fds[HALVES];
+    int fds[OPEN];
     server_start(&server, &(struct server_options){.connections = OPEN});
-    for (int i = 0; i < THREADS * HALVES; i++) {
+    for (int i = 0; i < THREADS * OPEN; i++) {
         int fd = server_connect(&server);
         if (i % THREADS) {
             close(fd);
@@ -126,10 +174,10 @@ START_TEST(test_connections__half_bodies_give_way)
                         "Content-Length: 1000\r\n\r\n{");
         fds[i / THREADS] = fd;
     }
-    client_pause(200);
+    let_them_grow_old(&server);
     for (int i = 0; i < OPEN; i++)
         server_submit(&server, path);
-    for (int i = 0; i < HALVES; i++)
+    for (int i = 0; i < OPEN; i++)
         close(fds[i]);
     server_stop(&server);
 }
@@ -402,6 +450,7 @@ END_TEST
 
 PEN_SUITE("connections", test_connections__slow_requests_are_ended,
           test_connections__early_bytes_buy_no_time, test_connections__idle_connections_give_way,
+          test_connections__fresh_connections_keep_their_place,
           test_connections__half_bodies_give_way,
           test_connections__short_requests_have_slots_of_their_own,
           test_connections__slow_readers_keep_their_answer,

@@ -21,9 +21,10 @@
  *
  * When there are as many connections as allowed, one more takes the place of the one that has been
  * idle longest: one that is being closed, or waits for a request; else the one whose head, or
- * window of a body, began first; else the reader whose window began first, more than 2 s ago. If a
- * loop has none of these, it passes the new one on to the next loop. Connections in reserved slots
- * (http.h) are not counted, and give way only to others of their kind. */
+ * window of a body, began first, more than 1 s ago; else the reader whose window began first, more
+ * than 2 s ago. If a loop has none of these, it passes the new one on to the next loop. If no loop
+ * has one, the new one gets a reserved slot (http.h). These are not counted, and only when all of
+ * them are taken, too, somebody gives way who has come less than 1 s ago. */
 #ifndef PEN_HTTP_INTERNAL_LOOP_H
 #define PEN_HTTP_INTERNAL_LOOP_H
 
