@@ -242,9 +242,9 @@ void pen_http_listener_counts(struct listener *listener, int counts[WAITS])
 {
     for (enum conn_wait wait = 0; wait < WAITS; wait++) {
         counts[wait] = 0;
-        for (int i = 0; i < listener->loop_count; i++)
-            counts[wait] +=
-                atomic_load_explicit(&listener->loop[i]->list[wait].count, memory_order_relaxed);
+        for (int i = 0; i < 2 * listener->loop_count; i++)
+            counts[wait] += atomic_load_explicit(&listener->loop[i / 2]->list[i % 2][wait].count,
+                                                 memory_order_relaxed);
     }
 }
 

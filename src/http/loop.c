@@ -23,10 +23,15 @@ static const int64_t fresh_ns = INT64_C(1000000000);
 /* A reader that has not taken its window for so long gives way to a new connection. */
 static const int64_t stalled_ns = 2 * INT64_C(1000000000);
 
+static struct conn_list *list_of(const struct conn *conn)
+{
+    return &conn->loop->list[conn->reserved][conn->wait];
+}
+
 static void append(struct conn *conn, enum conn_wait wait)
 {
-    struct conn_list *list = &conn->loop->list[wait];
     conn->wait = wait;
+    struct conn_list *list = list_of(conn);
     conn->since_ns = conn->loop->now_ns;
     conn->next = NULL;
     conn->previous = list->last;
@@ -37,7 +42,7 @@ static void append(struct conn *conn, enum conn_wait wait)
 
 static void take_out(struct conn *conn)
 {
-    struct conn_list *list = &conn->loop->list[conn->wait];
+    struct conn_list *list = list_of(conn);
     *(conn->previous ? &conn->previous->next : &list->first) = conn->next;
     *(conn->next ? &conn->next->previous : &list->last) = conn->previous;
     atomic_fetch_sub_explicit(&list->count, 1, memory_order_relaxed);
@@ -137,21 +142,11 @@ const char *pen_http_loop_date(struct loop *loop)
     return loop->date;
 }
 
-/* The first connection of a list that is in a reserved slot, or in another one. */
-static struct conn *first_of(const struct loop *loop, enum conn_wait wait, bool reserved)
-{
-    struct conn *conn = loop->list[wait].first;
-    while (conn && conn->reserved != reserved)
-        conn = conn->next;
-    return conn;
-}
-
-/* The one of a list that has waited longest, in a reserved slot or in another one, if it has waited
- * for so long; else NULL. */
-static struct conn *waiting_for(const struct loop *loop, enum conn_wait wait, bool reserved,
+/* The one of a list that has waited longest, if it has waited for so long; else NULL. */
+static struct conn *waiting_for(const struct loop *loop, const struct conn_list *list,
                                 int64_t least_ns)
 {
-    struct conn *conn = first_of(loop, wait, reserved);
+    struct conn *conn = list->first;
     return conn && loop->now_ns - conn->since_ns >= least_ns ? conn : NULL;
 }
 
@@ -159,16 +154,17 @@ static struct conn *waiting_for(const struct loop *loop, enum conn_wait wait, bo
  * `also_fresh`, also one that has come just now. Returns false if all others are at work. */
 static bool close_idlest(struct loop *loop, bool reserved, bool also_fresh)
 {
+    const struct conn_list *list = loop->list[reserved];
     const int64_t least_ns = also_fresh ? 0 : fresh_ns;
-    struct conn *head = waiting_for(loop, WAIT_HEAD, reserved, least_ns);
-    struct conn *body = waiting_for(loop, WAIT_BODY, reserved, least_ns);
-    struct conn *idlest = first_of(loop, WAIT_LINGER, reserved);
+    struct conn *head = waiting_for(loop, &list[WAIT_HEAD], least_ns);
+    struct conn *body = waiting_for(loop, &list[WAIT_BODY], least_ns);
+    struct conn *idlest = list[WAIT_LINGER].first;
     if (!idlest)
-        idlest = first_of(loop, WAIT_IDLE, reserved);
+        idlest = list[WAIT_IDLE].first;
     if (!idlest)
         idlest = !head || (body && body->since_ns < head->since_ns) ? body : head;
     if (!idlest)
-        idlest = waiting_for(loop, WAIT_READER, reserved, stalled_ns);
+        idlest = waiting_for(loop, &list[WAIT_READER], stalled_ns);
     if (idlest)
         pen_http_conn_close(idlest);
     return idlest != NULL;
@@ -288,21 +284,29 @@ static int64_t time_of(const struct loop *loop, enum conn_wait wait)
     return 0;
 }
 
+/* Ends the connections of a list that have waited for so long. Returns the time until the next one
+ * has, `most_ns` at most. */
+static int64_t expire_list(struct loop *loop, const struct conn_list *list, int64_t time_ns,
+                           int64_t most_ns)
+{
+    for (struct conn *conn; (conn = list->first) != NULL;) {
+        const int64_t left_ns = conn->since_ns + time_ns - loop->now_ns;
+        if (left_ns > 0)
+            return left_ns < most_ns ? left_ns : most_ns;
+        pen_http_conn_expire(conn);
+    }
+    return most_ns;
+}
+
 /* Ends the connections that have waited too long. Returns the time until the next one has, in ms.
  */
 static int expire(struct loop *loop)
 {
     int64_t wait_ns = 60 * second_ns;
     for (enum conn_wait wait = 0; wait < WAITS; wait++) {
-        int64_t time = time_of(loop, wait);
-        for (struct conn *conn; time && (conn = loop->list[wait].first) != NULL;) {
-            int64_t left = conn->since_ns + time - loop->now_ns;
-            if (left > 0) {
-                wait_ns = left < wait_ns ? left : wait_ns;
-                break;
-            }
-            pen_http_conn_expire(conn);
-        }
+        const int64_t time_ns = time_of(loop, wait);
+        for (int reserved = 0; time_ns && reserved < 2; reserved++)
+            wait_ns = expire_list(loop, &loop->list[reserved][wait], time_ns, wait_ns);
     }
     return loop->ready ? 0 : (int)(wait_ns / 1000000) + 1;
 }
@@ -354,9 +358,10 @@ static void handle_event(struct loop *loop, const struct epoll_event *event)
 
 static void close_all(struct loop *loop)
 {
-    for (enum conn_wait wait = 0; wait < WAITS; wait++) {
-        while (loop->list[wait].first)
-            pen_http_conn_close(loop->list[wait].first);
+    for (int i = 0; i < 2 * WAITS; i++) {
+        const struct conn_list *list = &loop->list[i / WAITS][i % WAITS];
+        while (list->first)
+            pen_http_conn_close(list->first);
     }
     free_dead(loop);
 }

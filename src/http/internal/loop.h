@@ -59,12 +59,12 @@ struct loop {
     struct conn_list {
         struct conn *first, *last;
         atomic_int count; /* atomic: relaxed, only this thread changes it, /metrics reads it */
-    } list[WAITS];
-    struct conn *ready; /* connections that can go on without an event */
-    struct conn *dead;  /* closed, freed at the end of a turn; linked by `next` */
-    char date[40];      /* the value of a Date field */
-    int64_t date_s;     /* the second for which it was made */
-    char *buffer;       /* LOOP_BYTES */
+    } list[2][WAITS];     /* of connections without and with a reserved slot */
+    struct conn *ready;   /* connections that can go on without an event */
+    struct conn *dead;    /* closed, freed at the end of a turn; linked by `next` */
+    char date[40];        /* the value of a Date field */
+    int64_t date_s;       /* the second for which it was made */
+    char *buffer;         /* LOOP_BYTES */
 
     pthread_mutex_t lock;
     struct conn *resumed;  /* guarded by lock: connections whose requests were resumed */
