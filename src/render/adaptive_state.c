@@ -61,9 +61,19 @@ void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_ren
     pen_buf_add(out, adaptive->wanted, pixels_of(s));
 }
 
+/* Whether a byte that was read is one of a bool: using another one as a bool is undefined. */
+static bool is_bool(const bool *at)
+{
+    unsigned char byte;
+    memcpy(&byte, at, sizeof byte);
+    return byte <= 1;
+}
+
 /* Whether statistics are of rounds with this target, which have ended or one of which goes on. */
 static bool fits(const struct pen_adaptive_stats *a, const struct pen_settings *s)
 {
+    if (!is_bool(&a->met) || !is_bool(&a->timed) || !is_bool(&a->ended))
+        return false;
     const bool target = a->target == s->target_error && a->rounds >= 0;
     if (a->ended)
         return target && a->rounds > 0 && a->rounds <= PEN_ROUNDS_MAX;
