@@ -10,9 +10,13 @@
 
 enum { WIDTH = 4, HEIGHT = 3, TILE = 2, TILES = 4, ROWS = 2, RUNS = 8 };
 
-/* One of the rounds, perhaps the first, goes on at one of the tiles. */
+/* The rounds have ended, or one of them, perhaps the first, goes on at one of the tiles. */
 static void check_adaptive_stats(const struct pen_adaptive_stats *stats)
 {
+    if (stats->ended) {
+        must(stats->rounds > 0 && stats->rounds <= PEN_ROUNDS_MAX);
+        return;
+    }
     must(stats->rounds >= 0 && stats->rounds < PEN_ROUNDS_MAX);
     const int tiles = stats->round[stats->rounds].tiles;
     must(tiles >= 0 && tiles < TILES);
