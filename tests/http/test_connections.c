@@ -86,6 +86,17 @@ START_TEST(test_connections__early_bytes_buy_no_time)
 }
 END_TEST
 
+/* Submits a job and opens `count` long polls of it. Returns when all of them are at work. */
+static void fill_with_polls(const struct server *server, char path[80], int *fds, int count)
+{
+    server_submit(server, path);
+    for (int i = 0; i < 400 && atomic_load(&server->http->connections) > 0; i++)
+        client_pause(50);
+    server_open_polls(server, path, "", fds, count);
+    for (int i = 0; i < 400 && atomic_load(&server->http->active) < count; i++)
+        client_pause(50);
+}
+
 /* Waits until the server has looked at all connections that were opened, and then until none of
  * them is fresh any more. */
 static void let_them_grow_old(struct server *server)
@@ -128,12 +139,7 @@ START_TEST(test_connections__fresh_connections_keep_their_place)
     server_start(&server, &(struct server_options){.connections = OPEN});
     char path[80];
     int polls[OPEN - 1], judged = 0;
-    server_submit(&server, path);
-    for (int i = 0; i < 400 && atomic_load(&server.http->connections) > 0; i++)
-        client_pause(50);
-    server_open_polls(&server, path, "", polls, OPEN - 1);
-    for (int i = 0; i < 400 && atomic_load(&server.http->active) < OPEN - 1; i++)
-        client_pause(50);
+    fill_with_polls(&server, path, polls, OPEN - 1);
     for (int i = 0; i < TRIES && judged < ROUNDS; i++) {
         struct answer answer;
         const int64_t begun_ns = pen_clock_ns();
@@ -190,22 +196,12 @@ START_TEST(test_connections__short_requests_have_slots_of_their_own)
     struct server server;
     server_start(&server, &(struct server_options){.connections = OPEN});
     char path[80], head[160];
-    server_submit(&server, path);
-    for (int i = 0; i < 400 && atomic_load(&server.http->connections) > 0; i++)
-        client_pause(50);
     int fds[OPEN];
-    snprintf(head, sizeof head, "GET %s?wait=50 HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
-    for (int i = 0; i < OPEN; i++) {
-        fds[i] = server_connect(&server);
-        client_send(fds[i], head);
-    }
-    for (int i = 0; i < 400 && atomic_load(&server.http->active) < OPEN; i++)
-        client_pause(50);
+    fill_with_polls(&server, path, fds, OPEN);
     int more[2 * RESERVED_SLOTS];
     for (int i = 0; i < 2 * RESERVED_SLOTS; i++) { /* they do not wait, nor get other slots */
         struct answer answer;
-        more[i] = server_connect(&server);
-        client_send(more[i], head);
+        server_open_polls(&server, path, "", &more[i], 1);
         client_read(more[i], false, &answer);
         ck_assert_int_eq(answer.status, 200);
         answer_release(&answer);
