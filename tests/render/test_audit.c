@@ -36,17 +36,22 @@ static void end(void)
     pen_thread_pool_free(pool);
 }
 
+static struct pen_audit_task task_of(uint64_t pixels, double threshold, uint64_t seed)
+{
+    return (struct pen_audit_task){.scene = scene,
+                                   .settings = &kit.settings,
+                                   .rgb = rgb,
+                                   .pixels = pixels,
+                                   .threshold = threshold,
+                                   .samples = samples,
+                                   .seed = seed};
+}
+
 static struct pen_audit audit(uint64_t pixels, double threshold, uint64_t seed)
 {
     struct pen_status st;
     struct pen_audit out;
-    const struct pen_audit_task task = {.scene = scene,
-                                        .settings = &kit.settings,
-                                        .rgb = rgb,
-                                        .pixels = pixels,
-                                        .threshold = threshold,
-                                        .samples = samples,
-                                        .seed = seed};
+    const struct pen_audit_task task = task_of(pixels, threshold, seed);
     ck_assert_msg(pen_audit_run(pool, &task, &out, &st), "%s", st.msg);
     return out;
 }
@@ -65,15 +70,9 @@ static struct pen_audit audit_in_parts(uint64_t pixels, double threshold, uint64
     struct pen_audit out;
     struct pen_audit_progress progress = {0};
     int asked = 0, parts = 0;
-    const struct pen_audit_task task = {.scene = scene,
-                                        .settings = &kit.settings,
-                                        .rgb = rgb,
-                                        .pixels = pixels,
-                                        .threshold = threshold,
-                                        .samples = samples,
-                                        .seed = seed,
-                                        .pause = pause_often,
-                                        .pause_user = &asked};
+    struct pen_audit_task task = task_of(pixels, threshold, seed);
+    task.pause = pause_often;
+    task.pause_user = &asked;
     do {
         const uint64_t before = progress.done;
         ck_assert_msg(pen_audit_continue(pool, &task, &progress, &out, &st), "%s", st.msg);
