@@ -2,6 +2,7 @@
 /* A store is never replaced by an empty one, or by another one, unnoticed: files that are moved
  * away, removed, put beside the wrong store, locked or truncated. */
 #include <fcntl.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -486,6 +487,7 @@ START_TEST(test_identity__a_handle_that_is_about_to_go_is_waited_for)
         nanosleep(&pause, NULL);
         _exit(opened && told ? 0 : 1);
     }
+    close(ready[1]);
     ck_assert_int_eq(read(ready[0], &byte, 1), 1);
     unlink(beside("-shm"));
     bed.store = store_bed_handle(&bed);
@@ -494,7 +496,41 @@ START_TEST(test_identity__a_handle_that_is_about_to_go_is_waited_for)
     ck_assert_int_eq(waitpid(child, &status, 0), child);
     ck_assert_int_eq(status, 0);
     close(ready[0]);
-    close(ready[1]);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* Whoever waits for a lock file that is removed meanwhile must not go on beside the one who has the
+ * lock on the next one. */
+START_TEST(test_identity__a_lock_file_without_a_name_keeps_nobody_out)
+{
+    int opened[2];
+    char byte = 0;
+    store_bed_open(&bed);
+    pen_store_close(bed.store);
+    const int first = open(beside("-wake"), O_RDWR | O_CREAT, 0600);
+    ck_assert(first >= 0 && flock(first, LOCK_EX) == 0 && pipe(opened) == 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        struct pen_status st;
+        close(first);
+        _exit(pen_store_open(bed.url, &st) && write(opened[1], &byte, 1) == 1 ? 0 : 1);
+    }
+    close(opened[1]);
+    struct pollfd told = {.fd = opened[0], .events = POLLIN};
+    ck_assert_int_eq(poll(&told, 1, 300), 0);
+    ck_assert_int_eq(unlink(beside("-wake")), 0);
+    const int second = open(beside("-wake"), O_RDWR | O_CREAT | O_EXCL, 0600);
+    ck_assert(second >= 0 && flock(second, LOCK_EX) == 0);
+    close(first);
+    ck_assert_int_eq(poll(&told, 1, 300), 0);
+    close(second);
+    ck_assert_int_eq(read(opened[0], &byte, 1), 1);
+    int status;
+    ck_assert_int_eq(waitpid(child, &status, 0), child);
+    ck_assert_int_eq(status, 0);
+    close(opened[0]);
+    bed.store = store_bed_handle(&bed);
     store_bed_close(&bed);
 }
 END_TEST
@@ -573,6 +609,7 @@ PEN_SUITE("identity of a store", test_identity__is_made_once_and_a_backup_has_an
           test_identity__a_removed_shm_file_takes_no_jobs_and_no_further_process,
           test_identity__a_removed_shm_file_is_made_anew_when_nobody_uses_the_store,
           test_identity__a_handle_that_is_about_to_go_is_waited_for,
+          test_identity__a_lock_file_without_a_name_keeps_nobody_out,
           test_identity__files_beside_the_store_must_be_files,
           test_identity__a_held_lock_is_an_error_that_names_its_holder,
           test_identity__a_truncated_wake_file_is_filled_again)

@@ -309,6 +309,34 @@ static bool take_lock(const struct pen_sqlite_store *store, int lock, const char
     return true;
 }
 
+struct wake_lock {
+    int fd;    /* -1: there is no such file */
+    bool made; /* it was not there before */
+};
+
+/* Takes the lock on the file ending in -wake, which is made if it is missing and `make` says so. A
+ * file that has lost its name by the time the lock is taken would keep nobody out: the one that has
+ * the name now is taken instead. */
+static bool lock_wake(const struct pen_sqlite_store *store, const char *path, bool make,
+                      struct wake_lock *lock, struct pen_status *st)
+{
+    const int flags = O_RDWR | O_CLOEXEC | O_NOFOLLOW | (make ? O_CREAT : 0);
+    for (;;) {
+        lock->fd = make ? open(path, flags | O_EXCL, 0600) : -1;
+        lock->made = lock->fd >= 0;
+        if (!lock->made)
+            lock->fd = open(path, flags, 0600);
+        if (lock->fd < 0)
+            return !make || cannot_open(path, errno, st);
+        const bool taken = take_lock(store, lock->fd, path, st);
+        if (taken && pen_sqlite_is_named(lock->fd, path))
+            return true;
+        close(lock->fd);
+        if (!taken)
+            return false;
+    }
+}
+
 static bool open_existing(struct pen_sqlite_store *store, struct pen_status *st)
 {
     return check_kinds(store, st) && pen_sqlite_check_company(store, st) &&
@@ -324,16 +352,17 @@ bool pen_sqlite_open_to_read(struct pen_sqlite_store *store, struct pen_status *
     if (stat(store->path, &info) != 0 && errno == ENOENT)
         return pen_fail(st, PEN_NOT_FOUND, "there is no store %s", store->path);
     pen_sqlite_path(store, "-wake", lock_path);
-    int lock = open(lock_path, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    if (lock < 0)
+    struct wake_lock lock;
+    if (!lock_wake(store, lock_path, false, &lock, st))
+        return false;
+    if (lock.fd < 0)
         return open_existing(store, st);
-    bool ok = take_lock(store, lock, lock_path, st);
-    if (ok && !(store->wake = pen_wake_open(lock_path)))
-        ok = pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    store->wake = pen_wake_open(lock_path);
+    bool ok = store->wake || pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     ok = ok && open_existing(store, st);
     if (ok)
         pen_sqlite_note_beside(store);
-    close(lock);
+    close(lock.fd);
     return ok;
 }
 
@@ -374,16 +403,14 @@ static bool open_locked(struct pen_sqlite_store *store, struct pen_status *st)
 {
     char lock_path[PEN_SQLITE_PATH_BYTES];
     pen_sqlite_path(store, "-wake", lock_path);
-    int lock = open(lock_path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-    bool made = lock >= 0;
-    if (!made)
-        lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (lock < 0)
-        return cannot_open(lock_path, errno, st);
-    bool ok = take_lock(store, lock, lock_path, st) && open_in_company(store, lock_path, st);
-    if (!ok && made) /* no new file stays beside a file that is not a store */
+    struct wake_lock lock;
+    if (!lock_wake(store, lock_path, true, &lock, st))
+        return false;
+    const bool ok = open_in_company(store, lock_path, st);
+    /* No new file stays beside a file that is not a store, unless others use it by now. */
+    if (!ok && lock.made && store->wake && pen_wake_be_alone(store->wake))
         unlink(lock_path);
-    close(lock);
+    close(lock.fd);
     return ok;
 }
 
