@@ -253,8 +253,7 @@ void pen_http_listener_stop(struct listener *listener)
     if (!listener)
         return;
     pen_http_listener_stop_accepting(listener);
-    for (int i = 0; i < listener->loop_count; i++)
-        pen_http_loop_stop(listener->loop[i]);
+    pen_http_loops_stop(listener->loop, listener->loop_count);
     if (listener->stop_fd >= 0)
         close(listener->stop_fd);
     free(listener);

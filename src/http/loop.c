@@ -122,7 +122,7 @@ void pen_http_loop_add(struct loop *loop, int fd, const struct pen_address_key *
         close(fd);
         return;
     }
-    *conn = (struct conn){.loop = loop, .dealt_to = loop, .fd = fd, .address = *address};
+    *conn = (struct conn){.loop = loop, .walk_from = loop, .fd = fd, .address = *address};
     if (give(loop, conn))
         return;
     close(fd);
@@ -180,13 +180,13 @@ static bool make_place(struct conn *conn)
     return others < http->connection_max || close_idlest(conn->loop, false, false);
 }
 
-/* Passes a new connection on to the next loop, which may have one to spare. Returns false if all
- * were asked, or it is being stopped. */
+/* Passes a new connection on to the next loop, which may have one to spare. Returns false if that
+ * is where this walk began, or it is being stopped. */
 static bool pass_on(struct conn *conn)
 {
     struct pen_http *http = conn->loop->http;
     struct loop *next = conn->loop->next; /* afterwards the connection is that one's */
-    if (next == conn->dealt_to)
+    if (next == conn->walk_from)
         return false;
     atomic_fetch_sub_explicit(&http->connections, 1, memory_order_relaxed);
     if (give(next, conn))
@@ -196,8 +196,8 @@ static bool pass_on(struct conn *conn)
 }
 
 /* Gives a new connection one of the reserved slots. When these are taken, too, by connections that
- * have come just now or are at work, the first of those that have come just now gives way. Returns
- * false if all are at work. */
+ * have come just now or are at work, the first of this loop that has come just now gives way.
+ * Returns false if all of this loop are at work. */
 static bool reserve(struct conn *conn)
 {
     struct pen_http *http = conn->loop->http;
@@ -205,21 +205,31 @@ static bool reserve(struct conn *conn)
     if (atomic_fetch_add_explicit(&http->reserved, 1, memory_order_relaxed) < RESERVED_SLOTS ||
         close_idlest(conn->loop, true, false))
         return true;
-    if (!close_idlest(conn->loop, false, true))
-        return close_idlest(conn->loop, true, true);
+    const bool placed = close_idlest(conn->loop, false, true);
+    if (!placed && close_idlest(conn->loop, true, true))
+        return true;
     conn->reserved = false;
     atomic_fetch_sub_explicit(&http->reserved, 1, memory_order_relaxed);
-    return true;
+    return placed;
 }
 
+/* Finds a place for a new connection, which walks from loop to loop for it: once for the place of
+ * one that can be spared, and again for a reserved slot, as those who hold these may all belong to
+ * other loops. */
 static void begin(struct conn *conn)
 {
     struct epoll_event event = {.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
                                 .data.ptr = conn};
     bool placed = make_place(conn);
+    if (!placed && !conn->last_walk) {
+        if (pass_on(conn))
+            return;
+        conn->last_walk = true;
+        conn->walk_from = conn->loop;
+    }
+    placed = placed || reserve(conn);
     if (!placed && pass_on(conn))
         return;
-    placed = placed || reserve(conn);
     append(conn, WAIT_HEAD);
     if (!placed || epoll_ctl(conn->loop->epoll_fd, EPOLL_CTL_ADD, conn->fd, &event) != 0)
         pen_http_conn_close(conn);
@@ -427,14 +437,16 @@ struct loop *pen_http_loop_start(struct pen_http *http, const struct loop_times 
     return NULL;
 }
 
-void pen_http_loop_stop(struct loop *loop)
+void pen_http_loops_stop(struct loop *const *loops, int count)
 {
-    if (!loop)
-        return;
-    pthread_mutex_lock(&loop->lock);
-    loop->stop = true;
-    pthread_mutex_unlock(&loop->lock);
-    wake(loop);
-    pthread_join(loop->thread, NULL);
-    release(loop);
+    for (int i = 0; i < count; i++) {
+        pthread_mutex_lock(&loops[i]->lock);
+        loops[i]->stop = true;
+        pthread_mutex_unlock(&loops[i]->lock);
+        wake(loops[i]);
+    }
+    for (int i = 0; i < count; i++)
+        pthread_join(loops[i]->thread, NULL);
+    for (int i = 0; i < count; i++)
+        release(loops[i]);
 }

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/cpu.h"
 #include "http/internal/http.h"
 #include "support/server.h"
 #include "support/suite.h"
@@ -156,6 +157,52 @@ START_TEST(test_connections__fresh_connections_keep_their_place)
     }
     ck_assert_int_eq(judged, ROUNDS);
     for (int i = 0; i < OPEN - 1; i++)
+        close(polls[i]);
+    server_stop(&server);
+}
+END_TEST
+
+/* Whoever holds all reserved slots with connections of one thread does not silence the others.
+ * Connections are dealt out to as many threads as there are CPUs, two to four, in turn. */
+START_TEST(test_connections__reserved_slots_of_one_thread_serve_all)
+{
+    enum { OPEN = 20, PROBES = 4 };
+    static const char head[] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    struct server server;
+    server_start(&server, &(struct server_options){.connections = OPEN});
+    char path[80];
+    int polls[OPEN], silent[RESERVED_SLOTS], probes[PROBES];
+    fill_with_polls(&server, path, polls, OPEN);
+    const int cpus = pen_cpu_count(), threads = cpus < 2 ? 2 : cpus > 4 ? 4 : cpus;
+    for (int i = 0; i < threads * RESERVED_SLOTS; i++) {
+        const int fd = server_connect(&server), kept = (i + 1) / threads;
+        if ((i + 1) % threads == 0) {
+            silent[kept - 1] = fd;
+        } else {
+            shutdown(fd, SHUT_WR);
+            ck_assert(client_sees_end(fd, 10));
+            close(fd);
+        }
+        for (int k = 0; k < 2000 && atomic_load(&server.http->reserved) != kept; k++)
+            client_pause(1);
+    }
+    let_them_grow_old(&server);
+    ck_assert_int_eq(atomic_load(&server.http->reserved), RESERVED_SLOTS);
+    for (int i = 0; i < PROBES; i++)
+        probes[i] = server_connect(&server);
+    for (int i = 0; i < PROBES; i++)
+        client_send(probes[i], head);
+    for (int i = 0; i < PROBES; i++) {
+        struct answer answer;
+        client_read(probes[i], false, &answer);
+        ck_assert_msg(answer.status == 200, "probe %d: %d", i, answer.status);
+        answer_release(&answer);
+    }
+    for (int i = 0; i < PROBES; i++)
+        close(probes[i]);
+    for (int i = 0; i < RESERVED_SLOTS; i++)
+        close(silent[i]);
+    for (int i = 0; i < OPEN; i++)
         close(polls[i]);
     server_stop(&server);
 }
@@ -447,6 +494,7 @@ END_TEST
 PEN_SUITE("connections", test_connections__slow_requests_are_ended,
           test_connections__early_bytes_buy_no_time, test_connections__idle_connections_give_way,
           test_connections__fresh_connections_keep_their_place,
+          test_connections__reserved_slots_of_one_thread_serve_all,
           test_connections__half_bodies_give_way,
           test_connections__short_requests_have_slots_of_their_own,
           test_connections__slow_readers_keep_their_answer,

@@ -60,8 +60,9 @@ enum conn_wait {
 };
 
 struct conn {
-    struct loop *loop, *dealt_to; /* dealt_to: the first loop that it was given to */
-    int fd;                       /* -1: closed */
+    struct loop *loop, *walk_from; /* walk_from: the first loop of this walk, see loop.c */
+    bool last_walk;
+    int fd; /* -1: closed */
     enum conn_state state;
     struct pen_address_key address; /* of the client */
 

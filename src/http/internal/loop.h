@@ -24,7 +24,8 @@
  * window of a body, began first, more than 1 s ago; else the reader whose window began first, more
  * than 2 s ago. If a loop has none of these, it passes the new one on to the next loop. If no loop
  * has one, the new one gets a reserved slot (http.h). These are not counted, and only when all of
- * them are taken, too, somebody gives way who has come less than 1 s ago. */
+ * them are taken, too, somebody gives way in the same order who has one, or who has come less than
+ * 1 s ago: on this loop, or else on the next that has such a one. */
 #ifndef PEN_HTTP_INTERNAL_LOOP_H
 #define PEN_HTTP_INTERNAL_LOOP_H
 
@@ -72,13 +73,14 @@ struct loop {
     bool stop;             /* guarded by lock */
 };
 
-/* Starts a loop. Owns: pen_http_loop_stop frees. Fails: PEN_UNAVAILABLE, PEN_NO_MEMORY. */
+/* Starts a loop. Owns: pen_http_loops_stop frees. Fails: PEN_UNAVAILABLE, PEN_NO_MEMORY. */
 struct loop *pen_http_loop_start(struct pen_http *http, const struct loop_times *times,
                                  struct pen_status *st);
 
-/* Closes all connections, ends the thread and frees the loop. No request may be with another
- * thread. NULL is allowed. */
-void pen_http_loop_stop(struct loop *loop);
+/* Closes all connections, ends the threads and frees the loops, which are all of a ring: until all
+ * threads have ended, one may pass a connection on to another. No request may be with another
+ * thread. */
+void pen_http_loops_stop(struct loop *const *loops, int count);
 
 /* Gives an accepted socket to the loop, which closes it. Threads: any. */
 void pen_http_loop_add(struct loop *loop, int fd, const struct pen_address_key *address);
