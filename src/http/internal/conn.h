@@ -61,8 +61,8 @@ enum conn_wait {
 
 struct conn {
     struct loop *loop, *walk_from; /* walk_from: the first loop of this walk, see loop.c */
-    bool last_walk;
-    int fd; /* -1: closed */
+    bool last_walk; /* for a reserved slot, not for the place of one that can be spared */
+    int fd;         /* -1: closed */
     enum conn_state state;
     struct pen_address_key address; /* of the client */
 
