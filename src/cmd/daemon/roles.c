@@ -157,14 +157,22 @@ static int serve(const struct pen_config *config, int listen_fd)
     return 0;
 }
 
+static void set_allocator(void)
+{
+    mallopt(M_ARENA_MAX, 2);            /* answers are small: more arenas would only keep memory */
+    mallopt(M_MMAP_THRESHOLD, 1 << 20); /* large ones go back to the system when they are freed */
+    /* Else the hundreds of thousands of small blocks of a large scene stay apart when it is freed,
+     * until a thread that answers others must merge them all for one block of its own. */
+    mallopt(M_MXFAST, 0);
+}
+
 int pen_role_api(const struct pen_config *config, int listen_fd)
 {
     pen_log_set_name("api");
     prctl(PR_SET_NAME, api_process);
     raise_descriptor_limit();
-    mallopt(M_ARENA_MAX, 2);            /* answers are small: more arenas would only keep memory */
-    mallopt(M_MMAP_THRESHOLD, 1 << 20); /* large ones go back to the system when they are freed */
-    if (!pen_log_writer_start())        /* threads that serve connections must not block */
+    set_allocator();
+    if (!pen_log_writer_start()) /* threads that serve connections must not block */
         pen_log(PEN_LOG_WARN, "no thread for the log");
     const int code = serve(config, listen_fd);
     pen_log_writer_stop();
