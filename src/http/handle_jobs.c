@@ -15,7 +15,10 @@ enum { EXPLAIN_WAIT_S = 10 }; /* after which the answer to an explain is the job
 
 static enum outcome answer_errors(struct request *request, const struct pen_errors *errors)
 {
-    pen_http_reply_problem(&request->reply, pen_problem_list(errors), request->id);
+    const enum pen_code code = errors->count ? errors->item[0].code : PEN_INTERNAL;
+    struct pen_buf text = {0};
+    pen_problem_list_write(&text, errors, request->id);
+    pen_http_reply_problem(&request->reply, pen_code_http(code), &text);
     return OUTCOME_ANSWERED;
 }
 
@@ -164,8 +167,8 @@ static void reply_error(struct request *request, const struct snapshot *snapshot
     const struct pen_buf *text = &snapshot->json->content;
     json_t *job = json_loadb((const char *)text->data, text->bytes, 0, NULL);
     json_t *error = json_object_get(job, "error");
-    pen_http_reply_problem(&request->reply, json_is_object(error) ? json_incref(error) : NULL,
-                           request->id);
+    json_object_set_new(error, "request_id", json_string(request->id));
+    pen_http_reply_problem_json(&request->reply, json_is_object(error) ? json_incref(error) : NULL);
     json_decref(job);
 }
 

@@ -153,17 +153,25 @@ void pen_http_reply_json(struct reply *reply, int status, json_t *json)
     json_decref(json);
 }
 
-void pen_http_reply_problem(struct reply *reply, json_t *problem, const char *request_id)
+static void reply_problem(struct reply *reply, int status, struct blob *text)
 {
     pen_http_reply_release(reply);
-    int status = (int)json_integer_value(json_object_get(problem, "status"));
-    json_object_set_new(problem, "request_id", json_string(request_id));
-    pen_http_reply_body(reply, status, problem ? pen_http_blob_json(problem) : NULL,
-                        "application/problem+json");
-    json_decref(problem);
+    pen_http_reply_body(reply, status, text, "application/problem+json");
     pen_http_reply_field(reply, "Cache-Control", "no-store");
     if (status == 429 || status == 503 || status == 507)
         pen_http_reply_field(reply, "Retry-After", "2");
+}
+
+void pen_http_reply_problem(struct reply *reply, int status, struct pen_buf *text)
+{
+    reply_problem(reply, status, pen_http_blob_take(text));
+}
+
+void pen_http_reply_problem_json(struct reply *reply, json_t *problem)
+{
+    const int status = (int)json_integer_value(json_object_get(problem, "status"));
+    reply_problem(reply, status, problem ? pen_http_blob_json(problem) : NULL);
+    json_decref(problem);
 }
 
 /* The range that a request selects. If-Range must hold an equal tag, byte by byte; a date never

@@ -191,17 +191,18 @@ void pen_http_request_drop_body(struct request *request)
 
 void pen_http_request_refuse(struct request *request, int http_status, const struct pen_status *st)
 {
-    json_t *problem = pen_problem(st);
-    if (problem)
-        json_object_set_new(problem, "status", json_integer(http_status));
-    pen_http_reply_problem(&request->reply, problem, request->id);
+    struct pen_buf text = {0};
+    pen_problem_write(&text, st, http_status, request->id);
+    pen_http_reply_problem(&request->reply, http_status, &text);
     request->phase = PHASE_ANSWERED;
     request->close = true;
 }
 
 void pen_http_request_fail(struct request *request, const struct pen_status *st)
 {
-    pen_http_reply_problem(&request->reply, pen_problem(st), request->id);
+    struct pen_buf text = {0};
+    pen_problem_write(&text, st, 0, request->id);
+    pen_http_reply_problem(&request->reply, pen_code_http(st->code), &text);
 }
 
 const char *pen_http_request_param(const struct request *request, const char *name)

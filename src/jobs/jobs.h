@@ -184,4 +184,11 @@ json_t *pen_jobs_scenes(void);
 json_t *pen_problem(const struct pen_status *st);
 json_t *pen_problem_list(const struct pen_errors *errors);
 
+/* The same as text, with a line end: http_status is a status other than the code's, or 0;
+ * request_id is the id of the refused request, or NULL. Returns false when out of memory. */
+bool pen_problem_write(struct pen_buf *out, const struct pen_status *st, int http_status,
+                       const char *request_id);
+bool pen_problem_list_write(struct pen_buf *out, const struct pen_errors *errors,
+                            const char *request_id);
+
 #endif

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Problem documents (RFC 9457). The type is urn:penumbra:problem:NAME with the name of the code; it
  * is an identifier, not an address. For invalid input `errors` lists the places: each a JSON
- * Pointer into the document that was sent, or line and column of its text. */
+ * Pointer into the document that was sent, or line and column of its text. They are written as
+ * text, since a refused request gets little else. */
 #include "jobs/internal/problems.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "jobs/internal/jobs.h"
+#include "base/buf.h"
+#include "jobs/jobs.h"
 
 /* Whether the error is about the document that was sent. */
 static bool is_about_input(const struct pen_status *st)
@@ -15,45 +17,132 @@ static bool is_about_input(const struct pen_status *st)
     return st->line > 0 || st->at[0] || st->code == PEN_INVALID || st->code == PEN_UNSUPPORTED;
 }
 
-json_t *pen_problem_place(const struct pen_status *st)
+/* Appends a character that JSON does not have as it is in a string. */
+static void write_escaped(struct pen_buf *out, char c)
+{
+    static const char escaped[] = "\"\\\b\f\n\r\t", letters[] = "\"\\bfnrt";
+    const char *found = strchr(escaped, c);
+    if (found)
+        pen_buf_printf(out, "\\%c", letters[found - escaped]);
+    else
+        pen_buf_printf(out, "\\u%04X", (unsigned)c);
+}
+
+/* Appends a string of valid UTF-8 as JSON. */
+static void write_string(struct pen_buf *out, const char *text)
+{
+    pen_buf_puts(out, "\"");
+    for (;;) {
+        size_t plain = 0;
+        while ((unsigned char)text[plain] >= ' ' && text[plain] != '"' && text[plain] != '\\')
+            plain++;
+        pen_buf_add(out, text, plain);
+        text += plain;
+        if (!*text)
+            break;
+        write_escaped(out, *text++);
+    }
+    pen_buf_puts(out, "\"");
+}
+
+/* Appends a member of an object: `before` is what comes before its text, with its key. */
+static void write_member(struct pen_buf *out, const char *before, const char *text)
+{
+    pen_buf_puts(out, before);
+    write_string(out, text);
+}
+
+/* Appends the place of an error, as pen_problem_place. */
+static void write_place(struct pen_buf *out, const struct pen_status *st)
 {
     if (st->line > 0)
-        return json_pack("{s:i, s:i, s:s}", "line", st->line, "column", st->column, "detail",
-                         st->msg);
-    return json_pack("{s:s, s:s}", "pointer", st->at, "detail", st->msg);
+        pen_buf_printf(out, "{\"line\":%d,\"column\":%d", st->line, st->column);
+    else
+        write_member(out, "{\"pointer\":", st->at);
+    write_member(out, ",\"detail\":", st->msg);
+    pen_buf_puts(out, "}");
 }
 
-static json_t *problem(enum pen_code code, const char *detail)
+/* A document without places and its closing brace. */
+static void write_problem(struct pen_buf *out, enum pen_code code, int http_status,
+                          const char *detail)
 {
-    char type[64];
-    snprintf(type, sizeof type, "urn:penumbra:problem:%s", pen_code_name(code));
-    return json_pack("{s:s, s:s, s:i, s:s}", "type", type, "title", pen_code_title(code), "status",
-                     pen_code_http(code), "detail", detail);
+    const int status = http_status ? http_status : pen_code_http(code);
+    pen_buf_puts(out, "{\"type\":\"urn:penumbra:problem:");
+    pen_buf_puts(out, pen_code_name(code));
+    write_member(out, "\",\"title\":", pen_code_title(code));
+    pen_buf_printf(out, ",\"status\":%d", status);
+    write_member(out, ",\"detail\":", detail);
 }
 
-json_t *pen_problem(const struct pen_status *st)
+/* Ends a document. */
+static bool write_end(struct pen_buf *out, const char *request_id)
 {
-    json_t *document = problem(st->code, st->msg);
-    if (!is_about_input(st))
-        return document;
-    return pen_json_with(document, "errors", json_pack("[o]", pen_problem_place(st)));
+    if (request_id)
+        write_member(out, ",\"request_id\":", request_id);
+    return pen_buf_puts(out, "}\n");
 }
 
-json_t *pen_problem_list(const struct pen_errors *errors)
+bool pen_problem_write(struct pen_buf *out, const struct pen_status *st, int http_status,
+                       const char *request_id)
+{
+    write_problem(out, st->code, http_status, st->msg);
+    if (is_about_input(st)) {
+        pen_buf_puts(out, ",\"errors\":[");
+        write_place(out, st);
+        pen_buf_puts(out, "]");
+    }
+    return write_end(out, request_id);
+}
+
+bool pen_problem_list_write(struct pen_buf *out, const struct pen_errors *errors,
+                            const char *request_id)
 {
     static const struct pen_status none = {.code = PEN_INTERNAL, .msg = "an error without a cause"};
-    if (errors->count == 0)
-        return pen_problem(&none);
-    if (errors->count == 1)
-        return pen_problem(&errors->item[0]);
+    if (errors->count < 2)
+        return pen_problem_write(out, errors->count ? &errors->item[0] : &none, 0, request_id);
     char detail[PEN_MSG_BYTES + 64];
     snprintf(detail, sizeof detail, "%zu errors, the first %zu are listed", errors->total,
              errors->count);
     if (errors->total == errors->count)
         snprintf(detail, sizeof detail, "%zu errors", errors->total);
-    json_t *document = problem(errors->item[0].code, detail);
-    json_t *list = json_array();
-    for (size_t i = 0; i < errors->count; i++)
-        json_array_append_new(list, pen_problem_place(&errors->item[i]));
-    return pen_json_with(document, "errors", pen_json_all(list, errors->count));
+    write_problem(out, errors->item[0].code, 0, detail);
+    for (size_t i = 0; i < errors->count; i++) {
+        pen_buf_puts(out, i ? "," : ",\"errors\":[");
+        write_place(out, &errors->item[i]);
+    }
+    pen_buf_puts(out, "]");
+    return write_end(out, request_id);
+}
+
+/* Reads what was written; the text is released. */
+static json_t *read_back(struct pen_buf *text)
+{
+    const struct pen_limits limits = pen_limits_default();
+    struct pen_status st;
+    json_t *json =
+        text->failed ? NULL : pen_json_parse((const char *)text->data, text->bytes, &limits, &st);
+    pen_buf_release(text);
+    return json;
+}
+
+json_t *pen_problem_place(const struct pen_status *st)
+{
+    struct pen_buf text = {0};
+    write_place(&text, st);
+    return read_back(&text);
+}
+
+json_t *pen_problem(const struct pen_status *st)
+{
+    struct pen_buf text = {0};
+    pen_problem_write(&text, st, 0, NULL);
+    return read_back(&text);
+}
+
+json_t *pen_problem_list(const struct pen_errors *errors)
+{
+    struct pen_buf text = {0};
+    pen_problem_list_write(&text, errors, NULL);
+    return read_back(&text);
 }

@@ -2,6 +2,7 @@
 /* Lists and their cursors, get, cancel, delete, built-in scenes, and problem documents. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -399,6 +400,31 @@ START_TEST(test_list__problem_of_one_status)
 }
 END_TEST
 
+/* The text is what jansson would write, whatever is in the message. */
+START_TEST(test_list__problem_is_written_as_json)
+{
+    struct pen_status st;
+    struct pen_buf text = {0};
+    char hostile[80] = "\"a\\b/\x7f\xC3\xA9\xF0\x9D\x84\x9E\xE2\x80\xAE<>";
+    for (size_t c = 1, end = strlen(hostile); c < ' '; c++)
+        hostile[end++] = (char)c;
+    pen_fail_at(&st, PEN_INVALID, hostile, "%s", hostile);
+    ck_assert(pen_problem_write(&text, &st, 418, "id-1"));
+    json_t *problem = json_loadb((const char *)text.data, text.bytes, 0, NULL);
+    ck_assert_ptr_nonnull(problem);
+    char *again = json_dumps(problem, JSON_COMPACT);
+    ck_assert_uint_eq(strlen(again) + 1, text.bytes); /* and a line end */
+    ck_assert_int_eq(memcmp(again, text.data, strlen(again)), 0);
+    expect_text(problem, "detail", hostile);
+    expect_text(problem, "request_id", "id-1");
+    expect_text(json_array_get(json_object_get(problem, "errors"), 0), "pointer", hostile);
+    ck_assert_int_eq(json_integer_value(json_object_get(problem, "status")), 418);
+    free(again);
+    json_decref(problem);
+    pen_buf_release(&text);
+}
+END_TEST
+
 START_TEST(test_list__problem_of_several_errors)
 {
     struct pen_errors errors = {0};
@@ -458,5 +484,5 @@ PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps,
           test_list__progress_is_frozen_per_revision,
           test_list__first_eta_is_the_estimate_of_the_worker,
           test_list__only_long_jobs_are_estimated, test_list__built_in_scenes_are_listed_by_name,
-          test_list__problem_of_one_status, test_list__problem_of_several_errors,
-          test_list__workers_are_shown_with_host_and_work)
+          test_list__problem_of_one_status, test_list__problem_is_written_as_json,
+          test_list__problem_of_several_errors, test_list__workers_are_shown_with_host_and_work)

@@ -91,9 +91,11 @@ void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, con
 /* As pen_http_reply_body; takes the reference to json. NULL is an allocation that failed. */
 void pen_http_reply_json(struct reply *reply, int status, json_t *json);
 
-/* A problem document, with the request's id in it, and Retry-After where trying again helps.
- * Takes the reference to the problem. */
-void pen_http_reply_problem(struct reply *reply, json_t *problem, const char *request_id);
+/* A problem document, with Retry-After where trying again helps. Takes the contents of the buffer,
+ * or the reference to the problem; a buffer that has failed, or NULL, is an allocation that failed.
+ */
+void pen_http_reply_problem(struct reply *reply, int status, struct pen_buf *text);
+void pen_http_reply_problem_json(struct reply *reply, json_t *problem);
 
 /* The header fields that make a GET conditional or partial; NULL: not sent. */
 struct reply_conditions {
