@@ -43,6 +43,20 @@ static struct pen_submission read_submission(const struct request *request)
     return in;
 }
 
+bool pen_http_quick_refusal(struct request *request)
+{
+    enum { BYTES_MAX = 1024 }; /* some microseconds, as long as handing it to another thread */
+    struct pen_errors errors = {0};
+    if (request->body.bytes > BYTES_MAX || request->fields.content_encoding ||
+        request->fields.idempotency_key)
+        return false;
+    const struct pen_submission in = read_submission(request);
+    if (!pen_jobs_refuses(&in, &request->http->limits, &errors))
+        return false;
+    answer_errors(request, &errors);
+    return true;
+}
+
 /* A job that was stored tells what a probe would tell /readyz. If the store has just refused one,
  * the next /readyz probes it again. */
 static void note_readiness(struct pen_http *http, const struct pen_errors *errors)

@@ -8,12 +8,23 @@
 #include "io/scene/reader.h"
 #include "io/xml/parse.h"
 
-bool pen_text_is_xml(const char *text, size_t bytes)
+/* Whether a text begins with this character, after a byte order mark and blanks. */
+static bool begins_with(const char *text, size_t bytes, char wanted)
 {
     size_t i = bytes >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
     while (i < bytes && (text[i] == ' ' || text[i] == '\t' || text[i] == '\n' || text[i] == '\r'))
         i++;
-    return i < bytes && text[i] == '<';
+    return i < bytes && text[i] == wanted;
+}
+
+bool pen_text_is_xml(const char *text, size_t bytes)
+{
+    return begins_with(text, bytes, '<');
+}
+
+bool pen_text_is_object(const char *text, size_t bytes)
+{
+    return begins_with(text, bytes, '{');
 }
 
 bool pen_document_parse(const char *text, size_t bytes, bool xml, const struct pen_limits *limits,

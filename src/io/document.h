@@ -31,8 +31,10 @@ struct pen_document {
     struct pen_xml *xml; /* the positions of an XML document; NULL for JSON */
 };
 
-/* Whether the text is XML: begins with `<`, after an optional byte order mark and white space. */
+/* Whether the text is XML, or a JSON object: begins with `<`, or `{`, after an optional byte order
+ * mark and white space. */
 bool pen_text_is_xml(const char *text, size_t bytes);
+bool pen_text_is_object(const char *text, size_t bytes);
 
 /* Parses JSON or, if `xml` is set, XML, whose text must outlive the document. Well-formed XML that
  * is not a scene (unknown elements, wrong attributes) is parsed too; pen_document_read reports its
