@@ -16,9 +16,8 @@
 #include "http/internal/request.h"
 
 enum {
-    STEPS_AT_ONCE = 32,    /* before other connections get their turn */
-    SMALL_BYTES = 4 << 10, /* of a head: always kept; more of it from HEADS_BYTES only */
-    DROP_BYTES = 1 << 20   /* dropped at once while a connection lingers */
+    STEPS_AT_ONCE = 32,   /* before other connections get their turn */
+    SMALL_BYTES = 4 << 10 /* of a head: always kept; more of it up to heads_max only */
 };
 static const size_t heads_max = (size_t)48 << 20; /* heads, and bytes that are kept unread */
 static const int64_t linger_max_ns = 10 * INT64_C(1000000000);
@@ -136,6 +135,7 @@ void pen_http_conn_close(struct conn *conn)
 static enum conn_step refuse(struct conn *conn, int http_status, const char *why)
 {
     struct pen_status st;
+    conn->all_came = false;
     conn->request = pen_http_exchange_begin(conn, NULL, 0);
     if (!conn->request)
         return STEP_END;
@@ -181,6 +181,7 @@ static void end_body(struct conn *conn)
         give_way(conn);
         return;
     }
+    conn->all_came = conn->bytes == 0;
     limit_rest(conn);
     if (request->phase == PHASE_BODY) {
         conn->state = CONN_WORK;
@@ -212,8 +213,10 @@ static void ask_for_body(struct conn *conn)
 static enum conn_step begin_request(struct conn *conn, size_t head_bytes)
 {
     struct request *request = pen_http_exchange_begin(conn, conn->data, head_bytes);
+    const bool announces = pen_head_announces_body(conn->data, head_bytes);
     conn->request = request;
     consume(conn, head_bytes);
+    conn->all_came = !announces && conn->bytes == 0;
     if (!request)
         return STEP_END;
     bool has_body = request->declared_bytes > 0 || request->fields.transfer_encoding;
@@ -385,8 +388,8 @@ static enum conn_step drop_input(struct conn *conn)
     conn->bytes = 0;
     if (!conn->readable)
         return conn->reset || conn->half_closed ? STEP_END : STEP_WAIT;
-    ssize_t got = recv(conn->fd, NULL, DROP_BYTES, MSG_TRUNC);
-    conn->dropped += note_read(conn, got, DROP_BYTES) ? (size_t)got : 0;
+    ssize_t got = recv(conn->fd, conn->loop->buffer, LOOP_BYTES, MSG_TRUNC); /* without copying */
+    conn->dropped += note_read(conn, got, LOOP_BYTES) ? (size_t)got : 0;
     if (conn->loop->now_ns - conn->begun_ns > linger_max_ns ||
         conn->dropped > 2 * conn->loop->http->limits.body_bytes)
         return STEP_END;
@@ -398,10 +401,8 @@ static enum conn_step drop_input(struct conn *conn)
 
 void pen_http_conn_linger(struct conn *conn)
 {
-    conn->state = CONN_LINGER;
     conn->dropped = 0;
     conn->begun_ns = conn->loop->now_ns;
-    shutdown(conn->fd, SHUT_WR);
     pen_http_loop_wait(conn, WAIT_LINGER);
 }
 
@@ -450,7 +451,7 @@ void pen_http_conn_run(struct conn *conn)
         step = take_step(conn);
     if (conn->state == CONN_SEND || conn->state == CONN_STREAM) /* its client keeps it waiting */
         pen_http_request_drop_head(conn->request);
-    if (step == STEP_END || !keep_unread(conn))
+    if (step == STEP_END || !keep_unread(conn) || !pen_http_loop_watch(conn))
         pen_http_conn_close(conn);
     else if (step == STEP_ON)
         pen_http_loop_again(conn);

@@ -20,6 +20,8 @@
 enum {
     BODY_BYTES = 128 << 10,  /* of a body, sent at once */
     STREAM_BYTES = 16 << 10, /* of a stream, sent at once */
+    SMALL_BYTES = 16 << 10,  /* of a body: the kernel sends it without being waited for */
+    HEAD_BYTES = 500,        /* of an answer, mostly */
     UNANSWERED_MS = 15000    /* after which the client of a stream has vanished */
 };
 
@@ -80,20 +82,30 @@ static bool has_body(const struct request *request)
     return !request->head && reply->status != 204 && reply->status != 304;
 }
 
+static void write_field(struct pen_buf *out, const char *name, const char *value)
+{
+    pen_buf_puts(out, name);
+    pen_buf_puts(out, ": ");
+    pen_buf_puts(out, value);
+    pen_buf_puts(out, "\r\n");
+}
+
 static void write_head(struct conn *conn)
 {
     const struct request *request = conn->request;
     const struct reply *reply = &request->reply;
     struct pen_buf *out = &conn->out;
-    pen_buf_printf(out, "HTTP/1.1 %d %s\r\nDate: %s\r\n", reply->status, reason_of(reply->status),
-                   pen_http_loop_date(conn->loop));
+    pen_buf_reserve(out, HEAD_BYTES);
+    pen_buf_printf(out, "HTTP/1.1 %d %s\r\n", reply->status, reason_of(reply->status));
+    write_field(out, "Date", pen_http_loop_date(conn->loop));
     for (int i = 0; !reply->failed && i < reply->field_count; i++)
-        pen_buf_printf(out, "%s: %s\r\n", reply->field[i].name, reply->field[i].value);
-    pen_buf_printf(out, "X-Request-Id: %s\r\nX-Content-Type-Options: nosniff\r\n", request->id);
+        write_field(out, reply->field[i].name, reply->field[i].value);
+    write_field(out, "X-Request-Id", request->id);
+    write_field(out, "X-Content-Type-Options", "nosniff");
     if (request->close)
-        pen_buf_puts(out, "Connection: close\r\n");
+        write_field(out, "Connection", "close");
     else if (request->minor == 0)
-        pen_buf_puts(out, "Connection: keep-alive\r\n");
+        write_field(out, "Connection", "keep-alive");
     if (reply->streaming && !reply->failed)
         pen_buf_puts(out, request->minor > 0 ? "Transfer-Encoding: chunked\r\n" : "");
     else if (reply->status != 204)
@@ -135,8 +147,9 @@ void pen_http_conn_answer(struct conn *conn)
     conn->reset = conn->reset || conn->out.failed;
 }
 
-/* Sends what is left of `out`, and then of a body. Returns whether something was sent. */
-static bool send_parts(struct conn *conn, const unsigned char *body, size_t body_bytes)
+/* Sends what is left of `out`, and then of a body; `ends`: the end of the connection follows, in
+ * the same packet. Returns whether something was sent. */
+static bool send_parts(struct conn *conn, const unsigned char *body, size_t body_bytes, bool ends)
 {
     struct iovec parts[2] = {
         {.iov_base = conn->out.data + conn->out_sent, .iov_len = conn->out.bytes - conn->out_sent},
@@ -144,7 +157,7 @@ static bool send_parts(struct conn *conn, const unsigned char *body, size_t body
     struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
     if (!conn->writable || conn->reset)
         return false;
-    ssize_t sent = sendmsg(conn->fd, &message, MSG_NOSIGNAL);
+    ssize_t sent = sendmsg(conn->fd, &message, MSG_NOSIGNAL | (ends ? MSG_MORE : 0));
     if (sent < 0) {
         conn->writable = false;
         conn->reset = errno != EAGAIN && errno != EINTR;
@@ -177,23 +190,36 @@ bool pen_http_conn_begin_window(struct conn *conn)
     return true;
 }
 
+/* Whether to close a connection without lingering: when new ones come fast, where the client has
+ * sent all that it announced. If it still sent something, a reset would follow the answer, which is
+ * why others linger. */
+static bool ends_at_once(const struct conn *conn)
+{
+    return conn->all_came && !conn->readable && conn->body_sent <= SMALL_BYTES &&
+           pen_http_loop_rush(conn->loop);
+}
+
 /* The answer was sent. */
 static enum conn_step finish(struct conn *conn)
 {
-    bool kept = !conn->request->close;
+    const bool kept = !conn->request->close;
+    const bool ends = !kept && ends_at_once(conn);
+    /* First of all: what was sent last waits for this, and if bytes have come that were not read,
+     * to close the socket without it would drop that. */
+    if (!kept)
+        shutdown(conn->fd, SHUT_WR);
     if (conn->state == CONN_STREAM)
         limit_acknowledgements(conn, 0);
     pen_http_conn_end_request(conn, true);
     pen_buf_release(&conn->out);
     conn->scan = (struct pen_head_scan){0};
     conn->used = true;
-    if (kept) {
-        conn->state = CONN_HEAD;
+    conn->state = kept ? CONN_HEAD : CONN_LINGER;
+    if (kept)
         pen_http_loop_wait(conn, conn->bytes > 0 ? WAIT_HEAD : WAIT_IDLE);
-    } else {
+    else if (!ends)
         pen_http_conn_linger(conn);
-    }
-    return STEP_ON;
+    return ends ? STEP_END : STEP_ON;
 }
 
 enum conn_step pen_http_conn_send(struct conn *conn)
@@ -205,7 +231,8 @@ enum conn_step pen_http_conn_send(struct conn *conn)
     size_t left = all - conn->body_sent;
     const unsigned char *from =
         body ? reply->body->content.data + reply->first + conn->body_sent : NULL;
-    const bool sent = send_parts(conn, from, left < BODY_BYTES ? left : BODY_BYTES);
+    const bool ends = request->close && left <= BODY_BYTES;
+    const bool sent = send_parts(conn, from, left < BODY_BYTES ? left : BODY_BYTES, ends);
     if (sent && conn->out_sent == conn->out.bytes && conn->body_sent == all)
         return finish(conn);
     if (sent)
@@ -256,7 +283,7 @@ enum conn_step pen_http_conn_send_stream(struct conn *conn)
             return STEP_WAIT;
         }
     }
-    const bool sent = send_parts(conn, NULL, 0);
+    const bool sent = send_parts(conn, NULL, 0, false);
     if (conn->reset)
         return STEP_END;
     pen_http_conn_begin_window(conn);

@@ -28,6 +28,21 @@ enum pen_head_found pen_head_find(const char *text, size_t bytes, struct pen_hea
     return PEN_HEAD_PART;
 }
 
+bool pen_head_announces_body(const char *text, size_t bytes)
+{
+    static const char *const framing[] = {"Content-Length", "Transfer-Encoding"};
+    const char *end = text + bytes;
+    for (const char *line = text; line < end;
+         line = (const char *)memchr(line, '\n', (size_t)(end - line)) + 1) {
+        for (int i = 0; i < 2; i++) {
+            const size_t length = strlen(framing[i]);
+            if ((size_t)(end - line) > length && strncasecmp(line, framing[i], length) == 0)
+                return true;
+        }
+    }
+    return false;
+}
+
 /* Whether a byte may be in a method or in the name of a field. */
 static bool is_token(char c)
 {

@@ -34,7 +34,8 @@ enum {
     ACCEPT_AGAIN_MS = 5,
     WINDOW_NS = 10000000,   /* over which the rate of connections is taken */
     RUSH_EVERY_NS = 250000, /* 4000 connections in a second */
-    RUSH_GATHERS = 3,       /* connections at each wake, or the pauses are of no use */
+    RUSH_PAUSE_NS = 500000,
+    RUSH_GATHERS = 3, /* connections at each wake, or the pauses are of no use */
     RUSH_AGAIN_NS = 1000000000
 };
 
@@ -92,7 +93,6 @@ static bool accept_one(struct listener *listener)
         (struct sockaddr *)&peer, listener->has_trusted ? listener->trusted : NULL,
         listener->count_loopback);
     pen_http_loop_add(listener->loop[listener->next_loop], fd, &key);
-    listener->next_loop = (listener->next_loop + 1) % listener->loop_count;
     return true;
 }
 
@@ -102,12 +102,18 @@ static bool loops_keep_up(const struct listener *listener)
     return atomic_load_explicit(&listener->http->arriving, memory_order_relaxed) < BURST;
 }
 
-/* Accepts what waits, BURST connections at most. Returns their number. */
-static int accept_burst(struct listener *listener)
+/* Accepts what waits, BURST connections at most, and deals them out: one after the other, or, to
+ * wake one thread alone, all to the same loop. Returns their number. */
+static int accept_burst(struct listener *listener, bool together)
 {
     int count = 0;
-    while (count < BURST && loops_keep_up(listener) && accept_one(listener))
+    while (count < BURST && loops_keep_up(listener) && accept_one(listener)) {
         count++;
+        if (!together)
+            listener->next_loop = (listener->next_loop + 1) % listener->loop_count;
+    }
+    if (together)
+        listener->next_loop = (listener->next_loop + 1) % listener->loop_count;
     return count;
 }
 
@@ -115,26 +121,26 @@ static int accept_burst(struct listener *listener)
 struct rate {
     int64_t begun_ns;
     int accepted, wakes; /* since then; wakes of the acceptor that found some */
-    bool rush;           /* and it paused before each of them */
-    int64_t again_ns;    /* no rush before that time */
+    bool pauses;         /* and it paused before each of them */
+    int64_t again_ns;    /* no pauses before that time */
 };
 
-/* Whether to pause before accepting. If connections come fast it pays to let several of them come,
- * here and in the loops: to wake a thread takes longer than to accept and to answer. But a client
- * that sends one request after the other would only wait: then pauses gather nothing, and there are
- * none for a second. */
-static bool is_rush(struct rate *rate, struct pen_http *http)
+/* Whether to pause before accepting. If connections come fast it pays to let several of them come:
+ * to wake a thread takes longer than to accept and to answer. But a client that sends one request
+ * after the other would only wait: then pauses gather nothing, and there are none for a second. */
+static bool has_to_pause(struct rate *rate, struct pen_http *http)
 {
     const int64_t now_ns = pen_clock_ns(), passed_ns = now_ns - rate->begun_ns;
     if (passed_ns < WINDOW_NS)
-        return rate->rush;
-    if (rate->rush && rate->accepted < RUSH_GATHERS * rate->wakes)
+        return rate->pauses;
+    if (rate->pauses && rate->accepted < RUSH_GATHERS * rate->wakes)
         rate->again_ns = now_ns + RUSH_AGAIN_NS;
-    const bool rush = rate->accepted > passed_ns / RUSH_EVERY_NS && now_ns >= rate->again_ns;
+    const bool rush = rate->accepted > passed_ns / RUSH_EVERY_NS;
+    const bool pauses = rush && now_ns >= rate->again_ns;
     if (rush)
         atomic_store_explicit(&http->rush_until_ns, now_ns + 2 * WINDOW_NS, memory_order_relaxed);
-    *rate = (struct rate){.begun_ns = now_ns, .rush = rush, .again_ns = rate->again_ns};
-    return rush;
+    *rate = (struct rate){.begun_ns = now_ns, .pauses = pauses, .again_ns = rate->again_ns};
+    return pauses;
 }
 
 static void *accept_all(void *arg)
@@ -151,9 +157,10 @@ static void *accept_all(void *arg)
         if (n > 0 && fds[0].revents)
             break;
         if (n > 0 && ready && fds[1].revents) {
-            if (is_rush(&rate, listener->http))
-                nanosleep(&(struct timespec){.tv_nsec = RUSH_ACCEPT_NS}, NULL);
-            rate.accepted += accept_burst(listener);
+            const bool pauses = has_to_pause(&rate, listener->http);
+            if (pauses)
+                nanosleep(&(struct timespec){.tv_nsec = RUSH_PAUSE_NS}, NULL);
+            rate.accepted += accept_burst(listener, pauses);
             rate.wakes++;
         }
     }

@@ -54,6 +54,20 @@ void pen_http_loop_wait(struct conn *conn, enum conn_wait wait)
     append(conn, wait);
 }
 
+bool pen_http_loop_rush(const struct loop *loop)
+{
+    return atomic_load_explicit(&loop->http->rush_until_ns, memory_order_relaxed) > loop->now_ns;
+}
+
+bool pen_http_loop_watch(struct conn *conn)
+{
+    struct epoll_event event = {.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
+                                .data.ptr = conn};
+    if (!conn->watched && conn->fd >= 0)
+        conn->watched = epoll_ctl(conn->loop->epoll_fd, EPOLL_CTL_ADD, conn->fd, &event) == 0;
+    return conn->watched || conn->fd < 0;
+}
+
 void pen_http_loop_again(struct conn *conn)
 {
     if (conn->ready)
@@ -218,8 +232,6 @@ static bool reserve(struct conn *conn)
  * other loops. */
 static void begin(struct conn *conn)
 {
-    struct epoll_event event = {.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
-                                .data.ptr = conn};
     bool placed = make_place(conn);
     if (!placed && !conn->last_walk) {
         if (pass_on(conn))
@@ -231,8 +243,12 @@ static void begin(struct conn *conn)
     if (!placed && pass_on(conn))
         return;
     append(conn, WAIT_HEAD);
-    if (!placed || epoll_ctl(conn->loop->epoll_fd, EPOLL_CTL_ADD, conn->fd, &event) != 0)
+    if (!placed) {
         pen_http_conn_close(conn);
+        return;
+    }
+    conn->readable = conn->writable = true; /* perhaps; to try costs less than to ask */
+    pen_http_loop_again(conn);
 }
 
 /* Takes what other threads have left. Returns whether the loop goes on. */
@@ -383,8 +399,6 @@ static void *run(void *arg)
     int wait_ms = 0;
     bool goes_on = true;
     while (goes_on) {
-        if (atomic_load_explicit(&loop->http->rush_until_ns, memory_order_relaxed) > loop->now_ns)
-            nanosleep(&(struct timespec){.tv_nsec = RUSH_LOOP_NS}, NULL);
         int count = epoll_wait(loop->epoll_fd, events, EVENTS, wait_ms);
         loop->now_ns = pen_clock_ns();
         for (int i = 0; i < count; i++)

@@ -35,6 +35,10 @@ enum pen_head_found {
 enum pen_head_found pen_head_find(const char *text, size_t bytes, struct pen_head_scan *scan,
                                   size_t *head_bytes);
 
+/* Whether a head that pen_head_find has found says something of a body, also one that is malformed
+ * and cannot be parsed. */
+bool pen_head_announces_body(const char *text, size_t bytes);
+
 struct pen_head_field {
     const char *name, *value; /* the value without spaces and tabs around it */
 };

@@ -282,6 +282,88 @@ static size_t read_bytes(int fd, size_t bytes)
     return got;
 }
 
+/* Sends a request. Waits until the answer has come and its side of the connection has ended; then
+ * sends more, which must not cost the answer unless the connection was closed at once. Returns
+ * whether it was. */
+static bool ends_at_once(const struct server *server, const char *request, int status)
+{
+    struct answer answer;
+    const int fd = server_connect(server);
+    struct pollfd ended = {.fd = fd, .events = POLLRDHUP};
+    ck_assert(client_send(fd, request));
+    ck_assert_int_eq(poll(&ended, 1, 10000 * client_patience()), 1);
+    client_send(fd, "12345");
+    client_pause(100);
+    const bool at_once = !client_send(fd, "12345");
+    if (at_once) {
+        close(fd);
+        return true;
+    }
+    client_read(fd, false, &answer);
+    ck_assert_msg(answer.status == status, "%d after %s", answer.status, request);
+    answer_release(&answer);
+    ck_assert(client_sees_end(fd, 10));
+    close(fd);
+    return false;
+}
+
+/* A connection is closed at once only when new ones come fast, and the client has sent all that it
+ * announced; its answer comes whole. Others linger: a client that still sends gets its answer. */
+START_TEST(test_connections__lingers_where_more_may_come)
+{
+    static const struct {
+        const char *request;
+        int status;
+        bool at_once; /* in a rush */
+    } rows[] = {
+        {"GET / HTTP/1.1\r\nHost : localhost\r\n\r\n", 400, true},
+        {"\x16\x03\x01\x02\r\n\r\n", 400, true},
+        {"GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", 200, true},
+        {"POST / HTTP/1.1\r\nHost : localhost\r\nContent-Length: 5\r\n\r\n", 400, false},
+        {"POST / HTTP/1.1\r\nHost : localhost\r\ntransfer-encoding: chunked\r\n\r\n", 400, false},
+        {"GET / HTTP/1.1\r\nHost : localhost\r\n\r\nGET /healthz", 400, false},
+        {"GET / HTTP/1.1\r\nHost: localhost\n\n", 400, false},
+        {("POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n"
+          "Expect: 100-continue\r\nContent-Type: image/png\r\n\r\n"),
+         415, false}};
+    struct server server;
+    server_start(&server, &(struct server_options){.idle_seconds = 0});
+    for (int rush = 0; rush < 2; rush++) {
+        atomic_store(&server.http->rush_until_ns, rush ? INT64_MAX : 0);
+        for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+            ck_assert_msg(ends_at_once(&server, rows[i].request, rows[i].status) ==
+                              (rush && rows[i].at_once),
+                          "rush %d: %s", rush, rows[i].request);
+        server_expect_alive(&server);
+    }
+    server_stop(&server);
+}
+END_TEST
+
+/* Where a client sends more than it has announced, at the moment when its connection is closed, it
+ * still finds its answer. */
+START_TEST(test_connections__unannounced_bytes_cost_no_answer)
+{
+    enum { TRIES = 6000 };
+    struct server server;
+    server_start(&server, &(struct server_options){.idle_seconds = 0});
+    atomic_store(&server.http->rush_until_ns, INT64_MAX);
+    for (int i = 0; i < TRIES; i++) {
+        struct answer answer;
+        const int fd = server_connect(&server);
+        client_send(fd, "POST /v1/jobs HTTP/1.0\r\nHost: localhost\r\n\r\n");
+        for (const int64_t until_ns = pen_clock_ns() + i % 60 * 1000; pen_clock_ns() < until_ns;)
+            continue;
+        client_send(fd, "{\"scene\": \"builtin:room\"}");
+        client_read(fd, false, &answer);
+        ck_assert_msg(answer.status == 411, "%d: %d", i, answer.status);
+        answer_release(&answer);
+        close(fd);
+    }
+    server_stop(&server);
+}
+END_TEST
+
 /* A reader that takes several windows in the time of one keeps its answer, although the kernel
  * could take megabytes of it, and would not ask for more until a third of them was read. One that
  * takes nothing loses it, and so does one that takes a little now and then, but no window in its
@@ -497,6 +579,8 @@ PEN_SUITE("connections", test_connections__slow_requests_are_ended,
           test_connections__reserved_slots_of_one_thread_serve_all,
           test_connections__half_bodies_give_way,
           test_connections__short_requests_have_slots_of_their_own,
+          test_connections__lingers_where_more_may_come,
+          test_connections__unannounced_bytes_cost_no_answer,
           test_connections__slow_readers_keep_their_answer,
           test_connections__abandoned_polls_are_forgotten,
           test_connections__abandoned_polls_are_not_refused,

@@ -60,6 +60,30 @@ START_TEST(test_wire__head_is_split)
 }
 END_TEST
 
+START_TEST(test_wire__heads_announce_bodies_also_when_malformed)
+{
+    static const struct {
+        const char *raw;
+        bool announces;
+    } rows[] = {{"GET / HTTP/1.1\r\nHost: a\r\n\r\n", false},
+                {"POST / HTTP/1.1\r\nHost: a\r\nContent-Length: 5\r\n\r\n", true},
+                {"POST / HTTP/1.1\r\ntransfer-ENCODING: chunked\r\n\r\n", true},
+                {"POST / HTTP/1.1\r\nHost : a\r\ncontent-length : 5\r\n\r\n", true},
+                {"POST\r\nContent-Length\r\n\r\n", true},
+                {"GET /Content-Length HTTP/1.1\r\nX: Transfer-Encoding\r\n\r\n", false},
+                {"\x16\x03\x01\r\n\r\n", false},
+                {"\r\n\r\nContent-Lengt\r\n\r\n", false}};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        /* in a block of its own, so that reading beyond the head is found */
+        const size_t bytes = strlen(rows[i].raw);
+        char *head = malloc(bytes);
+        memcpy(head, rows[i].raw, bytes);
+        ck_assert_msg(pen_head_announces_body(head, bytes) == rows[i].announces, "%s", rows[i].raw);
+        free(head);
+    }
+}
+END_TEST
+
 START_TEST(test_wire__wrong_heads_are_refused)
 {
     static const struct {
@@ -226,7 +250,7 @@ START_TEST(test_wire__tokens_of_a_list)
 END_TEST
 
 PEN_SUITE("wire", test_wire__head_is_found_wherever_it_is_cut, test_wire__head_is_split,
-          test_wire__wrong_heads_are_refused, test_wire__zero_bytes_are_refused,
-          test_wire__fields_are_bounded, test_wire__chunks_are_joined_wherever_they_are_cut,
-          test_wire__wrong_chunks_are_refused, test_wire__trailers_are_read_as_fields_of_a_head,
-          test_wire__tokens_of_a_list)
+          test_wire__heads_announce_bodies_also_when_malformed, test_wire__wrong_heads_are_refused,
+          test_wire__zero_bytes_are_refused, test_wire__fields_are_bounded,
+          test_wire__chunks_are_joined_wherever_they_are_cut, test_wire__wrong_chunks_are_refused,
+          test_wire__trailers_are_read_as_fields_of_a_head, test_wire__tokens_of_a_list)

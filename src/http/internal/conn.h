@@ -75,6 +75,7 @@ struct conn {
     uint64_t window_taken;        /* of them, by the client when its window of the answer began */
     bool windowed;                /* such a window has begun */
 
+    bool watched;            /* the kernel tells the loop of it: see pen_http_loop_watch */
     bool readable, writable; /* as far as the kernel has told */
     bool half_closed;        /* the client sends nothing more */
     bool reset;              /* the connection is broken */
@@ -92,6 +93,7 @@ struct conn {
     struct pen_chunks chunks;
 
     struct request *request; /* NULL: none */
+    bool all_came;           /* all that was announced with it, and nothing behind it */
     struct pen_buf out;      /* the head of an answer, or a piece of a stream */
     size_t out_sent;
     size_t body_sent; /* bytes of the answer's body */
@@ -138,7 +140,7 @@ enum conn_step pen_http_conn_send_stream(struct conn *conn);
  * first. Returns whether it did. */
 bool pen_http_conn_begin_window(struct conn *conn);
 
-/* Shuts the server's side down; what the client still sends is dropped. */
+/* The server's side was shut down: what the client still sends is dropped. */
 void pen_http_conn_linger(struct conn *conn);
 
 #endif

@@ -18,10 +18,6 @@ struct request;
 
 enum { RESERVED_SLOTS = 64 }; /* kept for health and short reads when all connections are at work */
 
-/* The pauses of a rush (listener.c): of the acceptor, which gathers connections, and of a loop,
- * which gathers what they send. */
-enum { RUSH_ACCEPT_NS = 500000, RUSH_LOOP_NS = 250000 };
-
 struct pen_http {
     struct pen_limits limits;
     struct listener *listener;
@@ -36,8 +32,8 @@ struct pen_http {
 
     int connection_max;  /* beyond it new connections replace idle ones */
     atomic_int arriving; /* accepted and not yet with their loops. atomic: relaxed, a bound */
-    _Atomic int64_t rush_until_ns; /* connections come so fast that threads let several of them
-                                    * come (listener.c). atomic: relaxed, it only spares work */
+    _Atomic int64_t rush_until_ns; /* new connections come fast (listener.c). atomic: relaxed, it
+                                    * only spares work */
     atomic_int connections;        /* with the loops and not yet closed. atomic: relaxed, a bound */
     atomic_int reserved;           /* connections in reserved slots. atomic: relaxed, a bound */
     atomic_size_t head_bytes;      /* heads of requests that are not answered, and what was read

@@ -88,6 +88,14 @@ void pen_http_loop_add(struct loop *loop, int fd, const struct pen_address_key *
 /* Moves a connection to the end of a list. Threads: the loop's. */
 void pen_http_loop_wait(struct conn *conn, enum conn_wait wait);
 
+/* Whether new connections come so fast that answers to wrong requests have to be cheap. */
+bool pen_http_loop_rush(const struct loop *loop);
+
+/* Asks the kernel to tell of this connection, unless it does so already: one that is answered and
+ * closed at once needs no events. Returns false if the kernel is out of memory. Threads: the
+ * loop's. */
+bool pen_http_loop_watch(struct conn *conn);
+
 /* Makes the loop run this connection again in this turn or the next. Threads: the loop's. */
 void pen_http_loop_again(struct conn *conn);
 
