@@ -48,7 +48,8 @@ below list-p99-ms 20
 below ready-p99-ms 100
 
 # Bad requests beside a render. The same requests to a server that only accepts and closes show what the
-# clients themselves take of the processors. Both are measured in pairs, since a machine's speed drifts.
+# clients themselves take of the processors. A machine's speed drifts, so rounds of both alternate, and a
+# round is held against the mean of its neighbours.
 daemon_stop
 daemon_start
 port=${url##*:}
@@ -57,11 +58,11 @@ middle() { # FILE: the median
 }
 renders_beside() { # PORT: sets $took to the milliseconds of a render beside bad requests to this port
     : >"$work/renders"
-    "$load" bad "$1" 10000 "$((seconds / 2))" >"$work/values" &
+    "$load" bad "$1" 10000 "$((seconds / 3))" >"$work/values" &
     clients=$!
     sleep 1
     while kill -0 $clients 2>/dev/null; do
-        submit '{"scene": "builtin:room", "render": {"width": 1000, "height": 1400, "samples_per_pixel": 2}}'
+        submit '{"scene": "builtin:room", "render": {"width": 700, "height": 1000, "samples_per_pixel": 2}}'
         while [ "$(curl -s "$url$job?wait=60" | jq -r .state)" = running ]; do :; done
         kill -0 $clients 2>/dev/null &&
             curl -s "$url$job/stats" | jq '.timing.render_ms | numbers' >>"$work/renders"
@@ -72,13 +73,16 @@ renders_beside() { # PORT: sets $took to the milliseconds of a render beside bad
     expect "requests-in-a-second-$1" "$(awk -v n="$(value per-second)" 'BEGIN {print (n > 9500)}')" 1
     expect "renders-beside-$1" "$(($(wc -l <"$work/renders") > 2))" 1
 }
-for _ in 1 2 3 4 5 6; do
-    renders_beside 0
-    alone=$took
+renders_beside 0
+before=$took
+for _ in 1 2 3 4 5 6 7 8 9; do
     renders_beside "$port"
+    beside=$took
     expect bad-health-failed "$(value health-failed)" 0
     cat "$work/values"
-    awk -v a="$alone" -v b="$took" 'BEGIN {print b / a}' >>"$work/ratios"
+    renders_beside 0
+    awk -v a="$before" -v b="$beside" -v c="$took" 'BEGIN {print 2 * b / (a + c)}' >>"$work/ratios"
+    before=$took
 done
 echo "== renders beside bad requests to the daemon, and to a server that only closes: $(sort -n "$work/ratios" | tr '\n' ' ')"
 echo "slower $(middle "$work/ratios")" >"$work/values"
