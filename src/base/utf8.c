@@ -52,6 +52,11 @@ bool pen_utf8_copy(char *out, size_t out_bytes, const char *text)
 {
     size_t left = strlen(text), free_bytes = out_bytes - 1;
     while (left > 0) {
+        if (free_bytes > 0 && (unsigned char)*text < 0x80) { /* most text */
+            *out++ = *text++;
+            left--, free_bytes--;
+            continue;
+        }
         size_t length = pen_utf8_char(text, left);
         size_t taken = length ? length : 1;
         if (taken > free_bytes)

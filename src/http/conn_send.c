@@ -68,7 +68,8 @@ static bool is_kept(const struct conn *conn)
 {
     const struct request *request = conn->request;
     const char *options = request->fields.connection ? request->fields.connection : "";
-    if (request->close || conn->reserved ||
+    const bool refused = !conn->used && request->reply.status >= 400;
+    if (request->close || conn->reserved || (refused && pen_http_loop_closes_refused(conn->loop)) ||
         atomic_load_explicit(&request->http->stopping, memory_order_relaxed))
         return false;
     return request->minor > 0 ? !pen_list_has_token(options, "close")

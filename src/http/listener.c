@@ -125,6 +125,13 @@ struct rate {
     int64_t again_ns;    /* no pauses before that time */
 };
 
+static void note_rush(struct pen_http *http, int64_t now_ns)
+{
+    if (atomic_load_explicit(&http->rush_until_ns, memory_order_relaxed) < now_ns)
+        atomic_store_explicit(&http->rush_since_ns, now_ns, memory_order_relaxed);
+    atomic_store_explicit(&http->rush_until_ns, now_ns + 2 * WINDOW_NS, memory_order_relaxed);
+}
+
 /* Whether to pause before accepting. If connections come fast it pays to let several of them come:
  * to wake a thread takes longer than to accept and to answer. But a client that sends one request
  * after the other would only wait: then pauses gather nothing, and there are none for a second. */
@@ -138,7 +145,7 @@ static bool has_to_pause(struct rate *rate, struct pen_http *http)
     const bool rush = rate->accepted > passed_ns / RUSH_EVERY_NS;
     const bool pauses = rush && now_ns >= rate->again_ns;
     if (rush)
-        atomic_store_explicit(&http->rush_until_ns, now_ns + 2 * WINDOW_NS, memory_order_relaxed);
+        note_rush(http, now_ns);
     *rate = (struct rate){.begun_ns = now_ns, .pauses = pauses, .again_ns = rate->again_ns};
     return pauses;
 }

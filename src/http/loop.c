@@ -59,6 +59,12 @@ bool pen_http_loop_rush(const struct loop *loop)
     return atomic_load_explicit(&loop->http->rush_until_ns, memory_order_relaxed) > loop->now_ns;
 }
 
+bool pen_http_loop_closes_refused(const struct loop *loop)
+{
+    const int64_t since_ns = atomic_load_explicit(&loop->http->rush_since_ns, memory_order_relaxed);
+    return pen_http_loop_rush(loop) && (loop->now_ns - since_ns) % second_ns >= second_ns / 10;
+}
+
 bool pen_http_loop_watch(struct conn *conn)
 {
     struct epoll_event event = {.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,

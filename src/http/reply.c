@@ -137,6 +137,16 @@ void pen_http_reply_field(struct reply *reply, const char *name, const char *for
     va_end(args);
 }
 
+/* Adds a header field without formatting it. */
+static void reply_constant(struct reply *reply, const char *name, const char *value)
+{
+    char *copy = reply->field_count < REPLY_FIELDS ? strdup(value) : NULL;
+    if (copy)
+        reply->field[reply->field_count++] = (struct reply_field){name, copy};
+    else
+        reply->failed = true;
+}
+
 void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, const char *type)
 {
     reply->status = status;
@@ -144,7 +154,7 @@ void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, con
     reply->body = blob;
     reply->first = 0;
     reply->bytes = blob ? blob->content.bytes : 0;
-    pen_http_reply_field(reply, "Content-Type", "%s", type);
+    reply_constant(reply, "Content-Type", type);
 }
 
 void pen_http_reply_json(struct reply *reply, int status, json_t *json)
@@ -157,9 +167,9 @@ static void reply_problem(struct reply *reply, int status, struct blob *text)
 {
     pen_http_reply_release(reply);
     pen_http_reply_body(reply, status, text, "application/problem+json");
-    pen_http_reply_field(reply, "Cache-Control", "no-store");
+    reply_constant(reply, "Cache-Control", "no-store");
     if (status == 429 || status == 503 || status == 507)
-        pen_http_reply_field(reply, "Retry-After", "2");
+        reply_constant(reply, "Retry-After", "2");
 }
 
 void pen_http_reply_problem(struct reply *reply, int status, struct pen_buf *text)

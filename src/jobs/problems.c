@@ -11,6 +11,8 @@
 #include "base/buf.h"
 #include "jobs/jobs.h"
 
+enum { MOSTLY_BYTES = 500 }; /* that a document has */
+
 /* Whether the error is about the document that was sent. */
 static bool is_about_input(const struct pen_status *st)
 {
@@ -68,6 +70,7 @@ static void write_problem(struct pen_buf *out, enum pen_code code, int http_stat
                           const char *detail)
 {
     const int status = http_status ? http_status : pen_code_http(code);
+    pen_buf_reserve(out, MOSTLY_BYTES);
     pen_buf_puts(out, "{\"type\":\"urn:penumbra:problem:");
     pen_buf_puts(out, pen_code_name(code));
     write_member(out, "\",\"title\":", pen_code_title(code));

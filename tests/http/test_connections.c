@@ -340,6 +340,47 @@ START_TEST(test_connections__lingers_where_more_may_come)
 }
 END_TEST
 
+/* Whether the answer to this request closes the connection. */
+static bool is_closed_after(int fd, const char *request)
+{
+    struct answer answer;
+    char value[20];
+    client_send(fd, request);
+    client_read(fd, false, &answer);
+    ck_assert_int_ne(answer.status, 0);
+    const bool closed =
+        strcmp(answer_field(&answer, "Connection", value, sizeof value), "close") == 0;
+    answer_release(&answer);
+    ck_assert(!closed || client_sees_end(fd, 10));
+    return closed;
+}
+
+/* In a rush a refusal that is the first answer on its connection closes it, but for a tenth of each
+ * second. Whoever uses a connection again keeps it. */
+START_TEST(test_connections__refusals_of_a_rush_close)
+{
+    static const char good[] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    static const char bad[] = "GET /nowhere HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    struct server server;
+    server_start(&server, &(struct server_options){.idle_seconds = 0});
+    for (int i = 0; i < 3; i++) {
+        enum { NO_RUSH, FIRST_TENTH, LATER };
+        int fd = server_connect(&server);
+        const int64_t now_ns = pen_clock_ns();
+        atomic_store(&server.http->rush_until_ns, i == NO_RUSH ? 0 : INT64_MAX);
+        atomic_store(&server.http->rush_since_ns,
+                     i == FIRST_TENTH ? INT64_MAX : now_ns - 110000000); /* of 900 ms */
+        ck_assert(is_closed_after(fd, bad) == (i == LATER));
+        close(fd);
+        fd = server_connect(&server);
+        ck_assert(!is_closed_after(fd, good) && !is_closed_after(fd, bad));
+        ck_assert(!is_closed_after(fd, bad));
+        close(fd);
+    }
+    server_stop(&server);
+}
+END_TEST
+
 /* Where a client sends more than it has announced, at the moment when its connection is closed, it
  * still finds its answer. */
 START_TEST(test_connections__unannounced_bytes_cost_no_answer)
@@ -579,7 +620,7 @@ PEN_SUITE("connections", test_connections__slow_requests_are_ended,
           test_connections__reserved_slots_of_one_thread_serve_all,
           test_connections__half_bodies_give_way,
           test_connections__short_requests_have_slots_of_their_own,
-          test_connections__lingers_where_more_may_come,
+          test_connections__lingers_where_more_may_come, test_connections__refusals_of_a_rush_close,
           test_connections__unannounced_bytes_cost_no_answer,
           test_connections__slow_readers_keep_their_answer,
           test_connections__abandoned_polls_are_forgotten,

@@ -32,12 +32,13 @@ struct pen_http {
 
     int connection_max;  /* beyond it new connections replace idle ones */
     atomic_int arriving; /* accepted and not yet with their loops. atomic: relaxed, a bound */
-    _Atomic int64_t rush_until_ns; /* new connections come fast (listener.c). atomic: relaxed, it
-                                    * only spares work */
-    atomic_int connections;        /* with the loops and not yet closed. atomic: relaxed, a bound */
-    atomic_int reserved;           /* connections in reserved slots. atomic: relaxed, a bound */
-    atomic_size_t head_bytes;      /* heads of requests that are not answered, and what was read
-                                    * and has to wait. atomic: relaxed, a sum */
+    /* New connections come fast, since and until then (listener.c). atomic: relaxed, they only
+     * spare work */
+    _Atomic int64_t rush_since_ns, rush_until_ns;
+    atomic_int connections;   /* with the loops and not yet closed. atomic: relaxed, a bound */
+    atomic_int reserved;      /* connections in reserved slots. atomic: relaxed, a bound */
+    atomic_size_t head_bytes; /* heads of requests that are not answered, and what was read
+                               * and has to wait. atomic: relaxed, a sum */
 
     atomic_bool draining, stopping; /* atomic: relaxed, one request more may still be served */
     atomic_int active;              /* requests whose head was seen and that have not ended.

@@ -91,6 +91,11 @@ void pen_http_loop_wait(struct conn *conn, enum conn_wait wait);
 /* Whether new connections come so fast that answers to wrong requests have to be cheap. */
 bool pen_http_loop_rush(const struct loop *loop);
 
+/* Whether that is so, and refusals close their connections. In each second of a rush they do not
+ * for its first tenth: clients that would use their connections again keep them then, and are no
+ * part of the rush any more, which they would keep up if every refusal made them connect again. */
+bool pen_http_loop_closes_refused(const struct loop *loop);
+
 /* Asks the kernel to tell of this connection, unless it does so already: one that is answered and
  * closed at once needs no events. Returns false if the kernel is out of memory. Threads: the
  * loop's. */
