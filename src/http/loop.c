@@ -253,7 +253,8 @@ static void begin(struct conn *conn)
         pen_http_conn_close(conn);
         return;
     }
-    conn->readable = conn->writable = true; /* perhaps; to try costs less than to ask */
+    /* Mostly true by now, and a call that finds otherwise costs less than waiting for an event. */
+    conn->readable = conn->writable = true;
     pen_http_loop_again(conn);
 }
 
