@@ -48,9 +48,10 @@ below list-p99-ms 20
 below ready-p99-ms 100
 
 # Bad requests beside a render. The same requests to a server that only accepts and closes show what the
-# clients themselves take of the processors. A machine's speed drifts, so rounds of both alternate, and a
-# round is held against the mean of its neighbours.
+# clients themselves take of the processors. A machine's speed drifts, so short rounds of both alternate, and
+# a round is held against the mean of its neighbours.
 daemon_stop
+store=$work/second.db # without the scenes from above, whose pictures would be computed beside
 daemon_start
 port=${url##*:}
 middle() { # FILE: the median
@@ -58,11 +59,11 @@ middle() { # FILE: the median
 }
 renders_beside() { # PORT: sets $took to the milliseconds of a render beside bad requests to this port
     : >"$work/renders"
-    "$load" bad "$1" 10000 "$((seconds / 3))" >"$work/values" &
+    "$load" bad "$1" 10000 "$((seconds / 5))" >"$work/values" &
     clients=$!
     sleep 1
     while kill -0 $clients 2>/dev/null; do
-        submit '{"scene": "builtin:room", "render": {"width": 700, "height": 1000, "samples_per_pixel": 2}}'
+        submit '{"scene": "builtin:room", "render": {"width": 500, "height": 700, "samples_per_pixel": 2}}'
         while [ "$(curl -s "$url$job?wait=60" | jq -r .state)" = running ]; do :; done
         kill -0 $clients 2>/dev/null &&
             curl -s "$url$job/stats" | jq '.timing.render_ms | numbers' >>"$work/renders"
@@ -75,7 +76,7 @@ renders_beside() { # PORT: sets $took to the milliseconds of a render beside bad
 }
 renders_beside 0
 before=$took
-for _ in 1 2 3 4 5 6 7 8 9; do
+for _ in $(seq 15); do
     renders_beside "$port"
     beside=$took
     expect bad-health-failed "$(value health-failed)" 0
