@@ -72,6 +72,15 @@ bool pen_buf_puts(struct pen_buf *buf, const char *text)
     return pen_buf_add(buf, text, strlen(text));
 }
 
+bool pen_buf_number(struct pen_buf *buf, uint64_t number)
+{
+    char digits[20], *first = digits + sizeof digits;
+    do
+        *--first = (char)('0' + number % 10);
+    while ((number /= 10) > 0);
+    return pen_buf_add(buf, first, (size_t)(digits + sizeof digits - first));
+}
+
 /* Most texts fit into what is left of the capacity; only one that does not is formatted twice. */
 bool pen_buf_printf(struct pen_buf *buf, const char *format, ...)
 {

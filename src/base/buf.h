@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 struct pen_buf {
     unsigned char
@@ -30,6 +31,9 @@ bool pen_buf_add(struct pen_buf *buf, const void *data, size_t bytes);
 
 /* Appends a string without its terminating zero. */
 bool pen_buf_puts(struct pen_buf *buf, const char *text);
+
+/* Appends a number in decimal. Costs less than pen_buf_printf. */
+bool pen_buf_number(struct pen_buf *buf, uint64_t number);
 
 /* Appends formatted text. */
 bool pen_buf_printf(struct pen_buf *buf, const char *format, ...)

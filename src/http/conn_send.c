@@ -97,7 +97,11 @@ static void write_head(struct conn *conn)
     const struct reply *reply = &request->reply;
     struct pen_buf *out = &conn->out;
     pen_buf_reserve(out, HEAD_BYTES);
-    pen_buf_printf(out, "HTTP/1.1 %d %s\r\n", reply->status, reason_of(reply->status));
+    pen_buf_puts(out, "HTTP/1.1 ");
+    pen_buf_number(out, (uint64_t)reply->status);
+    pen_buf_puts(out, " ");
+    pen_buf_puts(out, reason_of(reply->status));
+    pen_buf_puts(out, "\r\n");
     write_field(out, "Date", pen_http_loop_date(conn->loop));
     for (int i = 0; !reply->failed && i < reply->field_count; i++)
         write_field(out, reply->field[i].name, reply->field[i].value);
@@ -107,10 +111,13 @@ static void write_head(struct conn *conn)
         write_field(out, "Connection", "close");
     else if (request->minor == 0)
         write_field(out, "Connection", "keep-alive");
-    if (reply->streaming && !reply->failed)
+    if (reply->streaming && !reply->failed) {
         pen_buf_puts(out, request->minor > 0 ? "Transfer-Encoding: chunked\r\n" : "");
-    else if (reply->status != 204)
-        pen_buf_printf(out, "Content-Length: %zu\r\n", reply->failed ? (size_t)0 : reply->bytes);
+    } else if (reply->status != 204) {
+        pen_buf_puts(out, "Content-Length: ");
+        pen_buf_number(out, reply->failed ? 0 : reply->bytes);
+        pen_buf_puts(out, "\r\n");
+    }
     pen_buf_puts(out, "\r\n");
 }
 

@@ -74,7 +74,8 @@ static void write_problem(struct pen_buf *out, enum pen_code code, int http_stat
     pen_buf_puts(out, "{\"type\":\"urn:penumbra:problem:");
     pen_buf_puts(out, pen_code_name(code));
     write_member(out, "\",\"title\":", pen_code_title(code));
-    pen_buf_printf(out, ",\"status\":%d", status);
+    pen_buf_puts(out, ",\"status\":");
+    pen_buf_number(out, (uint64_t)status);
     write_member(out, ",\"detail\":", detail);
 }
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include <inttypes.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
@@ -51,6 +52,21 @@ START_TEST(test_buf__holds_what_was_appended)
     }
     ck_assert(memcmp(buf.data, expected, used + 1) == 0);
     pen_buf_release(&buf);
+}
+END_TEST
+
+START_TEST(test_buf__writes_numbers_as_printf_does)
+{
+    uint64_t numbers[] = {0, 9, 10, 99, 100, 429, 9999999999, UINT64_MAX / 10, UINT64_MAX};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        struct pen_buf written = {0}, formatted = {0};
+        ck_assert(pen_buf_number(&written, numbers[i]));
+        ck_assert(pen_buf_printf(&formatted, "%" PRIu64, numbers[i]));
+        ck_assert_str_eq((char *)written.data, (char *)formatted.data);
+        ck_assert_uint_eq(written.bytes, formatted.bytes);
+        pen_buf_release(&written);
+        pen_buf_release(&formatted);
+    }
 }
 END_TEST
 
@@ -111,4 +127,4 @@ END_TEST
 PEN_SUITE("buf", test_buf__reserved_space_is_neither_more_nor_moved,
           test_buf__appends_and_ends_with_zero, test_buf__holds_what_was_appended,
           test_buf__a_failed_append_changes_nothing_and_sticks,
-          test_buf__sizes_beyond_memory_are_refused)
+          test_buf__sizes_beyond_memory_are_refused, test_buf__writes_numbers_as_printf_does)

@@ -144,17 +144,21 @@ static bool round_decimal(const struct pen_json_decimal *decimal, double *out)
 /* The value with these bits, made unless one of the recent values is the same. */
 static json_t *share(struct pen_json_numbers *numbers, bool integer, uint64_t bits)
 {
-    size_t slot = ((bits ^ integer) * UINT64_C(0x9E3779B97F4A7C15)) >> 54;
-    json_t *value = numbers->recent[slot].value;
-    if (value && numbers->recent[slot].bits == bits && json_is_integer(value) == integer)
+    if (!numbers->recent && !(numbers->recent = calloc(PEN_JSON_RECENT, sizeof *numbers->recent)))
+        return NULL;
+    const size_t slot =
+        ((bits ^ integer) * UINT64_C(0x9E3779B97F4A7C15)) >> 54; /* below PEN_JSON_RECENT */
+    struct pen_json_recent *recent = &numbers->recent[slot];
+    json_t *value = recent->value;
+    if (value && recent->bits == bits && json_is_integer(value) == integer)
         return json_incref(value);
     double real;
     memcpy(&real, &bits, sizeof real);
     json_t *made = integer ? json_integer((json_int_t)bits) : json_real(real);
     if (made) {
         json_decref(value);
-        numbers->recent[slot].value = json_incref(made);
-        numbers->recent[slot].bits = bits;
+        recent->value = json_incref(made);
+        recent->bits = bits;
     }
     return made;
 }
@@ -189,7 +193,9 @@ bool pen_json_number(struct pen_json_numbers *numbers, const char *text, size_t 
 
 void pen_json_numbers_release(struct pen_json_numbers *numbers)
 {
-    for (size_t i = 0; i < sizeof numbers->recent / sizeof numbers->recent[0]; i++)
+    for (size_t i = 0; numbers->recent && i < PEN_JSON_RECENT; i++)
         json_decref(numbers->recent[i].value);
+    free(numbers->recent);
+    numbers->recent = NULL;
     pen_buf_release(&numbers->scratch);
 }

@@ -25,14 +25,19 @@ struct pen_json_decimal {
 size_t pen_json_scan_number(const char *text, size_t offset, size_t end,
                             struct pen_json_decimal *out);
 
-/* Makes values of numbers. Scenes repeat their numbers: the corners of a mesh belong to several
- * faces, and 0 and 1 are everywhere. A number that has been made lately is not made again but
- * counted once more, which saves its memory. So the values of numbers must not be changed. */
+enum { PEN_JSON_RECENT = 1024 };
+
+struct pen_json_recent {
+    uint64_t bits; /* of the integer or double */
+    json_t *value; /* NULL: none yet */
+};
+
+/* Makes values of numbers; {0} has made none. Scenes repeat their numbers: the corners of a mesh
+ * belong to several faces, and 0 and 1 are everywhere. A number that has been made lately is not
+ * made again but counted once more, which saves its memory. So the values of numbers must not be
+ * changed. */
 struct pen_json_numbers {
-    struct {
-        uint64_t bits; /* of the integer or double */
-        json_t *value; /* NULL: none yet */
-    } recent[1024];
+    struct pen_json_recent *recent; /* PEN_JSON_RECENT, by a hash; NULL before the first number */
     struct pen_buf scratch;
 };
 
