@@ -45,7 +45,7 @@ static struct pen_submission read_submission(const struct request *request)
 
 bool pen_http_quick_refusal(struct request *request)
 {
-    enum { BYTES_MAX = 1024 }; /* some microseconds, as long as handing it to another thread */
+    enum { BYTES_MAX = 128 }; /* of any kind take 6 µs at most, 1 KiB of "[{},{}…" takes 37 */
     struct pen_errors errors;
     errors.count = errors.total = 0; /* the list has 16 KB, which need not be cleared */
     if (request->body.bytes > BYTES_MAX || request->fields.content_encoding ||
