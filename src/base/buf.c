@@ -22,16 +22,14 @@ void pen_buf_release(struct pen_buf *buf)
     pen_buf_init(buf);
 }
 
-/* Makes sure that `more` bytes and a zero byte fit. */
-static bool reserve(struct pen_buf *buf, size_t more)
+/* Makes space for so many more bytes and a zero byte, which do not fit yet. */
+static bool grow(struct pen_buf *buf, size_t more)
 {
     if (buf->failed)
         return false;
     if (more >= SIZE_MAX / 2 - buf->bytes)
         return !(buf->failed = true);
-    size_t needed = buf->bytes + more + 1;
-    if (needed <= buf->capacity)
-        return true;
+    const size_t needed = buf->bytes + more + 1;
     size_t capacity = buf->capacity ? buf->capacity : FIRST_CAPACITY;
     while (capacity < needed)
         capacity *= 2;
@@ -41,6 +39,12 @@ static bool reserve(struct pen_buf *buf, size_t more)
     buf->data = data;
     buf->capacity = capacity;
     return true;
+}
+
+/* Makes sure that `more` bytes and a zero byte fit. */
+static inline bool reserve(struct pen_buf *buf, size_t more)
+{
+    return (!buf->failed && more < buf->capacity - buf->bytes) || grow(buf, more);
 }
 
 bool pen_buf_reserve(struct pen_buf *buf, size_t bytes)
@@ -65,11 +69,6 @@ bool pen_buf_add(struct pen_buf *buf, const void *data, size_t bytes)
     buf->bytes += bytes;
     buf->data[buf->bytes] = '\0';
     return true;
-}
-
-bool pen_buf_puts(struct pen_buf *buf, const char *text)
-{
-    return pen_buf_add(buf, text, strlen(text));
 }
 
 bool pen_buf_number(struct pen_buf *buf, uint64_t number)

@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 struct pen_buf {
     unsigned char
@@ -29,8 +30,11 @@ bool pen_buf_reserve(struct pen_buf *buf, size_t bytes);
 /* Appends bytes. Returns false when out of memory. */
 bool pen_buf_add(struct pen_buf *buf, const void *data, size_t bytes);
 
-/* Appends a string without its terminating zero. */
-bool pen_buf_puts(struct pen_buf *buf, const char *text);
+/* Appends a string without its terminating zero. Inline, so that a literal is not measured. */
+static inline bool pen_buf_puts(struct pen_buf *buf, const char *text)
+{
+    return pen_buf_add(buf, text, strlen(text));
+}
 
 /* Appends a number in decimal. Costs less than pen_buf_printf. */
 bool pen_buf_number(struct pen_buf *buf, uint64_t number);

@@ -112,6 +112,11 @@ void pen_http_address_text(const struct pen_address_key *key, char text[PEER_BYT
         text[0] = '\0';
 }
 
+bool pen_http_address_equal(const struct pen_address_key *a, const struct pen_address_key *b)
+{
+    return memcmp(a->bytes, b->bytes, sizeof a->bytes) == 0;
+}
+
 static struct address_count *find(struct addresses *addresses, const struct pen_address_key *key)
 {
     for (int i = 0; i < addresses->count; i++) {

@@ -34,12 +34,11 @@ static void check_slot(struct request *request)
  * client that the proxy names in vain is one of all such clients. */
 static void name_client(struct request *request, const struct pen_address_key *peer)
 {
-    struct pen_address_key client = *peer, named;
+    struct pen_address_key named;
     const char *forwarded_for = peer->is_proxy ? request->fields.forwarded_for : NULL;
-    if (forwarded_for && pen_http_address_forwarded(forwarded_for, &named))
-        client = named;
-    pen_http_address_text(&client, request->peer);
-    request->peer_is_shared = peer->exempt && !forwarded_for;
+    const bool is_named = forwarded_for && pen_http_address_forwarded(forwarded_for, &named);
+    request->client = is_named ? named : *peer;
+    request->client_is_shared = peer->exempt && !forwarded_for;
 }
 
 struct request *pen_http_exchange_begin(struct conn *conn, const char *head, size_t bytes)

@@ -33,8 +33,7 @@ static struct pen_submission read_submission(const struct request *request)
 {
     struct pen_submission in = {.body = request->body.data ? (const char *)request->body.data : "",
                                 .bytes = request->body.bytes,
-                                .address = request->peer,
-                                .address_is_shared = request->peer_is_shared,
+                                .address_is_shared = request->client_is_shared,
                                 .traceparent = request->fields.traceparent,
                                 .idempotency_key = request->fields.idempotency_key};
     enum pen_media media = pen_media_parse(request->fields.content_type);
@@ -72,9 +71,18 @@ static void note_readiness(struct pen_http *http, const struct pen_errors *error
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jobs)
+/* The body as a submission of this client, for a job that is to be stored. */
+static struct pen_submission read_job(struct request *request)
 {
     struct pen_submission in = read_submission(request);
+    pen_http_address_text(&request->client, request->client_text);
+    in.address = request->client_text;
+    return in;
+}
+
+enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_submission in = read_job(request);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
@@ -236,7 +244,7 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
 /* Makes the job. Returns whether it is there; otherwise the request is answered. */
 static bool submit_explanation(struct request *request, struct pen_jobs *jobs)
 {
-    struct pen_submission in = read_submission(request);
+    struct pen_submission in = read_job(request);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     in.explain = true;

@@ -2,9 +2,8 @@
 /* Making, answering and freeing a request. */
 #include "http/internal/request.h"
 
-#include <inttypes.h>
 #include <stddef.h>
-#include <stdio.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -64,6 +63,13 @@ static void read_field(struct fields *fields, const struct pen_head_field *sent)
     }
 }
 
+/* Writes a number in eight hexadecimal digits, without a zero byte. */
+static void write_hex(char *out, uint32_t number)
+{
+    for (int i = 7; i >= 0; i--, number >>= 4)
+        out[i] = "0123456789abcdef"[number & 15];
+}
+
 /* Takes the client's own request id if it can be written into logs safely, else makes one. */
 static void name_request(struct request *request)
 {
@@ -76,8 +82,11 @@ static void name_request(struct request *request)
         return;
     }
     struct pen_http *http = request->http;
-    unsigned n = atomic_fetch_add_explicit(&http->request_count, 1, memory_order_relaxed);
-    snprintf(request->id, sizeof request->id, "%08" PRIx32 "-%06x", http->id_prefix, n);
+    write_hex(request->id, http->id_prefix);
+    request->id[8] = '-';
+    write_hex(request->id + 9,
+              atomic_fetch_add_explicit(&http->request_count, 1, memory_order_relaxed));
+    request->id[17] = '\0';
 }
 
 static void read_head(struct request *request, size_t bytes)
@@ -108,7 +117,7 @@ static void count_head(struct request *request, size_t bytes)
 
 struct request *pen_http_request_new(struct pen_http *http, const char *head, size_t bytes)
 {
-    struct request *request = calloc(1, sizeof *request);
+    struct request *request = malloc(sizeof *request);
     char *text = malloc(bytes + 1);
     if (!request || !text) {
         free(request);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "http/internal/waiting.h"
 
-#include <string.h>
-
 #include "http/internal/request.h"
 
 enum { TURN_SHARE = 3 }; /* times as long as for the oldest, threads work for those in turn */
@@ -14,12 +12,12 @@ void pen_http_waiting_init(struct waiting *waiting, bool by_turns)
 
 /* The place of a client that is remembered; else the first of nobody, or of the one that was not
  * served for longest. */
-static struct served *place_of(struct waiting *waiting, const char *client)
+static struct served *place_of(struct waiting *waiting, const struct pen_address_key *client)
 {
     struct served *oldest = &waiting->served[0];
     for (int i = 0; i < SERVED_MAX; i++) {
         struct served *served = &waiting->served[i];
-        if (served->turn > 0 && strcmp(served->client, client) == 0)
+        if (served->turn > 0 && pen_http_address_equal(&served->client, client))
             return served;
         if (served->turn < oldest->turn)
             oldest = served;
@@ -28,20 +26,20 @@ static struct served *place_of(struct waiting *waiting, const char *client)
 }
 
 /* When this client was served last; 0: never, as far as is remembered. */
-static uint64_t last_turn(struct waiting *waiting, const char *client)
+static uint64_t last_turn(struct waiting *waiting, const struct pen_address_key *client)
 {
     const struct served *place = place_of(waiting, client);
-    return strcmp(place->client, client) == 0 ? place->turn : 0;
+    return pen_http_address_equal(&place->client, client) ? place->turn : 0;
 }
 
 /* Remembers that a client is being served. */
-static void note_served(struct waiting *waiting, const char *client)
+static void note_served(struct waiting *waiting, const struct pen_address_key *client)
 {
     struct served *place = place_of(waiting, client);
-    memcpy(place->client, client, sizeof place->client);
+    place->client = *client;
     place->turn = ++waiting->turns;
     for (struct request *other = waiting->head; other; other = other->next) {
-        if (strcmp(other->peer, client) == 0)
+        if (pen_http_address_equal(&other->client, client))
             other->last_turn = place->turn;
     }
 }
@@ -49,7 +47,7 @@ static void note_served(struct waiting *waiting, const char *client)
 void pen_http_waiting_add(struct waiting *waiting, struct request *request)
 {
     if (waiting->by_turns)
-        request->last_turn = last_turn(waiting, request->peer);
+        request->last_turn = last_turn(waiting, &request->client);
     request->next = NULL;
     *waiting->tail = request;
     waiting->tail = &request->next;
@@ -91,7 +89,7 @@ struct request *pen_http_waiting_take(struct waiting *waiting, bool *oldest)
         waiting->tail = link;
     waiting->count--;
     if (waiting->by_turns)
-        note_served(waiting, request->peer);
+        note_served(waiting, &request->client);
     return request;
 }
 

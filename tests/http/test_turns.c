@@ -16,7 +16,7 @@
 
 static void add(struct waiting *waiting, struct request *request, const char *client, size_t work)
 {
-    snprintf(request->peer, sizeof request->peer, "%s", client);
+    ck_assert(pen_http_address_parse(client, request->client.bytes));
     request->work_bytes = work;
     pen_http_waiting_add(waiting, request);
 }

@@ -42,6 +42,9 @@ struct pen_address_key pen_http_address_key(const struct sockaddr *peer,
  * passed over. Returns false if it is no numeric address. */
 bool pen_http_address_forwarded(const char *forwarded_for, struct pen_address_key *key);
 
+/* Whether the addresses are the same, whatever else is known of them. */
+bool pen_http_address_equal(const struct pen_address_key *a, const struct pen_address_key *b);
+
 /* The address as text, an IPv4 address in dots; "" if it is not known. PEER_BYTES of text. */
 enum { PEER_BYTES = 46 };
 void pen_http_address_text(const struct pen_address_key *key, char text[PEER_BYTES]);

@@ -58,8 +58,9 @@ struct request {
     bool head;                       /* the method is HEAD */
     bool close;                      /* nothing may follow it on its connection */
     bool at_once;                    /* it may not wait for a job to change */
-    char peer[PEER_BYTES];           /* the client's address as text; "": not known */
-    bool peer_is_shared;             /* many clients can be behind it */
+    struct pen_address_key client;   /* its address */
+    bool client_is_shared;           /* many clients can be behind the address */
+    char client_text[PEER_BYTES];    /* the address, once a submission needs it as text */
     struct fields fields;
     struct pen_target target;
     const struct route *route; /* NULL: refused */

@@ -33,7 +33,7 @@ struct waiting {
     bool was_oldest;
     uint64_t turns; /* how many requests were taken */
     struct served {
-        char client[PEER_BYTES];
+        struct pen_address_key client;
         uint64_t turn; /* of `turns`, when it was served last; 0: nobody's */
     } served[SERVED_MAX];
 };
