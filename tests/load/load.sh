@@ -59,9 +59,9 @@ middle() { # FILE: the median
 }
 renders_beside() { # PORT: sets $took to the milliseconds of a render beside bad requests to this port
     : >"$work/renders"
-    "$load" bad "$1" 10000 "$((seconds / 5))" >"$work/values" &
+    "$load" bad "$1" 10000 "$((seconds / 10))" >"$work/values" &
     clients=$!
-    sleep 1
+    sleep 0.3
     while kill -0 $clients 2>/dev/null; do
         submit '{"scene": "builtin:room", "render": {"width": 500, "height": 700, "samples_per_pixel": 2}}'
         while [ "$(curl -s "$url$job?wait=60" | jq -r .state)" = running ]; do :; done
@@ -76,7 +76,7 @@ renders_beside() { # PORT: sets $took to the milliseconds of a render beside bad
 }
 renders_beside 0
 before=$took
-for _ in $(seq 15); do
+for _ in $(seq 30); do
     renders_beside "$port"
     beside=$took
     expect bad-health-failed "$(value health-failed)" 0
