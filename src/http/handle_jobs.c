@@ -71,18 +71,20 @@ static void note_readiness(struct pen_http *http, const struct pen_errors *error
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* The body as a submission of this client, for a job that is to be stored. */
-static struct pen_submission read_job(struct request *request)
+/* The body as a submission of this client, for a job that is to be stored; `address` takes the text
+ * of its address. */
+static struct pen_submission read_job(const struct request *request, char address[PEER_BYTES])
 {
     struct pen_submission in = read_submission(request);
-    pen_http_address_text(&request->client, request->client_text);
-    in.address = request->client_text;
+    pen_http_address_text(&request->client, address);
+    in.address = address;
     return in;
 }
 
 enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jobs)
 {
-    struct pen_submission in = read_job(request);
+    char address[PEER_BYTES];
+    struct pen_submission in = read_job(request, address);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
@@ -244,7 +246,8 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
 /* Makes the job. Returns whether it is there; otherwise the request is answered. */
 static bool submit_explanation(struct request *request, struct pen_jobs *jobs)
 {
-    struct pen_submission in = read_job(request);
+    char address[PEER_BYTES];
+    struct pen_submission in = read_job(request, address);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     in.explain = true;

@@ -63,10 +63,11 @@ static void read_field(struct fields *fields, const struct pen_head_field *sent)
     }
 }
 
-/* Writes a number in eight hexadecimal digits, without a zero byte. */
-static void write_hex(char *out, uint32_t number)
+/* Writes a number in so many hexadecimal digits, and a zero byte. */
+static void write_hex(char *out, uint32_t number, int digits)
 {
-    for (int i = 7; i >= 0; i--, number >>= 4)
+    out[digits] = '\0';
+    for (int i = digits - 1; i >= 0; i--, number >>= 4)
         out[i] = "0123456789abcdef"[number & 15];
 }
 
@@ -82,11 +83,10 @@ static void name_request(struct request *request)
         return;
     }
     struct pen_http *http = request->http;
-    write_hex(request->id, http->id_prefix);
+    uint32_t n = atomic_fetch_add_explicit(&http->request_count, 1, memory_order_relaxed);
+    write_hex(request->id, http->id_prefix, 8);
     request->id[8] = '-';
-    write_hex(request->id + 9,
-              atomic_fetch_add_explicit(&http->request_count, 1, memory_order_relaxed));
-    request->id[17] = '\0';
+    write_hex(request->id + 9, n, n < 1 << 24 ? 6 : 8);
 }
 
 static void read_head(struct request *request, size_t bytes)

@@ -191,6 +191,6 @@ expect refusals-keep-the-connection "$codes" "400 1 404 0 400 0 "
 call /healthz -H 'X-Request-Id: my-id.1'
 expect request-id-taken "$(header x-request-id)" my-id.1
 call /nowhere -H 'X-Request-Id: my id'
-expect_match request-id-made "$(header x-request-id)" '????????-????????'
+expect_match request-id-made "$(header x-request-id)" '????????-??????'
 expect request-id-in-the-problem "$(body .request_id)" "$(header x-request-id)"
 finish

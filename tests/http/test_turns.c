@@ -16,7 +16,7 @@
 
 static void add(struct waiting *waiting, struct request *request, const char *client, size_t work)
 {
-    ck_assert(pen_http_address_parse(client, request->client.bytes));
+    ck_assert(!*client || pen_http_address_parse(client, request->client.bytes)); /* "": unknown */
     request->work_bytes = work;
     pen_http_waiting_add(waiting, request);
 }
@@ -70,8 +70,8 @@ static void expect_order(bool by_turns, const char *const *client, const size_t 
 /* Of one client's requests the smallest is next, and of equal ones the oldest. */
 START_TEST(test_turns__small_requests_come_first)
 {
-    expect_order(true, (const char *const[]){"192.0.2.1", "192.0.2.1", "192.0.2.1", "192.0.2.1"},
-                 (const size_t[]){70, 20, 20, 10}, (const int[]){3, 1, 2, 0});
+    expect_order(true, (const char *const[]){"", "", "", ""}, (const size_t[]){70, 20, 20, 10},
+                 (const int[]){3, 1, 2, 0});
 }
 END_TEST
 

@@ -60,7 +60,6 @@ struct request {
     bool at_once;                    /* it may not wait for a job to change */
     struct pen_address_key client;   /* its address */
     bool client_is_shared;           /* many clients can be behind the address */
-    char client_text[PEER_BYTES];    /* the address, once a submission needs it as text */
     struct fields fields;
     struct pen_target target;
     const struct route *route; /* NULL: refused */
