@@ -22,6 +22,7 @@
 #include "http/internal/addresses.h"
 #include "http/internal/http.h"
 #include "http/internal/loop.h"
+#include "http/internal/pace.h"
 
 enum {
     CONNECTIONS = 8192,
@@ -32,11 +33,7 @@ enum {
     HEAD_S = 10,
     BODY_S = 10,
     ACCEPT_AGAIN_MS = 5,
-    WINDOW_NS = 10000000,   /* over which the rate of connections is taken */
-    RUSH_EVERY_NS = 250000, /* 4000 connections in a second */
-    RUSH_PAUSE_NS = 500000,
-    RUSH_GATHERS = 3, /* connections at each wake, or the pauses are of no use */
-    RUSH_AGAIN_NS = 1000000000
+    RUSH_LASTS_NS = 100000000 /* after connections came fast */
 };
 
 /* A host that has vanished closes nothing. Probes find that out on a silent connection, within 20
@@ -96,6 +93,13 @@ static bool accept_one(struct listener *listener)
     return true;
 }
 
+/* Wakes the loop that got the last connections, and turns to the next one. */
+static void wake_next_loop(struct listener *listener)
+{
+    pen_http_loop_wake(listener->loop[listener->next_loop]);
+    listener->next_loop = (listener->next_loop + 1) % listener->loop_count;
+}
+
 /* Whether the loops have kept up with the connections that they were given. */
 static bool loops_keep_up(const struct listener *listener)
 {
@@ -103,57 +107,42 @@ static bool loops_keep_up(const struct listener *listener)
 }
 
 /* Accepts what waits, BURST connections at most, and deals them out: one after the other, or, to
- * wake one thread alone, all to the same loop. Returns their number. */
+ * wake one thread once, all to the same loop. Returns their number. */
 static int accept_burst(struct listener *listener, bool together)
 {
     int count = 0;
     while (count < BURST && loops_keep_up(listener) && accept_one(listener)) {
         count++;
         if (!together)
-            listener->next_loop = (listener->next_loop + 1) % listener->loop_count;
+            wake_next_loop(listener);
     }
-    if (together)
-        listener->next_loop = (listener->next_loop + 1) % listener->loop_count;
+    if (together && count > 0)
+        wake_next_loop(listener);
     return count;
 }
-
-/* How fast connections come: counted over a window. */
-struct rate {
-    int64_t begun_ns;
-    int accepted, wakes; /* since then; wakes of the acceptor that found some */
-    bool pauses;         /* and it paused before each of them */
-    int64_t again_ns;    /* no pauses before that time */
-};
 
 static void note_rush(struct pen_http *http, int64_t now_ns)
 {
     if (atomic_load_explicit(&http->rush_until_ns, memory_order_relaxed) < now_ns)
         atomic_store_explicit(&http->rush_since_ns, now_ns, memory_order_relaxed);
-    atomic_store_explicit(&http->rush_until_ns, now_ns + 2 * WINDOW_NS, memory_order_relaxed);
+    atomic_store_explicit(&http->rush_until_ns, now_ns + RUSH_LASTS_NS, memory_order_relaxed);
 }
 
-/* Whether to pause before accepting. If connections come fast it pays to let several of them come:
- * to wake a thread takes longer than to accept and to answer. But a client that sends one request
- * after the other would only wait: then pauses gather nothing, and there are none for a second. */
-static bool has_to_pause(struct rate *rate, struct pen_http *http)
+/* Accepts the connections that have come, after a pause if they come fast. */
+static void accept_paced(struct listener *listener, struct pace *pace)
 {
-    const int64_t now_ns = pen_clock_ns(), passed_ns = now_ns - rate->begun_ns;
-    if (passed_ns < WINDOW_NS)
-        return rate->pauses;
-    if (rate->pauses && rate->accepted < RUSH_GATHERS * rate->wakes)
-        rate->again_ns = now_ns + RUSH_AGAIN_NS;
-    const bool rush = rate->accepted > passed_ns / RUSH_EVERY_NS;
-    const bool pauses = rush && now_ns >= rate->again_ns;
-    if (rush)
-        note_rush(http, now_ns);
-    *rate = (struct rate){.begun_ns = now_ns, .pauses = pauses, .again_ns = rate->again_ns};
-    return pauses;
+    const int64_t now_ns = pen_clock_ns(), pause_ns = pen_http_pace_pause(pace, now_ns);
+    if (pace->rush)
+        note_rush(listener->http, now_ns);
+    if (pause_ns > 0)
+        nanosleep(&(struct timespec){.tv_nsec = pause_ns}, NULL);
+    pen_http_pace_count(pace, accept_burst(listener, pause_ns > 0));
 }
 
 static void *accept_all(void *arg)
 {
     struct listener *listener = arg;
-    struct rate rate = {.begun_ns = pen_clock_ns()};
+    struct pace pace = {0};
     for (;;) {
         bool ready = loops_keep_up(listener);
         struct pollfd fds[] = {{.fd = listener->stop_fd, .events = POLLIN},
@@ -163,13 +152,8 @@ static void *accept_all(void *arg)
             poll(NULL, 0, ACCEPT_AGAIN_MS); /* the kernel is out of memory */
         if (n > 0 && fds[0].revents)
             break;
-        if (n > 0 && ready && fds[1].revents) {
-            const bool pauses = has_to_pause(&rate, listener->http);
-            if (pauses)
-                nanosleep(&(struct timespec){.tv_nsec = RUSH_PAUSE_NS}, NULL);
-            rate.accepted += accept_burst(listener, pauses);
-            rate.wakes++;
-        }
+        if (n > 0 && ready && fds[1].revents)
+            accept_paced(listener, &pace);
     }
     return NULL;
 }

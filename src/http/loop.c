@@ -96,7 +96,7 @@ void pen_http_loop_remove(struct conn *conn)
     pen_http_trim_note(http->trim);
 }
 
-static void wake(struct loop *loop)
+void pen_http_loop_wake(struct loop *loop)
 {
     eventfd_write(loop->wake_fd, 1);
 }
@@ -115,14 +115,15 @@ void pen_http_resume(struct request *request)
     }
     pthread_mutex_unlock(&loop->lock);
     if (first)
-        wake(loop);
+        pen_http_loop_wake(loop);
 }
 
-/* Gives a new connection to a loop. Returns false if the loop is being stopped. */
+/* Gives a new connection to a loop that is to be woken then. Returns false if the loop is being
+ * stopped. */
 static bool give(struct loop *loop, struct conn *conn)
 {
     pthread_mutex_lock(&loop->lock);
-    const bool taken = !loop->stop, first = taken && !loop->accepted;
+    const bool taken = !loop->stop;
     if (taken) {
         atomic_fetch_add_explicit(&loop->http->arriving, 1, memory_order_relaxed);
         conn->loop = loop;
@@ -130,8 +131,6 @@ static bool give(struct loop *loop, struct conn *conn)
         loop->accepted = conn;
     }
     pthread_mutex_unlock(&loop->lock);
-    if (first)
-        wake(loop);
     return taken;
 }
 
@@ -209,8 +208,10 @@ static bool pass_on(struct conn *conn)
     if (next == conn->walk_from)
         return false;
     atomic_fetch_sub_explicit(&http->connections, 1, memory_order_relaxed);
-    if (give(next, conn))
+    if (give(next, conn)) {
+        pen_http_loop_wake(next);
         return true;
+    }
     atomic_fetch_add_explicit(&http->connections, 1, memory_order_relaxed);
     return false;
 }
@@ -464,7 +465,7 @@ void pen_http_loops_stop(struct loop *const *loops, int count)
         pthread_mutex_lock(&loops[i]->lock);
         loops[i]->stop = true;
         pthread_mutex_unlock(&loops[i]->lock);
-        wake(loops[i]);
+        pen_http_loop_wake(loops[i]);
     }
     for (int i = 0; i < count; i++)
         pthread_join(loops[i]->thread, NULL);

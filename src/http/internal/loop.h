@@ -82,8 +82,12 @@ struct loop *pen_http_loop_start(struct pen_http *http, const struct loop_times 
  * thread. */
 void pen_http_loops_stop(struct loop *const *loops, int count);
 
-/* Gives an accepted socket to the loop, which closes it. Threads: any. */
+/* Gives an accepted socket to the loop, which closes it. The loop is not woken: a caller that has
+ * several for it wakes it once, behind the last. Threads: any. */
 void pen_http_loop_add(struct loop *loop, int fd, const struct pen_address_key *address);
+
+/* Wakes the loop for the sockets that it was given. Threads: any. */
+void pen_http_loop_wake(struct loop *loop);
 
 /* Moves a connection to the end of a list. Threads: the loop's. */
 void pen_http_loop_wait(struct conn *conn, enum conn_wait wait);

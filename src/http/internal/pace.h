@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* How long to wait before accepting connections. Where they come fast it pays to let several come:
+ * to wake the acceptor and a loop takes longer than to accept and to answer. But clients that each
+ * wait for their answer before they connect again come no faster than the pauses let them. So
+ * pauses are as long as it takes to gather GATHERS connections, LONGEST_NS at most; where fewer
+ * than 8000 come in a second in spite of that, they are short for a second; and where even short
+ * ones gather nothing, since few clients send one request after the other, there are none for a
+ * second.
+ *
+ * Threads: one. */
+#ifndef PEN_HTTP_INTERNAL_PACE_H
+#define PEN_HTTP_INTERNAL_PACE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* All zero: nothing was counted yet. */
+struct pace {
+    int64_t begun_ns;       /* of the window over which connections are counted */
+    int accepted, wakes;    /* connections in it, and wakes of the acceptor that found some */
+    int64_t pause_ns;       /* before each of them; 0: none */
+    int64_t none_until_ns;  /* no pauses before that time */
+    int64_t short_until_ns; /* none but short ones */
+    bool rush;              /* in the last window they came fast: more than 4000 in a second */
+};
+
+/* The acceptor wakes at `now_ns` (pen_clock_ns). Returns how many nanoseconds it is to wait before
+ * it accepts; 0: not at all. */
+int64_t pen_http_pace_pause(struct pace *pace, int64_t now_ns);
+
+/* It has accepted so many. */
+void pen_http_pace_count(struct pace *pace, int accepted);
+
+#endif
