@@ -22,6 +22,7 @@ enum {
     STREAM_BYTES = 16 << 10, /* of a stream, sent at once */
     SMALL_BYTES = 16 << 10,  /* of a body: the kernel sends it without being waited for */
     HEAD_BYTES = 500,        /* of an answer, mostly */
+    PIECE_BYTES = 2 << 10,   /* of an answer, sent as one piece */
     UNANSWERED_MS = 15000    /* after which the client of a stream has vanished */
 };
 
@@ -155,23 +156,35 @@ void pen_http_conn_answer(struct conn *conn)
     conn->reset = conn->reset || conn->out.failed;
 }
 
+/* Gives both to the kernel, which takes small ones faster as one piece. As sendmsg. */
+static ssize_t send_both(int fd, const struct iovec parts[2], int flags)
+{
+    char piece[PIECE_BYTES];
+    const size_t first = parts[0].iov_len, second = parts[1].iov_len;
+    const struct msghdr message = {.msg_iov = (struct iovec *)parts, .msg_iovlen = 2};
+    if (first == 0 || second == 0 || first + second > sizeof piece)
+        return sendmsg(fd, &message, flags);
+    memcpy(piece, parts[0].iov_base, first);
+    memcpy(piece + first, parts[1].iov_base, second);
+    return send(fd, piece, first + second, flags);
+}
+
 /* Sends what is left of `out`, and then of a body; `ends`: the end of the connection follows, in
  * the same packet. Returns whether something was sent. */
 static bool send_parts(struct conn *conn, const unsigned char *body, size_t body_bytes, bool ends)
 {
-    struct iovec parts[2] = {
+    const struct iovec parts[2] = {
         {.iov_base = conn->out.data + conn->out_sent, .iov_len = conn->out.bytes - conn->out_sent},
         {.iov_base = (void *)body, .iov_len = body_bytes}};
-    struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
     if (!conn->writable || conn->reset)
         return false;
-    ssize_t sent = sendmsg(conn->fd, &message, MSG_NOSIGNAL | (ends ? MSG_MORE : 0));
+    const ssize_t sent = send_both(conn->fd, parts, MSG_NOSIGNAL | (ends ? MSG_MORE : 0));
     if (sent < 0) {
         conn->writable = false;
         conn->reset = errno != EAGAIN && errno != EINTR;
         return false;
     }
-    size_t of_out = (size_t)sent < parts[0].iov_len ? (size_t)sent : parts[0].iov_len;
+    const size_t of_out = (size_t)sent < parts[0].iov_len ? (size_t)sent : parts[0].iov_len;
     conn->out_sent += of_out;
     conn->body_sent += (size_t)sent - of_out;
     conn->sent_bytes += (uint64_t)sent;
