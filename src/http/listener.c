@@ -36,9 +36,10 @@ enum {
     RUSH_LASTS_NS = 100000000 /* after connections came fast */
 };
 
-/* A host that has vanished closes nothing. Probes find that out on a silent connection, within 20
- * s. The kernel sends none while it has something to send: then the times of the loop end the wait,
- * or, of a stream, which may wait for long, TCP_USER_TIMEOUT (conn_send.c). */
+/* A host that has vanished closes nothing. Probes find that out on a silent connection within 20 s;
+ * a loop asks for them when a connection has to wait. The kernel sends none while it has something
+ * to send: then the times of the loop end the wait, or, of a stream, which may wait for long,
+ * TCP_USER_TIMEOUT (conn_send.c). */
 enum { PROBE_AFTER_S = 10, PROBE_EVERY_S = 5, PROBES = 2 };
 
 /* What the kernel takes of an answer beyond what it has sent. With the megabytes that it would take
@@ -64,7 +65,6 @@ static void set_options(int fd)
     static const struct {
         int level, name, value;
     } options[] = {{IPPROTO_TCP, TCP_NODELAY, 1}, /* answers are written whole */
-                   {SOL_SOCKET, SO_KEEPALIVE, 1},
                    {IPPROTO_TCP, TCP_KEEPIDLE, PROBE_AFTER_S},
                    {IPPROTO_TCP, TCP_KEEPINTVL, PROBE_EVERY_S},
                    {IPPROTO_TCP, TCP_KEEPCNT, PROBES},
@@ -128,32 +128,36 @@ static void note_rush(struct pen_http *http, int64_t now_ns)
     atomic_store_explicit(&http->rush_until_ns, now_ns + RUSH_LASTS_NS, memory_order_relaxed);
 }
 
-/* Accepts the connections that have come, after a pause if they come fast. */
-static void accept_paced(struct listener *listener, struct pace *pace)
+/* Waits for new connections, or, with a pause, for so long; but not for connections if the loops
+ * have to catch up first. Returns false once accepting has to end. */
+static bool wait_for_more(const struct listener *listener, bool ready, int64_t pause_ns)
 {
-    const int64_t now_ns = pen_clock_ns(), pause_ns = pen_http_pace_pause(pace, now_ns);
-    if (pace->rush)
-        note_rush(listener->http, now_ns);
-    if (pause_ns > 0)
-        nanosleep(&(struct timespec){.tv_nsec = pause_ns}, NULL);
-    pen_http_pace_count(pace, accept_burst(listener, pause_ns > 0));
+    const bool listens = ready && pause_ns == 0;
+    const struct timespec pause = {.tv_nsec = ready ? pause_ns : ACCEPT_AGAIN_MS * 1000000};
+    struct pollfd fds[] = {{.fd = listener->stop_fd, .events = POLLIN},
+                           {.fd = listener->listen_fd, .events = POLLIN}};
+    const int n = ppoll(fds, listens ? 2 : 1, listens ? NULL : &pause, NULL);
+    if (n < 0 && errno != EINTR)
+        poll(NULL, 0, ACCEPT_AGAIN_MS); /* the kernel is out of memory */
+    return n <= 0 || !fds[0].revents;
 }
 
 static void *accept_all(void *arg)
 {
     struct listener *listener = arg;
     struct pace pace = {0};
-    for (;;) {
-        bool ready = loops_keep_up(listener);
-        struct pollfd fds[] = {{.fd = listener->stop_fd, .events = POLLIN},
-                               {.fd = listener->listen_fd, .events = POLLIN}};
-        int n = poll(fds, ready ? 2 : 1, ready ? -1 : ACCEPT_AGAIN_MS);
-        if (n < 0 && errno != EINTR)
-            poll(NULL, 0, ACCEPT_AGAIN_MS); /* the kernel is out of memory */
-        if (n > 0 && fds[0].revents)
+    for (int accepted = 0;;) {
+        const bool ready = loops_keep_up(listener);
+        const int64_t now_ns = pen_clock_ns(), pause_ns = pen_http_pace_pause(&pace, now_ns);
+        if (pace.rush)
+            note_rush(listener->http, now_ns);
+        /* Where some have come and more will, a pause ends by itself: that spares a wake. */
+        if (!wait_for_more(listener, ready, accepted > 0 ? pause_ns : 0))
             break;
-        if (n > 0 && ready && fds[1].revents)
-            accept_paced(listener, &pace);
+        if (ready) {
+            accepted = accept_burst(listener, pause_ns > 0);
+            pen_http_pace_count(&pace, accepted);
+        }
     }
     return NULL;
 }

@@ -67,11 +67,14 @@ bool pen_http_loop_closes_refused(const struct loop *loop)
 
 bool pen_http_loop_watch(struct conn *conn)
 {
+    const int on = 1;
     struct epoll_event event = {.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
                                 .data.ptr = conn};
-    if (!conn->watched && conn->fd >= 0)
-        conn->watched = epoll_ctl(conn->loop->epoll_fd, EPOLL_CTL_ADD, conn->fd, &event) == 0;
-    return conn->watched || conn->fd < 0;
+    if (conn->watched || conn->fd < 0)
+        return true;
+    setsockopt(conn->fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+    conn->watched = epoll_ctl(conn->loop->epoll_fd, EPOLL_CTL_ADD, conn->fd, &event) == 0;
+    return conn->watched;
 }
 
 void pen_http_loop_again(struct conn *conn)

@@ -50,5 +50,5 @@ int64_t pen_http_pace_pause(struct pace *pace, int64_t now_ns)
 void pen_http_pace_count(struct pace *pace, int accepted)
 {
     pace->accepted += accepted;
-    pace->wakes++;
+    pace->wakes += accepted > 0;
 }

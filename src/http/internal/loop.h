@@ -11,8 +11,9 @@
  *                            where memory is used up (answers.h)
  *   the end of a client      2 s, or 10 s while it still sends
  *
- * A client that vanishes without a word is found by the kernel (listener.c sets keep-alive probes,
- * conn_send.c TCP_USER_TIMEOUT for streams), a client that closes its connection by epoll at once.
+ * A client that vanishes without a word is found by the kernel (keep-alive probes, whose times
+ * listener.c sets; conn_send.c sets TCP_USER_TIMEOUT for streams), a client that closes its
+ * connection by epoll at once.
  *
  * A window of a body, or of an answer, ends early when its bytes have come, or the client has taken
  * them, and the next one begins: bytes that come soon buy no time for those that follow. Nobody
@@ -100,8 +101,9 @@ bool pen_http_loop_rush(const struct loop *loop);
  * part of the rush any more, which they would keep up if every refusal made them connect again. */
 bool pen_http_loop_closes_refused(const struct loop *loop);
 
-/* Asks the kernel to tell of this connection, unless it does so already: one that is answered and
- * closed at once needs no events. Returns false if the kernel is out of memory. Threads: the
+/* Asks the kernel to tell of this connection, and to find out whether its client is still there,
+ * unless it does so already: one that is answered and closed at once needs neither events nor a
+ * timer. Returns false if the kernel is out of memory. Threads: the
  * loop's. */
 bool pen_http_loop_watch(struct conn *conn);
 

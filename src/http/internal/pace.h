@@ -24,11 +24,11 @@ struct pace {
     bool rush;              /* in the last window they came fast: more than 4000 in a second */
 };
 
-/* The acceptor wakes at `now_ns` (pen_clock_ns). Returns how many nanoseconds it is to wait before
- * it accepts; 0: not at all. */
+/* How many nanoseconds the acceptor is to wait for more connections, now (pen_clock_ns) and where
+ * it has just found some; 0: until the next one comes. */
 int64_t pen_http_pace_pause(struct pace *pace, int64_t now_ns);
 
-/* It has accepted so many. */
+/* The acceptor has woken and accepted so many. */
 void pen_http_pace_count(struct pace *pace, int accepted);
 
 #endif
