@@ -63,7 +63,7 @@ renders_beside() { # PORT: sets $took to the milliseconds of a render beside bad
     clients=$!
     sleep 0.3
     while kill -0 $clients 2>/dev/null; do
-        submit '{"scene": "builtin:room", "render": {"width": 500, "height": 700, "samples_per_pixel": 2}}'
+        submit '{"scene": "builtin:room", "render": {"width": 400, "height": 560, "samples_per_pixel": 2}}'
         while [ "$(curl -s "$url$job?wait=60" | jq -r .state)" = running ]; do :; done
         kill -0 $clients 2>/dev/null &&
             curl -s "$url$job/stats" | jq '.timing.render_ms | numbers' >>"$work/renders"
