@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* How long to wait before accepting connections. Where they come fast it pays to let several come:
- * to wake the acceptor and a loop takes longer than to accept and to answer. But clients that each
- * wait for their answer before they connect again come no faster than the pauses let them. So
- * pauses are as long as it takes to gather GATHERS connections, LONGEST_NS at most; where fewer
- * than 8000 come in a second in spite of that, they are short for a second; and where even short
- * ones gather nothing, since few clients send one request after the other, there are none for a
- * second.
+/* How long to wait before accepting connections. Where more than 4000 come in a second it pays to
+ * let several come: to wake the acceptor and a loop takes longer than to accept and to answer. But
+ * clients that each wait for their answer before they connect again come no faster than the pauses
+ * let them. So pauses are as long as it takes to gather some twenty connections, 0.5 to 2 ms; where
+ * fewer than 8000 come in a second in spite of that, they are short for a second; and where even
+ * short ones gather nothing, since few clients send one request after the other, there are none for
+ * a second.
  *
  * Threads: one. */
 #ifndef PEN_HTTP_INTERNAL_PACE_H
