@@ -97,8 +97,8 @@ START_TEST(test_pace__pauses_gather_what_comes_fast)
 }
 END_TEST
 
-/* Clients that wait for their answers are held up by pauses, but not below what is promised: all of
- * it where there are one or two, and some thousands in a second. */
+/* Clients that wait for their answers are held up by pauses, but not below what is promised: nearly
+ * all that they would get without pauses where there are one or two, else thousands in a second. */
 START_TEST(test_pace__clients_that_wait_are_not_held_up_much)
 {
     for (int clients = 1; clients <= CLIENTS_MAX; clients += clients < 20 ? 1 : 11) {

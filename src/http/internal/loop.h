@@ -103,8 +103,7 @@ bool pen_http_loop_closes_refused(const struct loop *loop);
 
 /* Asks the kernel to tell of this connection, and to find out whether its client is still there,
  * unless it does so already: one that is answered and closed at once needs neither events nor a
- * timer. Returns false if the kernel is out of memory. Threads: the
- * loop's. */
+ * timer. Returns false if the kernel is out of memory. Threads: the loop's. */
 bool pen_http_loop_watch(struct conn *conn);
 
 /* Makes the loop run this connection again in this turn or the next. Threads: the loop's. */
