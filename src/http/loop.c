@@ -101,7 +101,8 @@ void pen_http_loop_remove(struct conn *conn)
 
 void pen_http_loop_wake(struct loop *loop)
 {
-    eventfd_write(loop->wake_fd, 1);
+    if (!atomic_exchange_explicit(&loop->woken, true, memory_order_relaxed))
+        eventfd_write(loop->wake_fd, 1);
 }
 
 void pen_http_resume(struct request *request)
@@ -109,7 +110,6 @@ void pen_http_resume(struct request *request)
     struct conn *conn = request->conn;
     struct loop *loop = conn->loop;
     pthread_mutex_lock(&loop->lock);
-    bool first = !loop->resumed;
     request->resumed = true;
     if (!conn->resumed) {
         conn->resumed = true;
@@ -117,8 +117,7 @@ void pen_http_resume(struct request *request)
         loop->resumed = conn;
     }
     pthread_mutex_unlock(&loop->lock);
-    if (first)
-        pen_http_loop_wake(loop);
+    pen_http_loop_wake(loop);
 }
 
 /* Gives a new connection to a loop that is to be woken then. Returns false if the loop is being
@@ -266,6 +265,7 @@ static void begin(struct conn *conn)
 static bool take_messages(struct loop *loop)
 {
     pthread_mutex_lock(&loop->lock);
+    atomic_store_explicit(&loop->woken, false, memory_order_relaxed);
     struct conn *accepted = NULL;
     for (struct conn *conn = loop->accepted, *next; conn; conn = next) {
         next = conn->next;

@@ -72,6 +72,9 @@ struct loop {
     struct conn *resumed;  /* guarded by lock: connections whose requests were resumed */
     struct conn *accepted; /* guarded by lock: new connections, linked by `next` */
     bool stop;             /* guarded by lock */
+    atomic_bool woken;     /* wake_fd was written since the loop last took what is under the lock.
+                            * atomic: relaxed, as threads set it after they held the lock to leave
+                            * something, and the loop clears it with the lock held */
 };
 
 /* Starts a loop. Owns: pen_http_loops_stop frees. Fails: PEN_UNAVAILABLE, PEN_NO_MEMORY. */
@@ -87,7 +90,8 @@ void pen_http_loops_stop(struct loop *const *loops, int count);
  * several for it wakes it once, behind the last. Threads: any. */
 void pen_http_loop_add(struct loop *loop, int fd, const struct pen_address_key *address);
 
-/* Wakes the loop for the sockets that it was given. Threads: any. */
+/* Wakes the loop for what was left under its lock, unless it was woken for others of these and has
+ * not looked yet. Threads: any. */
 void pen_http_loop_wake(struct loop *loop);
 
 /* Moves a connection to the end of a list. Threads: the loop's. */
