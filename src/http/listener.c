@@ -28,7 +28,6 @@ enum {
     CONNECTIONS = 8192,
     SPARE_FILES = 128, /* descriptors for the store and everything else */
     LOOPS_MAX = 4,
-    BURST = 64, /* connections that the loops have not looked at yet */
     IDLE_S = 30,
     HEAD_S = 10,
     BODY_S = 10,
@@ -81,9 +80,12 @@ static bool accept_one(struct listener *listener)
     int fd = accept4(listener->listen_fd, (struct sockaddr *)&peer, &bytes,
                      SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (fd < 0) {
-        /* Out of descriptors or memory: the connection stays in the backlog. */
-        if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM)
+        /* Out of descriptors or memory, which the loops may give back: the connection stays in the
+         * backlog. */
+        if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
+            pen_http_loop_wake(listener->loop[listener->next_loop]);
             poll(NULL, 0, ACCEPT_AGAIN_MS);
+        }
         return false;
     }
     struct pen_address_key key = pen_http_address_key(
@@ -100,18 +102,18 @@ static void wake_next_loop(struct listener *listener)
     listener->next_loop = (listener->next_loop + 1) % listener->loop_count;
 }
 
-/* Whether the loops have kept up with the connections that they were given. */
-static bool loops_keep_up(const struct listener *listener)
+/* The accepted connections that the loops have not looked at. */
+static int arriving(const struct listener *listener)
 {
-    return atomic_load_explicit(&listener->http->arriving, memory_order_relaxed) < BURST;
+    return atomic_load_explicit(&listener->http->arriving, memory_order_relaxed);
 }
 
-/* Accepts what waits, BURST connections at most, and deals them out: one after the other, or, to
- * wake one thread once, all to the same loop. Returns their number. */
+/* Accepts what waits, a burst at most, and deals it out: one after the other, or, to wake one
+ * thread once, all to the same loop. Returns the number of connections. */
 static int accept_burst(struct listener *listener, bool together)
 {
     int count = 0;
-    while (count < BURST && loops_keep_up(listener) && accept_one(listener)) {
+    while (count < PACE_BURST && arriving(listener) < PACE_ARRIVING && accept_one(listener)) {
         count++;
         if (!together)
             wake_next_loop(listener);
@@ -128,15 +130,13 @@ static void note_rush(struct pen_http *http, int64_t now_ns)
     atomic_store_explicit(&http->rush_until_ns, now_ns + RUSH_LASTS_NS, memory_order_relaxed);
 }
 
-/* Waits for new connections, or, with a pause, for so long; but not for connections if the loops
- * have to catch up first. Returns false once accepting has to end. */
-static bool wait_for_more(const struct listener *listener, bool ready, int64_t pause_ns)
+/* Waits for so long, or, with 0, for new connections. Returns false once accepting has to end. */
+static bool wait_for_more(const struct listener *listener, int64_t wait_ns)
 {
-    const bool listens = ready && pause_ns == 0;
-    const struct timespec pause = {.tv_nsec = ready ? pause_ns : ACCEPT_AGAIN_MS * 1000000};
+    const struct timespec wait = {.tv_nsec = wait_ns};
     struct pollfd fds[] = {{.fd = listener->stop_fd, .events = POLLIN},
                            {.fd = listener->listen_fd, .events = POLLIN}};
-    const int n = ppoll(fds, listens ? 2 : 1, listens ? NULL : &pause, NULL);
+    const int n = ppoll(fds, wait_ns > 0 ? 1 : 2, wait_ns > 0 ? &wait : NULL, NULL);
     if (n < 0 && errno != EINTR)
         poll(NULL, 0, ACCEPT_AGAIN_MS); /* the kernel is out of memory */
     return n <= 0 || !fds[0].revents;
@@ -146,18 +146,14 @@ static void *accept_all(void *arg)
 {
     struct listener *listener = arg;
     struct pace pace = {0};
-    for (int accepted = 0;;) {
-        const bool ready = loops_keep_up(listener);
-        const int64_t now_ns = pen_clock_ns(), pause_ns = pen_http_pace_pause(&pace, now_ns);
+    for (;;) {
+        const int64_t now_ns = pen_clock_ns();
+        const int64_t wait_ns = pen_http_pace_wait(&pace, now_ns, arriving(listener));
         if (pace.rush)
             note_rush(listener->http, now_ns);
-        /* Where some have come and more will, a pause ends by itself: that spares a wake. */
-        if (!wait_for_more(listener, ready, accepted > 0 ? pause_ns : 0))
+        if (!wait_for_more(listener, wait_ns))
             break;
-        if (ready) {
-            accepted = accept_burst(listener, pause_ns > 0);
-            pen_http_pace_count(&pace, accepted);
-        }
+        pen_http_pace_count(&pace, accept_burst(listener, pace.pause_ns > 0));
     }
     return NULL;
 }
@@ -165,7 +161,7 @@ static void *accept_all(void *arg)
 /* The number of connections that the process has descriptors for. */
 static int connection_max(int wanted)
 {
-    const int others = SPARE_FILES + BURST + RESERVED_SLOTS;
+    const int others = SPARE_FILES + PACE_ARRIVING + RESERVED_SLOTS;
     struct rlimit files;
     wanted = wanted > 0 ? wanted : CONNECTIONS;
     if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= (rlim_t)(wanted + others))

@@ -5,15 +5,22 @@
 #include "http/internal/pace.h"
 #include "support/suite.h"
 
-enum { CLIENTS_MAX = 64, SECONDS = 4, ACCEPT_NS = 4000, ANSWER_NS = 20000, AGAIN_NS = 30000 };
+enum { CLIENTS_MAX = 256, SECONDS = 4, ACCEPT_NS = 4000, ANSWER_NS = 20000, AGAIN_NS = 30000 };
+enum { WAKE_NS = 100000, STALL_NS = 10000000 };
 static const int64_t second_ns = INT64_C(1000000000);
 
-/* Clients of a server with one thread that accepts and one that answers. */
+/* Clients of a server with one thread that accepts and one that answers. The latter takes
+ * connections once it has answered those it had, WAKE_NS after it was woken if it had none. */
 struct world {
-    int64_t now_ns, answered_ns; /* answered: when the last answer is ready */
-    int clients;                 /* each connects again AGAIN_NS after its answer ... */
+    int64_t now_ns;
+    int64_t answered_ns;      /* when the last of the connections that were taken has its answer */
+    int64_t taken_ns;         /* when the thread takes those that arrive */
+    bool woken;               /* it was woken for them */
+    int arriving;             /* accepted, not taken yet ... */
+    int whose[PACE_ARRIVING]; /* ... and of these clients */
+    int clients;              /* each connects again AGAIN_NS after its answer ... */
     int per_second; /* ... or so many connect in a second, whatever becomes of the others */
-    int64_t due_ns[CLIENTS_MAX]; /* when each client connects next */
+    int64_t due_ns[CLIENTS_MAX]; /* when each client connects next; while it waits, never */
     int64_t begun;               /* of those that come in any case */
 };
 
@@ -28,20 +35,68 @@ static int64_t next_ns(const struct world *world, int *client)
     return world->due_ns[*client];
 }
 
-/* Accepts all that have come, and has them answered. Returns their number. */
-static int accept_all(struct world *world)
+/* The answering thread takes what has arrived, if it is time. */
+static void take(struct world *world)
+{
+    if (!world->woken || world->now_ns < world->taken_ns)
+        return;
+    if (world->answered_ns < world->taken_ns)
+        world->answered_ns = world->taken_ns;
+    for (int i = 0; i < world->arriving; i++) {
+        world->answered_ns += ANSWER_NS;
+        world->due_ns[world->whose[i]] = world->answered_ns + AGAIN_NS;
+    }
+    world->arriving = 0;
+    world->woken = false;
+}
+
+static void wake(struct world *world)
+{
+    if (world->woken)
+        return;
+    const bool idle = world->answered_ns <= world->now_ns;
+    world->taken_ns = idle ? world->now_ns + WAKE_NS : world->answered_ns;
+    world->woken = true;
+}
+
+static void pass_time(struct world *world, int64_t until_ns)
+{
+    if (world->woken && world->taken_ns <= until_ns) {
+        world->now_ns = world->taken_ns > world->now_ns ? world->taken_ns : world->now_ns;
+        take(world);
+    }
+    world->now_ns = until_ns > world->now_ns ? until_ns : world->now_ns;
+}
+
+/* Accepts a burst. Returns its number. */
+static int accept_burst(struct world *world, bool together)
 {
     int count = 0, client;
-    while (next_ns(world, &client) <= world->now_ns) {
-        world->now_ns += ACCEPT_NS;
-        if (world->answered_ns < world->now_ns)
-            world->answered_ns = world->now_ns;
-        world->answered_ns += ANSWER_NS;
-        world->due_ns[client] = world->answered_ns + AGAIN_NS;
+    while (count < PACE_BURST && world->arriving < PACE_ARRIVING &&
+           next_ns(world, &client) <= world->now_ns) {
+        world->whose[world->arriving++] = client;
+        world->due_ns[client] = INT64_MAX;
         world->begun++;
         count++;
+        pass_time(world, world->now_ns + ACCEPT_NS);
+        if (!together)
+            wake(world);
     }
+    if (count > 0)
+        wake(world);
     return count;
+}
+
+/* The acceptor waits so long, or for the next connection. */
+static void wait_for_more(struct world *world, int64_t wait_ns)
+{
+    int client;
+    if (wait_ns > 0)
+        pass_time(world, world->now_ns + wait_ns);
+    while (wait_ns == 0 && next_ns(world, &client) > world->now_ns) {
+        const int64_t next = next_ns(world, &client);
+        pass_time(world, world->woken && world->taken_ns < next ? world->taken_ns : next);
+    }
 }
 
 struct result {
@@ -49,21 +104,23 @@ struct result {
     bool rush;
 };
 
-/* What comes of it in the last of some seconds, with pauses or without any. */
+/* What comes of it in the last of some seconds, with pauses or without any. In the second one the
+ * acceptor gets no processor for a while. */
 static struct result run(int clients, int per_second, bool pauses)
 {
     struct world world = {.clients = clients, .per_second = per_second};
     struct pace pace = {0};
     struct result result = {0};
-    int accepted = 0, wakes = 0, client;
-    for (int count = 0; world.now_ns < SECONDS * second_ns;) {
-        const int64_t pause_ns = pen_http_pace_pause(&pace, world.now_ns);
-        const int64_t next = next_ns(&world, &client);
-        if (pauses && pause_ns > 0 && count > 0)
-            world.now_ns += pause_ns;
-        else
-            world.now_ns = next > world.now_ns ? next : world.now_ns;
-        count = accept_all(&world);
+    int accepted = 0, wakes = 0;
+    for (bool stalled = false; world.now_ns < SECONDS * second_ns;) {
+        if (!stalled && world.now_ns > second_ns) {
+            pass_time(&world, world.now_ns + STALL_NS);
+            stalled = true;
+        }
+        const int64_t wait_ns = pen_http_pace_wait(&pace, world.now_ns, world.arriving);
+        const bool pause = pauses || world.arriving == PACE_ARRIVING;
+        wait_for_more(&world, pause ? wait_ns : 0);
+        const int count = accept_burst(&world, pauses && pace.pause_ns > 0);
         pen_http_pace_count(&pace, count);
         if (world.now_ns > (SECONDS - 1) * second_ns) {
             accepted += count;
@@ -98,12 +155,14 @@ START_TEST(test_pace__pauses_gather_what_comes_fast)
 END_TEST
 
 /* Clients that wait for their answers are held up by pauses, but not below what is promised: nearly
- * all that they would get without pauses where there are one or two, else thousands in a second. */
+ * all that they would get without pauses where there are one or two, or more than a burst, else
+ * thousands in a second. */
 START_TEST(test_pace__clients_that_wait_are_not_held_up_much)
 {
-    for (int clients = 1; clients <= CLIENTS_MAX; clients += clients < 20 ? 1 : 11) {
+    for (int clients = 1; clients <= CLIENTS_MAX; clients += clients < 20 ? 1 : 4) {
         const struct result with = run(clients, 0, true), without = run(clients, 0, false);
-        const double promised = clients > 4 ? 7500 : clients > 2 ? 5000 : without.per_second;
+        const bool all = clients < 3 || clients > 2 * PACE_BURST;
+        const double promised = all ? without.per_second : clients > 4 ? 7500 : 5000;
         if ((clients & (clients - 1)) == 0)
             printf("# %d clients: %.0f in a second, %.0f without pauses\n", clients,
                    with.per_second, without.per_second);
@@ -112,5 +171,27 @@ START_TEST(test_pace__clients_that_wait_are_not_held_up_much)
 }
 END_TEST
 
+/* Pauses are for connections to come: where they have, or the loops are to look at them first,
+ * there is nothing to wait for, or not for long. */
+START_TEST(test_pace__a_full_burst_is_followed_at_once)
+{
+    const int64_t most_ns = 1000000;
+    struct pace pace = {0};
+    int64_t now_ns = 0;
+    for (; now_ns < second_ns; now_ns += 1000000) {
+        pen_http_pace_wait(&pace, now_ns, 0);
+        pen_http_pace_count(&pace, 10);
+    }
+    ck_assert_int_gt(pen_http_pace_wait(&pace, now_ns, 0), 0);
+    pen_http_pace_count(&pace, PACE_BURST);
+    ck_assert_int_eq(pen_http_pace_wait(&pace, now_ns, 0), 0);
+    ck_assert_int_gt(pen_http_pace_wait(&pace, now_ns, PACE_ARRIVING), 0);
+    ck_assert_int_le(pen_http_pace_wait(&pace, now_ns, PACE_ARRIVING), most_ns);
+    pen_http_pace_count(&pace, 0);
+    ck_assert_int_eq(pen_http_pace_wait(&pace, now_ns, 0), 0);
+}
+END_TEST
+
 PEN_SUITE("pace", test_pace__pauses_gather_what_comes_fast,
-          test_pace__clients_that_wait_are_not_held_up_much)
+          test_pace__clients_that_wait_are_not_held_up_much,
+          test_pace__a_full_burst_is_followed_at_once)

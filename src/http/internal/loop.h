@@ -55,7 +55,7 @@ struct loop {
     struct pen_http *http;
     struct loop *next; /* the loops are in a ring */
     struct loop_times times;
-    int epoll_fd, wake_fd; /* wake_fd: an eventfd, readable when there is something under `lock` */
+    int epoll_fd, wake_fd; /* wake_fd: an eventfd, written by who left something under `lock` */
     pthread_t thread;
     int64_t now_ns; /* when the loop last woke */
     struct conn_list {
