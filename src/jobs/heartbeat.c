@@ -16,7 +16,16 @@
 enum {
     CHECK_MS = 200,
     LOG_MS = 10000, /* between log lines about a store that does not answer */
-    STUCK_MS = 700  /* until render threads count as stuck; they check the flag before each pixel */
+    /* Until render threads count as stuck. They check the flag before each block of pixels, which
+     * takes long on a machine that is busy with other things: STUCK_MS are of processor time, too,
+     * and what waits without end, using none, counts as stuck later. */
+    STUCK_MS = 700,
+    STUCK_IDLE_MS = 10000
+};
+
+/* A time on the monotonic clock, and the processor time that the process had used by then. */
+struct moment {
+    int64_t ns, cpu_ns;
 };
 
 struct pen_heartbeat {
@@ -26,20 +35,25 @@ struct pen_heartbeat {
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t change;
-    int64_t logged_ns;        /* used by the thread alone; when it last logged a failing store */
-    bool quit, asleep;        /* guarded by lock */
-    bool checkpoint;          /* guarded by lock; a checkpoint of the store was requested */
-    bool active;              /* guarded by lock */
-    struct pen_claim claim;   /* guarded by lock; of the active claim */
-    const atomic_bool *stop;  /* guarded by lock; NULL: the batch is finished first */
-    uint64_t claims;          /* guarded by lock; the number of claims so far */
-    int64_t spent_ns;         /* guarded by lock; on the active claim, before since_ns */
-    int64_t since_ns;         /* guarded by lock; when its clock was started; 0: it is stopped */
+    int64_t logged_ns;       /* used by the thread alone; when it last logged a failing store */
+    bool quit, asleep;       /* guarded by lock */
+    bool checkpoint;         /* guarded by lock; a checkpoint of the store was requested */
+    bool active;             /* guarded by lock */
+    struct pen_claim claim;  /* guarded by lock; of the active claim */
+    const atomic_bool *stop; /* guarded by lock; NULL: the batch is finished first */
+    uint64_t claims;         /* guarded by lock; the number of claims so far */
+    int64_t spent_ns;        /* guarded by lock; on the active claim, before `since` */
+    struct moment since; /* guarded by lock; when its clock was started; ns is 0: it is stopped */
     enum pen_claim_end ended; /* guarded by lock */
-    int64_t ended_ns;         /* guarded by lock; when it ended */
+    struct moment ended_at;   /* guarded by lock */
     bool failed;              /* guarded by lock; the job is stored as failed by its timeout */
     atomic_bool cancel;       /* atomic: relaxed, the render threads only need to see it soon */
 };
+
+static struct moment this_moment(void)
+{
+    return (struct moment){.ns = pen_clock_ns(), .cpu_ns = pen_clock_cpu_ns()};
+}
 
 /* Notes that a claim has ended, unless it is not the active one or has ended already. */
 static void end_claim(struct pen_heartbeat *heart, uint64_t claim_number, enum pen_claim_end ended)
@@ -47,14 +61,14 @@ static void end_claim(struct pen_heartbeat *heart, uint64_t claim_number, enum p
     if (!heart->active || heart->claims != claim_number || heart->ended != PEN_CLAIM_HELD)
         return;
     heart->ended = ended;
-    heart->ended_ns = pen_clock_ns();
+    heart->ended_at = this_moment();
     atomic_store_explicit(&heart->cancel, true, memory_order_relaxed);
 }
 
 /* How long the worker has worked on the active claim. Called with the lock held. */
 static int64_t spent_ns(const struct pen_heartbeat *heart)
 {
-    return heart->spent_ns + (heart->since_ns ? pen_clock_ns() - heart->since_ns : 0);
+    return heart->spent_ns + (heart->since.ns ? pen_clock_ns() - heart->since.ns : 0);
 }
 
 /* Whether all workers together have worked on the job for longer than its timeout. Called with the
@@ -82,8 +96,12 @@ static bool fail_late_job(struct pen_heartbeat *heart, const struct pen_claim *c
  * lock held. */
 static bool are_stuck(const struct pen_heartbeat *heart)
 {
-    const int64_t told_ns = heart->ended_ns > heart->since_ns ? heart->ended_ns : heart->since_ns;
-    return heart->since_ns != 0 && pen_clock_ns() - told_ns >= (int64_t)STUCK_MS * 1000000;
+    const struct moment *ended = &heart->ended_at, *since = &heart->since;
+    const struct moment *told = ended->ns > since->ns ? ended : since;
+    const struct moment now = this_moment();
+    const int64_t ms = (now.ns - told->ns) / 1000000,
+                  cpu_ms = (now.cpu_ns - told->cpu_ns) / 1000000;
+    return since->ns != 0 && ms >= (cpu_ms >= STUCK_MS ? STUCK_MS : STUCK_IDLE_MS);
 }
 
 /* Handles a claim that has ended before the worker is done with it: fails the job if its time is
@@ -254,7 +272,7 @@ void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *cl
     heart->ended = PEN_CLAIM_HELD;
     heart->failed = false;
     heart->spent_ns = 0;
-    heart->since_ns = pen_clock_ns();
+    heart->since = this_moment();
     atomic_store_explicit(&heart->cancel, false, memory_order_relaxed);
     if (heart->asleep)
         pthread_cond_signal(&heart->change);
@@ -275,14 +293,14 @@ void pen_heartbeat_pause(struct pen_heartbeat *heart)
 {
     pthread_mutex_lock(&heart->lock);
     heart->spent_ns = spent_ns(heart);
-    heart->since_ns = 0;
+    heart->since.ns = 0;
     pthread_mutex_unlock(&heart->lock);
 }
 
 void pen_heartbeat_resume(struct pen_heartbeat *heart)
 {
     pthread_mutex_lock(&heart->lock);
-    heart->since_ns = pen_clock_ns();
+    heart->since = this_moment();
     pthread_mutex_unlock(&heart->lock);
 }
 
