@@ -35,15 +35,15 @@ struct pen_heartbeat {
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t change;
-    int64_t logged_ns;       /* used by the thread alone; when it last logged a failing store */
-    bool quit, asleep;       /* guarded by lock */
-    bool checkpoint;         /* guarded by lock; a checkpoint of the store was requested */
-    bool active;             /* guarded by lock */
-    struct pen_claim claim;  /* guarded by lock; of the active claim */
-    const atomic_bool *stop; /* guarded by lock; NULL: the batch is finished first */
-    uint64_t claims;         /* guarded by lock; the number of claims so far */
-    int64_t spent_ns;        /* guarded by lock; on the active claim, before `since` */
-    struct moment since; /* guarded by lock; when its clock was started; ns is 0: it is stopped */
+    int64_t logged_ns;        /* used by the thread alone; when it last logged a failing store */
+    bool quit, asleep;        /* guarded by lock */
+    bool checkpoint;          /* guarded by lock; a checkpoint of the store was requested */
+    bool active;              /* guarded by lock */
+    struct pen_claim claim;   /* guarded by lock; of the active claim */
+    const atomic_bool *stop;  /* guarded by lock; NULL: the batch is finished first */
+    uint64_t claims;          /* guarded by lock; the number of claims so far */
+    int64_t spent_ns;         /* guarded by lock; on the active claim, before `since` */
+    struct moment since;      /* guarded by lock; when its clock started; ns is 0: it is stopped */
     enum pen_claim_end ended; /* guarded by lock */
     struct moment ended_at;   /* guarded by lock */
     bool failed;              /* guarded by lock; the job is stored as failed by its timeout */

@@ -35,11 +35,9 @@ static int64_t next_ns(const struct world *world, int *client)
     return world->due_ns[*client];
 }
 
-/* The answering thread takes what has arrived, if it is time. */
+/* The answering thread takes what has arrived. */
 static void take(struct world *world)
 {
-    if (!world->woken || world->now_ns < world->taken_ns)
-        return;
     if (world->answered_ns < world->taken_ns)
         world->answered_ns = world->taken_ns;
     for (int i = 0; i < world->arriving; i++) {
@@ -93,10 +91,8 @@ static void wait_for_more(struct world *world, int64_t wait_ns)
     int client;
     if (wait_ns > 0)
         pass_time(world, world->now_ns + wait_ns);
-    while (wait_ns == 0 && next_ns(world, &client) > world->now_ns) {
-        const int64_t next = next_ns(world, &client);
+    for (int64_t next; wait_ns == 0 && (next = next_ns(world, &client)) > world->now_ns;)
         pass_time(world, world->woken && world->taken_ns < next ? world->taken_ns : next);
-    }
 }
 
 struct result {
