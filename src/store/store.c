@@ -332,7 +332,7 @@ static bool may_repeat(struct pen_store *store, int *tries, const struct pen_sta
     if (st->code != PEN_STORAGE_FULL || store->outcome_unknown || driver->closed ||
         !enter(store, PEN_NEED_WRITE, &ignored))
         return false;
-    const bool first = (*tries)++ == 0, again = first || driver->ops->reserve_release(driver);
+    const bool first = (*tries)++ == 0, again = first || driver->ops->reserve_move(driver);
     if (!first && again)
         pen_log(PEN_LOG_WARN, "the disk of the store %s is full: its reserve is used to free space",
                 driver->name);

@@ -199,9 +199,8 @@ if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
     done
     # shellcheck disable=SC2086
     PENUMBRA_URL=$url "$penumbra" wait $ended >/dev/null
-    long=$(PENUMBRA_URL=$url "$penumbra" submit builtin:room --set samples_per_pixel=256)
-    submit "$small"
-    waiting=$(basename "$job")
+    long=$(PENUMBRA_URL=$url "$penumbra" submit builtin:room --set samples_per_pixel=4096)
+    waiting=$(PENUMBRA_URL=$url "$penumbra" submit builtin:spheres --priority -1) # until that ends
     expect "the reserve is set aside" "$(($(wc -c <"$store-reserve") > 100000))" 1
     echo "# the log: $(wc -c <"$store-wal") bytes"
     is_short() { [ "$(wc -c <"$store-wal")" -lt 1000000 ]; }

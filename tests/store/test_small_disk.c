@@ -42,13 +42,18 @@ static void close_small_disk(void)
     small_disk_unmount(bed.folder);
 }
 
-static int64_t log_bytes(void)
+static int64_t file_bytes(const char *ending)
 {
     struct stat info;
     char path[128];
-    snprintf(path, sizeof path, "%s-wal", bed.url);
+    snprintf(path, sizeof path, "%s%s", bed.url, ending);
     ck_assert_int_eq(stat(path, &info), 0);
     return info.st_size;
+}
+
+static int64_t log_bytes(void)
+{
+    return file_bytes("-wal");
 }
 
 static bool submit(int n, struct pen_status *st)
@@ -261,6 +266,55 @@ START_TEST(test_small_disk__overlapping_readers_let_jobs_be_removed)
     for (int i = 0; i < READERS; i++)
         pthread_join(readers[i].thread, NULL);
     close_small_disk();
+}
+END_TEST
+
+static int64_t own_bytes(void)
+{
+    return file_bytes("") + file_bytes("-wal") + file_bytes("-reserve");
+}
+
+/* Others take what becomes free, so nothing of the reserve may become free: it is moved into the
+ * store's own files, no more of it than they lack. Jobs are removed until so much of it was used.
+ */
+static void remove_until_used(bool has_reader, int64_t used_bytes)
+{
+    enum { JOBS = 200, LOST_BYTES_MAX = 4 * 4096 };
+    struct pen_status st;
+    struct store_job in;
+    if (!open_small_disk(DISK_MIB))
+        return;
+    for (int n = 0; n < JOBS; n++)
+        store_must(submit(n, &st), &st, "submit");
+    sqlite3 *reader = has_reader ? begin_read() : NULL;
+    small_disk_fill(bed.folder, 0);
+    const int64_t reserve = file_bytes("-reserve"), own = own_bytes();
+    for (int n = 0; n < JOBS && file_bytes("-reserve") > reserve - used_bytes; n++) {
+        store_job_init(&in, n, 1, 1);
+        store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+        small_disk_fill(bed.folder, 0);
+        store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+        small_disk_fill(bed.folder, 0);
+    }
+    printf("# reserve of %lld bytes, then %lld; with file and log %lld, then %lld\n",
+           (long long)reserve, (long long)file_bytes("-reserve"), (long long)own,
+           (long long)own_bytes());
+    ck_assert_int_le(file_bytes("-reserve"), reserve - used_bytes);
+    ck_assert_int_ge(own_bytes(), own - LOST_BYTES_MAX);
+    if (reader)
+        end_read(reader);
+    close_small_disk();
+}
+
+START_TEST(test_small_disk__others_get_nothing_of_the_reserve_for_the_file)
+{
+    remove_until_used(false, 5 * 4096);
+}
+END_TEST
+
+START_TEST(test_small_disk__others_get_nothing_of_the_reserve_for_the_log)
+{
+    remove_until_used(true, 100 << 10);
 }
 END_TEST
 
@@ -483,6 +537,8 @@ END_TEST
 PEN_SUITE("small disk", test_small_disk__long_reader_leaves_space_to_copy_the_log,
           test_small_disk__long_reader_leaves_space_to_remove_jobs,
           test_small_disk__overlapping_readers_let_jobs_be_removed,
+          test_small_disk__others_get_nothing_of_the_reserve_for_the_file,
+          test_small_disk__others_get_nothing_of_the_reserve_for_the_log,
           test_small_disk__large_result_waits_for_space_and_small_ones_go_on,
           test_small_disk__job_that_is_cancelled_waits_for_no_space,
           test_small_disk__job_is_removed_from_a_full_disk,

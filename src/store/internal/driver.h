@@ -211,11 +211,11 @@ struct pen_driver_ops {
     bool (*space)(struct pen_driver *driver, struct pen_status *st);
     bool (*room)(struct pen_driver *driver, struct pen_room *room, struct pen_status *st);
     /* A part of the disk that is set aside for the calls that free space. `make` sets it aside, or
-     * what is missing of it, and fails with PEN_STORAGE_FULL; `release` gives a part of it up, and
-     * returns whether there was any; `is_out`: it is wanted, and not all there, or the log has
-     * more to copy than there is space for. PostgreSQL: does nothing. */
+     * what is missing of it, and fails with PEN_STORAGE_FULL; `move` gives a part of it to the
+     * store's own files, and returns whether there was any; `is_out`: it is wanted, and not all
+     * there, or the log has more to copy than there is space for. PostgreSQL: does nothing. */
     bool (*reserve_make)(struct pen_driver *driver, struct pen_status *st);
-    bool (*reserve_release)(struct pen_driver *driver);
+    bool (*reserve_move)(struct pen_driver *driver);
     bool (*reserve_is_out)(struct pen_driver *driver);
     /* A number that is stored under a name; 0 if there is none. */
     bool (*meta_get)(struct pen_driver *driver, const char *name, int64_t *value,

@@ -58,14 +58,14 @@ bool pen_sqlite_probe(struct pen_driver *driver, struct pen_status *st)
 /* What must be free beside the reserve before new jobs are taken. */
 enum { SPACE_BYTES = 1 << 20 };
 
-/* If copying the log fails for lack of space, the reserve is given up for it. A trial write begins
+/* If copying the log fails for lack of space, the reserve is used for it. A trial write begins
  * the log anew, which makes a long one short. It proves nothing about space, since it overwrites
  * what is there, so that is tried afterwards, when the reserve is made whole. */
 bool pen_sqlite_space(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     while (!pen_sqlite_checkpoint(driver, st)) {
-        if (st->code != PEN_STORAGE_FULL || !pen_sqlite_reserve_release(driver))
+        if (st->code != PEN_STORAGE_FULL || !pen_sqlite_reserve_for_file(store))
             return false;
     }
     if (!pen_sqlite_log_fits(store))
@@ -96,7 +96,7 @@ static bool reclaim_most(struct pen_sqlite_store *store, int64_t *most, struct p
     *most = store->log_pages < RECLAIM_PAGES ? store->log_pages : RECLAIM_PAGES;
     if (fit >= *most)
         return true;
-    if (fit < 2 && pen_sqlite_reserve_release(&store->base))
+    if (fit < 2 && pen_sqlite_reserve_move(&store->base))
         fit = pages_that_fit(store);
     *most = fit > 1 ? fit : 1;
     return pen_sqlite_checkpoint(&store->base, st);

@@ -200,7 +200,7 @@ static bool say_log(struct pen_sqlite_store *store, bool is_set, struct pen_stat
     for (;;) {
         if (is_set ? pen_sqlite_checkpoint(&store->base, st) : set_needs_log(store, true, st))
             return true;
-        if (st->code != PEN_STORAGE_FULL || !pen_sqlite_reserve_release(&store->base))
+        if (st->code != PEN_STORAGE_FULL || !pen_sqlite_reserve_move(&store->base))
             return false;
         pen_log(PEN_LOG_WARN, "the disk of the store %s is full: its reserve is used to open it",
                 store->path);

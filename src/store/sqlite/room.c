@@ -2,7 +2,11 @@
 /* The space that the store and its disk have, and the reserve: a file beside the store, ending in
  * -reserve, whose only use is to be cut when the disk is full. Then there is space for what frees
  * more: cancelling and removing jobs. It is made whole again before new jobs are taken. Its size
- * lets a log of the length that checkpoint.c allows be copied into the store. */
+ * lets a log of the length that checkpoint.c allows be copied into the store.
+ *
+ * Other programs take at once what becomes free on a full disk. So the reserve is moved, rather
+ * than given up: no more is cut than the store's own files lack, and they get it in the same
+ * moment. Only what another program takes within these few microseconds is lost. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -10,11 +14,12 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include "base/log.h"
 #include "store/sqlite/sqlite.h"
 
 enum {
-    RESERVE_PART = 64, /* of the disk, within these bounds */
-    RELEASES = 8,
+    RESERVE_PART = 64,    /* of the disk, within these bounds */
+    PARTS = 8,            /* of the reserve, where it is not known how much is lacking */
     SMALL_BYTES = 1 << 20 /* a blob of so many bytes is tried, however full the disk */
 };
 static const int64_t reserve_min_bytes = INT64_C(256) << 10, reserve_max_bytes = INT64_C(32) << 20;
@@ -136,15 +141,79 @@ bool pen_sqlite_reserve_make(struct pen_driver *driver, struct pen_status *st)
     return pen_sqlite_reserve_allocate(pen_sqlite_of(driver), 0, st);
 }
 
-bool pen_sqlite_reserve_release(struct pen_driver *driver)
+static int64_t reserve_part(const struct pen_sqlite_store *store)
 {
-    int64_t bytes = 0;
-    int fd = open_reserve(pen_sqlite_of(driver), 0, &bytes);
-    int64_t left = bytes - pen_sqlite_reserve_bytes(pen_sqlite_of(driver)) / RELEASES;
-    bool released = fd >= 0 && bytes > 0 && ftruncate(fd, left > 0 ? (off_t)left : 0) == 0;
+    return pen_sqlite_reserve_bytes(store) / PARTS;
+}
+
+/* Cuts so many bytes from the reserve, or what there is. Returns whether there was any. */
+static bool cut_reserve(const struct pen_sqlite_store *store, int64_t bytes)
+{
+    int64_t length = 0;
+    int fd = open_reserve(store, 0, &length);
+    const bool cut =
+        fd >= 0 && length > 0 && ftruncate(fd, length > bytes ? (off_t)(length - bytes) : 0) == 0;
     if (fd >= 0)
         close(fd);
-    return released;
+    return cut;
+}
+
+/* How many bytes the file lacks for the pages that the log holds for it. */
+static int64_t file_lacks(struct pen_sqlite_store *store)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_PAGES);
+    struct pen_status ignored;
+    int64_t pages, bytes;
+    if (!pen_sqlite_value(&query, &pages, &ignored) || !pen_sqlite_file_bytes(store, "", &bytes))
+        return 0;
+    const int64_t lacks = pages * PEN_SQLITE_PAGE_BYTES - bytes;
+    return lacks > 0 ? lacks : 0;
+}
+
+/* Only SQLite may open its file (closing it elsewhere would drop this process's locks), so it
+ * copies the log. With a chunk size it makes the file as long as it will be before anything else,
+ * even if readers keep parts of the log from being copied. */
+static bool lengthen_file(struct pen_sqlite_store *store, int64_t bytes)
+{
+    int chunk = PEN_SQLITE_PAGE_BYTES, none = 0;
+    struct pen_status ignored;
+    sqlite3_file_control(store->db, "main", SQLITE_FCNTL_CHUNK_SIZE, &chunk);
+    const bool cut = cut_reserve(store, bytes);
+    if (cut)
+        pen_sqlite_checkpoint(&store->base, &ignored);
+    sqlite3_file_control(store->db, "main", SQLITE_FCNTL_CHUNK_SIZE, &none);
+    return cut;
+}
+
+/* What is allocated behind the log's end changes nothing in it: SQLite reads it up to the first
+ * frame that does not belong to it. Where the file system cannot allocate, the space is only free.
+ */
+static bool lengthen_log(struct pen_sqlite_store *store)
+{
+    const int64_t part = reserve_part(store);
+    char path[PEN_SQLITE_PATH_BYTES];
+    struct stat info;
+    pen_sqlite_path(store, "-wal", path);
+    int fd = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    const bool known = fd >= 0 && fstat(fd, &info) == 0, cut = cut_reserve(store, part);
+    if (cut && known && fallocate(fd, 0, info.st_size, (off_t)part) != 0)
+        pen_log(PEN_LOG_DEBUG, "the log %s cannot be lengthened: %s", path, strerror(errno));
+    if (fd >= 0)
+        close(fd);
+    return cut;
+}
+
+bool pen_sqlite_reserve_move(struct pen_driver *driver)
+{
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    const int64_t lacks = file_lacks(store);
+    return lacks > 0 ? lengthen_file(store, lacks) : lengthen_log(store);
+}
+
+bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store)
+{
+    const int64_t lacks = file_lacks(store);
+    return lacks > 0 ? lengthen_file(store, lacks) : cut_reserve(store, reserve_part(store));
 }
 
 bool pen_sqlite_reserve_is_out(struct pen_driver *driver)

@@ -337,6 +337,10 @@ int64_t pen_sqlite_free_bytes(const struct pen_sqlite_store *store);
 bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
                                  struct pen_status *st);
 
+/* room.c: moves of the reserve to the file what it lacks for the log to be copied, which this does;
+ * if it lacks nothing, a part of the reserve becomes free. Returns whether there was any. */
+bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store);
+
 /* objects.c: notes that a row has the large object from now on. Fails: PEN_UNAVAILABLE, if it was
  * removed meanwhile. */
 bool pen_sqlite_object_use(struct pen_sqlite_store *store, int64_t number, struct pen_status *st);
@@ -439,7 +443,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(space)                                                                                      \
     OP(room)                                                                                       \
     OP(reserve_make)                                                                               \
-    OP(reserve_release)                                                                            \
+    OP(reserve_move)                                                                               \
     OP(reserve_is_out)                                                                             \
     OP(meta_get)                                                                                   \
     OP(meta_put)                                                                                   \
