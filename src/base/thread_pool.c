@@ -8,6 +8,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "base/cpu.h"
 
@@ -15,6 +16,7 @@ struct thread {
     pthread_t id;
     struct pen_thread_pool *pool;
     int index;
+    int64_t mark_ns; /* its processor time at the last pen_thread_pool_mark */
 };
 
 struct pen_thread_pool {
@@ -127,6 +129,31 @@ void pen_thread_pool_free(struct pen_thread_pool *pool)
 int pen_thread_pool_size(const struct pen_thread_pool *pool)
 {
     return pool->count;
+}
+
+static int64_t used_ns(const struct thread *thread)
+{
+    clockid_t clock;
+    struct timespec used = {0};
+    if (pthread_getcpuclockid(thread->id, &clock) == 0)
+        clock_gettime(clock, &used);
+    return (int64_t)used.tv_sec * 1000000000 + used.tv_nsec;
+}
+
+void pen_thread_pool_mark(struct pen_thread_pool *pool)
+{
+    for (int i = 0; i < pool->count; i++)
+        pool->threads[i].mark_ns = used_ns(&pool->threads[i]);
+}
+
+int64_t pen_thread_pool_most_ns(const struct pen_thread_pool *pool)
+{
+    int64_t most = 0;
+    for (int i = 0; i < pool->count; i++) {
+        const int64_t ns = used_ns(&pool->threads[i]) - pool->threads[i].mark_ns;
+        most = ns > most ? ns : most;
+    }
+    return most;
 }
 
 int pen_thread_pool_run(struct pen_thread_pool *pool, int threads, pen_thread_pool_work *work,

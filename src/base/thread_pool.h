@@ -8,6 +8,8 @@
 #ifndef PEN_BASE_THREAD_POOL_H
 #define PEN_BASE_THREAD_POOL_H
 
+#include <stdint.h>
+
 #include "base/status.h"
 
 struct pen_thread_pool;
@@ -29,5 +31,10 @@ typedef void pen_thread_pool_work(void *user, int index);
  * run, whose work then has changed it. */
 int pen_thread_pool_run(struct pen_thread_pool *pool, int threads, pen_thread_pool_work *work,
                         void *user);
+
+/* `mark` notes how much processor time each thread has used; `most` tells how much that one has
+ * used since, in ns, which has used most. Threads: any, one at a time. */
+void pen_thread_pool_mark(struct pen_thread_pool *pool);
+int64_t pen_thread_pool_most_ns(const struct pen_thread_pool *pool);
 
 #endif

@@ -17,20 +17,16 @@ enum {
     CHECK_MS = 200,
     LOG_MS = 10000, /* between log lines about a store that does not answer */
     /* Until render threads count as stuck. They check the flag before each block of pixels, which
-     * takes long on a machine that is busy with other things: STUCK_MS are of processor time, too,
-     * and what waits without end, using none, counts as stuck later. */
+     * takes long on a machine that is busy with other things: STUCK_MS are of one thread's
+     * processor time, too, and what waits without end, using none, counts as stuck later. */
     STUCK_MS = 700,
     STUCK_IDLE_MS = 10000
-};
-
-/* A time on the monotonic clock, and the processor time that the process had used by then. */
-struct moment {
-    int64_t ns, cpu_ns;
 };
 
 struct pen_heartbeat {
     struct pen_store *store; /* used by the thread alone */
     const struct pen_worker_options *options;
+    struct pen_thread_pool *pool; /* of the render threads; its marks are guarded by lock */
     int64_t lease_ms;
     pthread_t thread;
     pthread_mutex_t lock;
@@ -43,16 +39,17 @@ struct pen_heartbeat {
     const atomic_bool *stop;  /* guarded by lock; NULL: the batch is finished first */
     uint64_t claims;          /* guarded by lock; the number of claims so far */
     int64_t spent_ns;         /* guarded by lock; on the active claim, before `since` */
-    struct moment since;      /* guarded by lock; when its clock started; ns is 0: it is stopped */
+    int64_t since_ns;         /* guarded by lock; when its clock started; 0: it is stopped */
     enum pen_claim_end ended; /* guarded by lock */
-    struct moment ended_at;   /* guarded by lock */
+    int64_t told_ns;          /* guarded by lock; when the render threads were told to stop */
     bool failed;              /* guarded by lock; the job is stored as failed by its timeout */
     atomic_bool cancel;       /* atomic: relaxed, the render threads only need to see it soon */
 };
 
-static struct moment this_moment(void)
+static void note_told(struct pen_heartbeat *heart)
 {
-    return (struct moment){.ns = pen_clock_ns(), .cpu_ns = pen_clock_cpu_ns()};
+    heart->told_ns = pen_clock_ns();
+    pen_thread_pool_mark(heart->pool);
 }
 
 /* Notes that a claim has ended, unless it is not the active one or has ended already. */
@@ -61,14 +58,14 @@ static void end_claim(struct pen_heartbeat *heart, uint64_t claim_number, enum p
     if (!heart->active || heart->claims != claim_number || heart->ended != PEN_CLAIM_HELD)
         return;
     heart->ended = ended;
-    heart->ended_at = this_moment();
+    note_told(heart);
     atomic_store_explicit(&heart->cancel, true, memory_order_relaxed);
 }
 
 /* How long the worker has worked on the active claim. Called with the lock held. */
 static int64_t spent_ns(const struct pen_heartbeat *heart)
 {
-    return heart->spent_ns + (heart->since.ns ? pen_clock_ns() - heart->since.ns : 0);
+    return heart->spent_ns + (heart->since_ns ? pen_clock_ns() - heart->since_ns : 0);
 }
 
 /* Whether all workers together have worked on the job for longer than its timeout. Called with the
@@ -96,12 +93,11 @@ static bool fail_late_job(struct pen_heartbeat *heart, const struct pen_claim *c
  * lock held. */
 static bool are_stuck(const struct pen_heartbeat *heart)
 {
-    const struct moment *ended = &heart->ended_at, *since = &heart->since;
-    const struct moment *told = ended->ns > since->ns ? ended : since;
-    const struct moment now = this_moment();
-    const int64_t ms = (now.ns - told->ns) / 1000000,
-                  cpu_ms = (now.cpu_ns - told->cpu_ns) / 1000000;
-    return since->ns != 0 && ms >= (cpu_ms >= STUCK_MS ? STUCK_MS : STUCK_IDLE_MS);
+    const int64_t ms = (pen_clock_ns() - heart->told_ns) / 1000000;
+    if (heart->since_ns == 0 || ms < STUCK_MS)
+        return false;
+    const int64_t cpu_ms = pen_thread_pool_most_ns(heart->pool) / 1000000;
+    return ms >= (cpu_ms >= STUCK_MS ? STUCK_MS : STUCK_IDLE_MS);
 }
 
 /* Handles a claim that has ended before the worker is done with it: fails the job if its time is
@@ -221,7 +217,8 @@ static void init_locks(struct pen_heartbeat *heart)
     pthread_mutex_init(&heart->lock, NULL);
 }
 
-struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options, int64_t lease_ms,
+struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options,
+                                        struct pen_thread_pool *pool, int64_t lease_ms,
                                         struct pen_status *st)
 {
     struct pen_heartbeat *heart = calloc(1, sizeof *heart);
@@ -230,6 +227,7 @@ struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options
         return NULL;
     }
     heart->options = options;
+    heart->pool = pool;
     heart->lease_ms = lease_ms;
     heart->store = pen_store_open(options->store_url, st);
     if (heart->store)
@@ -272,7 +270,7 @@ void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *cl
     heart->ended = PEN_CLAIM_HELD;
     heart->failed = false;
     heart->spent_ns = 0;
-    heart->since = this_moment();
+    heart->since_ns = pen_clock_ns();
     atomic_store_explicit(&heart->cancel, false, memory_order_relaxed);
     if (heart->asleep)
         pthread_cond_signal(&heart->change);
@@ -293,14 +291,16 @@ void pen_heartbeat_pause(struct pen_heartbeat *heart)
 {
     pthread_mutex_lock(&heart->lock);
     heart->spent_ns = spent_ns(heart);
-    heart->since.ns = 0;
+    heart->since_ns = 0;
     pthread_mutex_unlock(&heart->lock);
 }
 
 void pen_heartbeat_resume(struct pen_heartbeat *heart)
 {
     pthread_mutex_lock(&heart->lock);
-    heart->since = this_moment();
+    heart->since_ns = pen_clock_ns();
+    if (heart->ended != PEN_CLAIM_HELD)
+        note_told(heart);
     pthread_mutex_unlock(&heart->lock);
 }
 

@@ -379,7 +379,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
         strcpy(w->host, "localhost");
     if (!w->store || !pen_store_worker_lock(w->store, o->id, st) ||
         !(w->context.pool = pen_thread_pool_new(o->threads, st)) ||
-        !(w->context.heart = pen_heartbeat_new(o, w->lease_ms, st)))
+        !(w->context.heart = pen_heartbeat_new(o, w->context.pool, w->lease_ms, st)))
         return false;
     pen_store_observe(w->store, o->observer);
     pen_store_delegate_checkpoints(w->store);

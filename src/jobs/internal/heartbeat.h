@@ -4,7 +4,7 @@
  * time is up. It measures how long the worker works on its claim, tells the store with each
  * extension, and fails a job on which all workers together have worked longer than its timeout.
  * Render threads that do not stop are reported as stuck: one pixel may take without end. They may
- * as well have had no processor, so what counts is the processor time of the process.
+ * as well have had no processor, so what counts is the processor time of one of them.
  *
  * Threads: the worker's own thread makes all calls, except pen_heartbeat_cancel (any thread). */
 #ifndef PEN_JOBS_INTERNAL_HEARTBEAT_H
@@ -12,6 +12,7 @@
 
 #include <stdatomic.h>
 
+#include "base/thread_pool.h"
 #include "jobs/worker.h"
 #include "store/store.h"
 
@@ -24,9 +25,11 @@ enum pen_claim_end {
     PEN_CLAIM_STOPPED    /* the worker is stopping and gives this batch back */
 };
 
-/* Starts the thread, with a store handle of its own. Owns: free with pen_heartbeat_free; options
- * must stay until then. Fails: as pen_store_open; PEN_NO_MEMORY. */
-struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options, int64_t lease_ms,
+/* Starts the thread, with a store handle of its own. The pool has the render threads. Owns: free
+ * with pen_heartbeat_free; options and pool must stay until then. Fails: as pen_store_open;
+ * PEN_NO_MEMORY. */
+struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options,
+                                        struct pen_thread_pool *pool, int64_t lease_ms,
                                         struct pen_status *st);
 void pen_heartbeat_free(struct pen_heartbeat *heart);
 
