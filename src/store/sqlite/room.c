@@ -141,11 +141,6 @@ bool pen_sqlite_reserve_make(struct pen_driver *driver, struct pen_status *st)
     return pen_sqlite_reserve_allocate(pen_sqlite_of(driver), 0, st);
 }
 
-static int64_t reserve_part(const struct pen_sqlite_store *store)
-{
-    return pen_sqlite_reserve_bytes(store) / PARTS;
-}
-
 /* Cuts so many bytes from the reserve, or what there is. Returns whether there was any. */
 static bool cut_reserve(const struct pen_sqlite_store *store, int64_t bytes)
 {
@@ -171,49 +166,66 @@ static int64_t file_lacks(struct pen_sqlite_store *store)
 }
 
 /* Only SQLite may open its file (closing it elsewhere would drop this process's locks), so it
- * copies the log. With a chunk size it makes the file as long as it will be before anything else,
- * even if readers keep parts of the log from being copied. */
-static bool lengthen_file(struct pen_sqlite_store *store, int64_t bytes)
+ * copies the log. With a chunk size it makes the file as long as it will be before anything else.
+ * Returns whether the file has grown; readers may keep the log from being copied. */
+static bool lengthen_file(struct pen_sqlite_store *store)
 {
     int chunk = PEN_SQLITE_PAGE_BYTES, none = 0;
+    const int64_t lacked = file_lacks(store);
     struct pen_status ignored;
     sqlite3_file_control(store->db, "main", SQLITE_FCNTL_CHUNK_SIZE, &chunk);
-    const bool cut = cut_reserve(store, bytes);
-    if (cut)
-        pen_sqlite_checkpoint(&store->base, &ignored);
+    pen_sqlite_checkpoint(&store->base, &ignored);
     sqlite3_file_control(store->db, "main", SQLITE_FCNTL_CHUNK_SIZE, &none);
-    return cut;
+    return file_lacks(store) < lacked;
 }
 
 /* What is allocated behind the log's end changes nothing in it: SQLite reads it up to the first
  * frame that does not belong to it. Where the file system cannot allocate, the space is only free.
  */
-static bool lengthen_log(struct pen_sqlite_store *store)
+static void lengthen_log(struct pen_sqlite_store *store, int64_t bytes)
 {
-    const int64_t part = reserve_part(store);
     char path[PEN_SQLITE_PATH_BYTES];
     struct stat info;
     pen_sqlite_path(store, "-wal", path);
     int fd = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    const bool known = fd >= 0 && fstat(fd, &info) == 0, cut = cut_reserve(store, part);
-    if (cut && known && fallocate(fd, 0, info.st_size, (off_t)part) != 0)
+    if (fd < 0)
+        return;
+    if (fstat(fd, &info) != 0 || fallocate(fd, 0, info.st_size, (off_t)bytes) != 0)
         pen_log(PEN_LOG_DEBUG, "the log %s cannot be lengthened: %s", path, strerror(errno));
-    if (fd >= 0)
-        close(fd);
-    return cut;
+    close(fd);
+}
+
+/* Cuts what the file lacks, or a part of the reserve if it lacks nothing. */
+static bool cut_for_file(struct pen_sqlite_store *store, int64_t *bytes, bool *lacks)
+{
+    *bytes = file_lacks(store);
+    *lacks = *bytes > 0;
+    if (!*lacks)
+        *bytes = pen_sqlite_reserve_bytes(store) / PARTS;
+    return cut_reserve(store, *bytes);
 }
 
 bool pen_sqlite_reserve_move(struct pen_driver *driver)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    const int64_t lacks = file_lacks(store);
-    return lacks > 0 ? lengthen_file(store, lacks) : lengthen_log(store);
+    int64_t bytes;
+    bool lacks;
+    if (!cut_for_file(store, &bytes, &lacks))
+        return false;
+    if (!lacks || !lengthen_file(store))
+        lengthen_log(store, bytes);
+    return true;
 }
 
 bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store)
 {
-    const int64_t lacks = file_lacks(store);
-    return lacks > 0 ? lengthen_file(store, lacks) : cut_reserve(store, reserve_part(store));
+    int64_t bytes;
+    bool lacks;
+    if (!cut_for_file(store, &bytes, &lacks))
+        return false;
+    if (lacks)
+        lengthen_file(store);
+    return true;
 }
 
 bool pen_sqlite_reserve_is_out(struct pen_driver *driver)
