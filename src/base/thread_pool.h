@@ -32,8 +32,8 @@ typedef void pen_thread_pool_work(void *user, int index);
 int pen_thread_pool_run(struct pen_thread_pool *pool, int threads, pen_thread_pool_work *work,
                         void *user);
 
-/* `mark` notes how much processor time each thread has used; `most` tells how much that one has
- * used since, in ns, which has used most. Threads: any, one at a time. */
+/* `mark` notes how much processor time each thread has used. `most` is the processor time since
+ * then, in ns, of the thread that has used most. Threads: any, one at a time. */
 void pen_thread_pool_mark(struct pen_thread_pool *pool);
 int64_t pen_thread_pool_most_ns(const struct pen_thread_pool *pool);
 

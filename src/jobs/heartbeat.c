@@ -38,7 +38,7 @@ struct pen_heartbeat {
     struct pen_claim claim;   /* guarded by lock; of the active claim */
     const atomic_bool *stop;  /* guarded by lock; NULL: the batch is finished first */
     uint64_t claims;          /* guarded by lock; the number of claims so far */
-    int64_t spent_ns;         /* guarded by lock; on the active claim, before `since` */
+    int64_t spent_ns;         /* guarded by lock; on the active claim, before since_ns */
     int64_t since_ns;         /* guarded by lock; when its clock started; 0: it is stopped */
     enum pen_claim_end ended; /* guarded by lock */
     int64_t told_ns;          /* guarded by lock; when the render threads were told to stop */
@@ -46,6 +46,7 @@ struct pen_heartbeat {
     atomic_bool cancel;       /* atomic: relaxed, the render threads only need to see it soon */
 };
 
+/* Notes when the render threads were told to stop. Called with the lock held. */
 static void note_told(struct pen_heartbeat *heart)
 {
     heart->told_ns = pen_clock_ns();

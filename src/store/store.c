@@ -323,8 +323,8 @@ bool pen_store_scene_bytes(struct pen_store *store, const char *id, size_t *byte
 
 /* After a call that frees space, or leads to it, has failed: whether the disk is full, and the call
  * may be repeated. First the log is copied into the store, so that it can be written from its
- * beginning again, which takes no space. Then the reserve is given up, a part each time: others may
- * take at once what becomes free. */
+ * beginning again, which takes no space. Then parts of the reserve are moved into the store's own
+ * files, until it is used up. */
 static bool may_repeat(struct pen_store *store, int *tries, const struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;

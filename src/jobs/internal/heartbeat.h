@@ -3,8 +3,9 @@
  * them to stop when the job was cancelled, the batch was leased to another worker, or the job's
  * time is up. It measures how long the worker works on its claim, tells the store with each
  * extension, and fails a job on which all workers together have worked longer than its timeout.
- * Render threads that do not stop are reported as stuck: one pixel may take without end. They may
- * as well have had no processor, so what counts is the processor time of one of them.
+ * Render threads that do not stop are reported as stuck: one pixel may take without end. Threads
+ * that got no processor are not stuck, so what counts is the processor time of the thread that
+ * used most of it since; after ten seconds they count as stuck anyway.
  *
  * Threads: the worker's own thread makes all calls, except pen_heartbeat_cancel (any thread). */
 #ifndef PEN_JOBS_INTERNAL_HEARTBEAT_H

@@ -89,7 +89,7 @@ static int64_t pages_that_fit(const struct pen_sqlite_store *store)
 
 /* How many pages one call may move. The log is not made longer than it is kept, and on a full disk
  * not longer than it is: for that its pages must have been copied. Only a log that has no room at
- * all takes a part of the reserve; it keeps that, so this happens once. */
+ * all takes a part of the reserve, which it keeps up to its usual length. */
 static bool reclaim_most(struct pen_sqlite_store *store, int64_t *most, struct pen_status *st)
 {
     int64_t fit = pages_that_fit(store);

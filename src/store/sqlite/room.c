@@ -4,13 +4,16 @@
  * more: cancelling and removing jobs. It is made whole again before new jobs are taken. Its size
  * lets a log of the length that checkpoint.c allows be copied into the store.
  *
- * Other programs take at once what becomes free on a full disk. So the reserve is moved, rather
- * than given up: no more is cut than the store's own files lack, and they get it in the same
- * moment. Only what another program takes within these few microseconds is lost. */
+ * Other programs take at once what becomes free on a full disk. So what is cut is given to the
+ * store's own files right away. What another program takes in between is lost: with the file that
+ * is the time of a sync of the log. What the log gets beyond its usual length (checkpoint.c) is
+ * free again once the log begins anew.
+ */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -93,7 +96,7 @@ bool pen_sqlite_blob_fits(struct pen_sqlite_store *store, size_t bytes, size_t l
                     (long long)(room.disk_free_bytes >> 10));
 }
 
-/* Opens the reserve; *bytes is its length. Returns -1 with errno. */
+/* Opens the reserve, alone until it is closed; *bytes is its length. Returns -1 with errno. */
 static int open_reserve(const struct pen_sqlite_store *store, int flags, int64_t *bytes)
 {
     char path[PEN_SQLITE_PATH_BYTES];
@@ -102,6 +105,8 @@ static int open_reserve(const struct pen_sqlite_store *store, int flags, int64_t
     int fd = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW | flags, 0600);
     if (fd < 0)
         return -1;
+    while (flock(fd, LOCK_EX) != 0 && errno == EINTR)
+        continue;
     if (fstat(fd, &info) != 0) {
         close(fd);
         return -1;
@@ -141,16 +146,23 @@ bool pen_sqlite_reserve_make(struct pen_driver *driver, struct pen_status *st)
     return pen_sqlite_reserve_allocate(pen_sqlite_of(driver), 0, st);
 }
 
-/* Cuts so many bytes from the reserve, or what there is. Returns whether there was any. */
-static bool cut_reserve(const struct pen_sqlite_store *store, int64_t bytes)
+/* Cuts so many bytes from the reserve, or what there is. Returns how many. */
+static int64_t cut_reserve(const struct pen_sqlite_store *store, int64_t bytes)
 {
     int64_t length = 0;
     int fd = open_reserve(store, 0, &length);
-    const bool cut =
-        fd >= 0 && length > 0 && ftruncate(fd, length > bytes ? (off_t)(length - bytes) : 0) == 0;
+    int64_t cut = bytes < length ? bytes : length;
+    if (fd < 0 || ftruncate(fd, (off_t)(length - cut)) != 0)
+        cut = 0;
     if (fd >= 0)
         close(fd);
     return cut;
+}
+
+/* In whole pages, so that a cut frees as many as the log then needs. */
+static int64_t reserve_part(const struct pen_sqlite_store *store)
+{
+    return pen_sqlite_reserve_bytes(store) / PARTS / PEN_SQLITE_PAGE_BYTES * PEN_SQLITE_PAGE_BYTES;
 }
 
 /* How many bytes the file lacks for the pages that the log holds for it. */
@@ -166,17 +178,15 @@ static int64_t file_lacks(struct pen_sqlite_store *store)
 }
 
 /* Only SQLite may open its file (closing it elsewhere would drop this process's locks), so it
- * copies the log. With a chunk size it makes the file as long as it will be before anything else.
- * Returns whether the file has grown; readers may keep the log from being copied. */
-static bool lengthen_file(struct pen_sqlite_store *store)
+ * copies the log. With a chunk size it makes the file as long as it will be before it copies any
+ * page. */
+static void lengthen_file(struct pen_sqlite_store *store)
 {
     int chunk = PEN_SQLITE_PAGE_BYTES, none = 0;
-    const int64_t lacked = file_lacks(store);
     struct pen_status ignored;
     sqlite3_file_control(store->db, "main", SQLITE_FCNTL_CHUNK_SIZE, &chunk);
     pen_sqlite_checkpoint(&store->base, &ignored);
     sqlite3_file_control(store->db, "main", SQLITE_FCNTL_CHUNK_SIZE, &none);
-    return file_lacks(store) < lacked;
 }
 
 /* What is allocated behind the log's end changes nothing in it: SQLite reads it up to the first
@@ -195,37 +205,27 @@ static void lengthen_log(struct pen_sqlite_store *store, int64_t bytes)
     close(fd);
 }
 
-/* Cuts what the file lacks, or a part of the reserve if it lacks nothing. */
-static bool cut_for_file(struct pen_sqlite_store *store, int64_t *bytes, bool *lacks)
+bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store)
 {
-    *bytes = file_lacks(store);
-    *lacks = *bytes > 0;
-    if (!*lacks)
-        *bytes = pen_sqlite_reserve_bytes(store) / PARTS;
-    return cut_reserve(store, *bytes);
+    const int64_t lacks = file_lacks(store);
+    if (cut_reserve(store, lacks > 0 ? lacks : reserve_part(store)) == 0)
+        return false;
+    if (lacks > 0)
+        lengthen_file(store);
+    return true;
 }
 
+/* A log that can be copied, or as far as its readers let it, is itself what lacks space. */
 bool pen_sqlite_reserve_move(struct pen_driver *driver)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
-    int64_t bytes;
-    bool lacks;
-    if (!cut_for_file(store, &bytes, &lacks))
-        return false;
-    if (!lacks || !lengthen_file(store))
-        lengthen_log(store, bytes);
-    return true;
-}
-
-bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store)
-{
-    int64_t bytes;
-    bool lacks;
-    if (!cut_for_file(store, &bytes, &lacks))
-        return false;
-    if (lacks)
-        lengthen_file(store);
-    return true;
+    struct pen_status st;
+    if (!pen_sqlite_checkpoint(driver, &st))
+        return st.code == PEN_STORAGE_FULL && pen_sqlite_reserve_for_file(store);
+    const int64_t cut = cut_reserve(store, reserve_part(store));
+    if (cut > 0)
+        lengthen_log(store, cut);
+    return cut > 0;
 }
 
 bool pen_sqlite_reserve_is_out(struct pen_driver *driver)

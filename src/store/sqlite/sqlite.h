@@ -337,8 +337,9 @@ int64_t pen_sqlite_free_bytes(const struct pen_sqlite_store *store);
 bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
                                  struct pen_status *st);
 
-/* room.c: moves of the reserve to the file what it lacks for the log to be copied, which this does;
- * if it lacks nothing, a part of the reserve becomes free. Returns whether there was any. */
+/* room.c: moves of the reserve to the file what it lacks for the log to be copied, which this does.
+ * If it lacks nothing, as where a file system copies what is overwritten, a part of the reserve
+ * becomes free. Returns whether there was any. */
 bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store);
 
 /* objects.c: notes that a row has the large object from now on. Fails: PEN_UNAVAILABLE, if it was
