@@ -36,6 +36,18 @@ static void copy_file(const char *from, const char *to)
     ck_assert_int_eq(fclose(out), 0);
 }
 
+/* A small one: what it frees is no matter here, but its use must not hide or repeat a failure. */
+static void make_reserve(const struct fault_bed *b)
+{
+    static const char zeros[64 << 10];
+    char path[160];
+    snprintf(path, sizeof path, "%s-reserve", b->bed.url);
+    FILE *file = fopen(path, "wb");
+    ck_assert_ptr_nonnull(file);
+    ck_assert_uint_eq(fwrite(zeros, sizeof zeros, 1, file), 1);
+    ck_assert_int_eq(fclose(file), 0);
+}
+
 void fault_bed_renew(struct fault_bed *b)
 {
     static const char *const ends[] = {"-wal", "-shm", "-wake", "-new", "-journal"};
@@ -46,6 +58,7 @@ void fault_bed_renew(struct fault_bed *b)
     }
     faults_forget();
     copy_file(b->template, b->bed.url);
+    make_reserve(b);
 }
 
 void fault_bed_open(struct fault_bed *b)

@@ -205,14 +205,21 @@ static void lengthen_log(struct pen_sqlite_store *store, int64_t bytes)
     close(fd);
 }
 
+/* What could not be synced must not be synced again (store/internal/health.h), even if the disk is
+ * full, too. So after such a failure the reserve is of no use, and its users do not try again. */
+static bool may_sync(const struct pen_sqlite_store *store)
+{
+    return !(store->base.faults >> PEN_FAULT_IO & 1);
+}
+
 bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store)
 {
     const int64_t lacks = file_lacks(store);
-    if (cut_reserve(store, lacks > 0 ? lacks : reserve_part(store)) == 0)
+    if (!may_sync(store) || cut_reserve(store, lacks > 0 ? lacks : reserve_part(store)) == 0)
         return false;
     if (lacks > 0)
         lengthen_file(store);
-    return true;
+    return may_sync(store);
 }
 
 /* A log that can be copied, or as far as its readers let it, is itself what lacks space. */
@@ -220,6 +227,8 @@ bool pen_sqlite_reserve_move(struct pen_driver *driver)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     struct pen_status st;
+    if (!may_sync(store))
+        return false;
     if (!pen_sqlite_checkpoint(driver, &st))
         return st.code == PEN_STORAGE_FULL && pen_sqlite_reserve_for_file(store);
     const int64_t cut = cut_reserve(store, reserve_part(store));
