@@ -200,7 +200,7 @@ if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
     # shellcheck disable=SC2086
     PENUMBRA_URL=$url "$penumbra" wait $ended >/dev/null
     long=$(PENUMBRA_URL=$url "$penumbra" submit builtin:room --set samples_per_pixel=4096)
-    waiting=$(PENUMBRA_URL=$url "$penumbra" submit builtin:spheres --priority -1) # until that ends
+    waiting=$(PENUMBRA_URL=$url "$penumbra" submit builtin:spheres --priority -1) # for the end of $long
     expect "the reserve is set aside" "$(($(wc -c <"$store-reserve") > 100000))" 1
     echo "# the log: $(wc -c <"$store-wal") bytes"
     is_short() { [ "$(wc -c <"$store-wal")" -lt 1000000 ]; }

@@ -274,9 +274,8 @@ static int64_t own_bytes(void)
     return file_bytes("") + file_bytes("-wal") + file_bytes("-reserve");
 }
 
-/* Others take what becomes free, so nothing of the reserve may become free: it is moved into the
- * store's own files, no more of it than they lack. Jobs are removed until so much of it was used.
- */
+/* Others take what becomes free, so nothing of the reserve may become free: what is cut from it is
+ * added to the store's own files. Jobs are removed until so much of the reserve was used. */
 static void remove_until_used(bool has_reader, int64_t used_bytes)
 {
     enum { JOBS = 200, LOST_BYTES_MAX = 4 * 4096 };

@@ -7,8 +7,7 @@
  * Other programs take at once what becomes free on a full disk. So what is cut is given to the
  * store's own files right away. What another program takes in between is lost: with the file that
  * is the time of a sync of the log. What the log gets beyond its usual length (checkpoint.c) is
- * free again once the log begins anew.
- */
+ * free again once the log begins anew. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
