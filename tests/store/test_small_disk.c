@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "support/small_disk.h"
@@ -274,13 +275,30 @@ static int64_t own_bytes(void)
     return file_bytes("") + file_bytes("-wal") + file_bytes("-reserve");
 }
 
+/* Others take what becomes free meanwhile. */
+static void remove_job_of_full_disk(int n)
+{
+    struct pen_status st;
+    struct store_job in;
+    store_job_init(&in, n, 1, 1);
+    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    small_disk_fill(bed.folder, 0);
+    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    small_disk_fill(bed.folder, 0);
+}
+
+static void remove_jobs_of_full_disk(int count)
+{
+    for (int n = 0; n < count; n++)
+        remove_job_of_full_disk(n);
+}
+
 /* Others take what becomes free, so nothing of the reserve may become free: what is cut from it is
  * added to the store's own files. Jobs are removed until so much of the reserve was used. */
 static void remove_until_used(bool has_reader, int64_t used_bytes)
 {
     enum { JOBS = 200, LOST_BYTES_MAX = 4 * 4096 };
     struct pen_status st;
-    struct store_job in;
     if (!open_small_disk(DISK_MIB))
         return;
     for (int n = 0; n < JOBS; n++)
@@ -288,13 +306,8 @@ static void remove_until_used(bool has_reader, int64_t used_bytes)
     sqlite3 *reader = has_reader ? begin_read() : NULL;
     small_disk_fill(bed.folder, 0);
     const int64_t reserve = file_bytes("-reserve"), own = own_bytes();
-    for (int n = 0; n < JOBS && file_bytes("-reserve") > reserve - used_bytes; n++) {
-        store_job_init(&in, n, 1, 1);
-        store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-        small_disk_fill(bed.folder, 0);
-        store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
-        small_disk_fill(bed.folder, 0);
-    }
+    for (int n = 0; n < JOBS && file_bytes("-reserve") > reserve - used_bytes; n++)
+        remove_job_of_full_disk(n);
     printf("# reserve of %lld bytes, then %lld; with file and log %lld, then %lld\n",
            (long long)reserve, (long long)file_bytes("-reserve"), (long long)own,
            (long long)own_bytes());
@@ -314,6 +327,58 @@ END_TEST
 START_TEST(test_small_disk__others_get_nothing_of_the_reserve_for_the_log)
 {
     remove_until_used(true, 100 << 10);
+}
+END_TEST
+
+/* On a full disk the log's index takes 32 KiB more, at a page of the log of which no job knows. */
+START_TEST(test_small_disk__jobs_are_removed_while_the_index_of_the_log_grows)
+{
+    enum { MIB = 64, JOBS = 4, FRAME_BYTES = 4096 + 24, FRAMES = 2 * 4096 - 34 - 4096 - 10 };
+    static char picture[1 << 20];
+    struct pen_status st;
+    int fill = 0;
+    if (!open_small_disk(MIB))
+        return;
+    for (int n = 0; n < JOBS; n++)
+        store_must(submit(n, &st), &st, "submit");
+    const struct pen_claim claim = store_claim(bed.store, "w");
+    sqlite3 *reader = begin_read();
+    for (int64_t lacks; (lacks = FRAMES * FRAME_BYTES - log_bytes()) > 0; fill++) {
+        memset(picture, fill, sizeof picture); /* what is as before is not written */
+        store_must(pen_store_artefact_put(
+                       bed.store, &claim, "beauty", "pfm", picture,
+                       (size_t)lacks < sizeof picture ? (size_t)lacks : sizeof picture, &st),
+                   &st, "put");
+    }
+    const int64_t index = file_bytes("-shm");
+    ck_assert_int_le(log_bytes(), (FRAMES + 10) * FRAME_BYTES);
+    small_disk_fill(bed.folder, 0);
+    remove_jobs_of_full_disk(JOBS);
+    printf("# log of %lld bytes, index of %lld, then %lld\n", (long long)log_bytes(),
+           (long long)index, (long long)file_bytes("-shm"));
+    ck_assert_int_gt(file_bytes("-shm"), index);
+    end_read(reader);
+    close_small_disk();
+}
+END_TEST
+
+/* The first handle makes the log's index, whose old file is no longer there. */
+START_TEST(test_small_disk__store_is_opened_on_a_full_disk)
+{
+    enum { JOBS = 5 };
+    struct pen_status st;
+    char index[128];
+    if (!open_small_disk(DISK_MIB))
+        return;
+    for (int n = 0; n < JOBS; n++)
+        store_must(submit(n, &st), &st, "submit");
+    pen_store_close(bed.store);
+    snprintf(index, sizeof index, "%s-shm", bed.url);
+    ck_assert_int_eq(unlink(index), 0);
+    small_disk_fill(bed.folder, 0);
+    bed.store = store_bed_handle(&bed);
+    remove_jobs_of_full_disk(JOBS);
+    close_small_disk();
 }
 END_TEST
 
@@ -538,6 +603,8 @@ PEN_SUITE("small disk", test_small_disk__long_reader_leaves_space_to_copy_the_lo
           test_small_disk__overlapping_readers_let_jobs_be_removed,
           test_small_disk__others_get_nothing_of_the_reserve_for_the_file,
           test_small_disk__others_get_nothing_of_the_reserve_for_the_log,
+          test_small_disk__jobs_are_removed_while_the_index_of_the_log_grows,
+          test_small_disk__store_is_opened_on_a_full_disk,
           test_small_disk__large_result_waits_for_space_and_small_ones_go_on,
           test_small_disk__job_that_is_cancelled_waits_for_no_space,
           test_small_disk__job_is_removed_from_a_full_disk,

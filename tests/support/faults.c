@@ -161,8 +161,10 @@ static int file_device(sqlite3_file *base)
 
 static int file_shm_map(sqlite3_file *base, int page, int bytes, int extend, void volatile **out)
 {
-    if (fails(FAULT_SHM))
+    if (fails(FAULT_SHM)) {
+        errno = disk.plan.error;
         return SQLITE_IOERR_SHMSIZE;
+    }
     return below(base)->xShmMap(of(base)->real, page, bytes, extend, out);
 }
 

@@ -20,6 +20,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/log.h"
 #include "store/sqlite/sqlite.h"
 #include "store/sqlite/wake.h"
 
@@ -219,6 +220,7 @@ static bool configure(struct pen_sqlite_store *store, struct pen_status *st)
 
 static bool connect(struct pen_sqlite_store *store, const char *path, struct pen_status *st)
 {
+    store->index_parts = 0;
     int rc = sqlite3_open_v2(path, &store->db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
     if (!store->db)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
@@ -247,6 +249,19 @@ static bool open_database(struct pen_sqlite_store *store, struct pen_status *st)
     if (!ok)
         close_database(store);
     return ok;
+}
+
+/* The first handle makes the log's index anew, which on a full disk takes space from the reserve.
+ */
+static bool open_on_any_disk(struct pen_sqlite_store *store, struct pen_status *st)
+{
+    while (!open_database(store, st)) {
+        if (st->code != PEN_STORAGE_FULL || !pen_sqlite_reserve_free(store))
+            return false;
+        pen_log(PEN_LOG_WARN, "the disk of the store %s is full: its reserve is used to open it",
+                store->path);
+    }
+    return true;
 }
 
 void pen_sqlite_close_unwritten(struct pen_sqlite_store *store)
@@ -373,7 +388,7 @@ static bool open_in_company(struct pen_sqlite_store *store, const char *lock_pat
     if (!store->wake)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
     if (!make_missing(store, st) || !check_kind(store->path, st) ||
-        !pen_sqlite_check_company(store, st) || !open_database(store, st))
+        !pen_sqlite_check_company(store, st) || !open_on_any_disk(store, st))
         return false;
     if (stat(store->path, &store->opened) != 0)
         return cannot_open(store->path, errno, st);

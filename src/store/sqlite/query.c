@@ -197,8 +197,25 @@ static const char *what_failed(int rc)
     return (rc & 0xff) == SQLITE_CANTOPEN ? "be opened" : "be used";
 }
 
+/* Tells whether the process lacks memory or descriptors, which is no fault of the store. */
+static bool is_process_limit(int rc, int error)
+{
+    return rc == SQLITE_NOMEM || rc == SQLITE_IOERR_NOMEM ||
+           (rc != SQLITE_FULL && (error == ENOMEM || error == EMFILE || error == ENFILE));
+}
+
+static bool fail_limit(const struct pen_sqlite_store *store, int error, struct pen_status *st)
+{
+    return error == EMFILE || error == ENFILE
+               ? pen_fail(st, PEN_UNAVAILABLE, "the store %s cannot be opened: %s", store->path,
+                          strerror(error))
+               : pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+}
+
 bool pen_sqlite_io_error(struct pen_sqlite_store *store, int rc, int error, struct pen_status *st)
 {
+    if (is_process_limit(rc, error))
+        return fail_limit(store, error, st);
     bool full = (rc & 0xff) == SQLITE_FULL || pen_errno_is_full(error);
     bool sync = rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_DIR_FSYNC;
     note_fault(store, full && !sync ? PEN_FAULT_FULL : PEN_FAULT_IO, error);
@@ -206,13 +223,6 @@ bool pen_sqlite_io_error(struct pen_sqlite_store *store, int rc, int error, stru
         return pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space left", store->path);
     return pen_fail(st, full ? PEN_STORAGE_FULL : PEN_STORAGE, "the store %s could not %s: %s",
                     store->path, what_failed(rc), error ? strerror(error) : sqlite3_errstr(rc));
-}
-
-/* Tells whether the process lacks memory or descriptors, which is no fault of the store. */
-static bool is_process_limit(int rc, int error)
-{
-    return rc == SQLITE_NOMEM || rc == SQLITE_IOERR_NOMEM ||
-           (rc != SQLITE_FULL && (error == ENOMEM || error == EMFILE || error == ENFILE));
 }
 
 /* The store's files: the log, and the store itself. */
@@ -258,11 +268,8 @@ bool pen_sqlite_error(struct pen_sqlite_store *store, int rc, struct pen_status 
     int kind = rc & 0xff;
     bool system = kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN;
     int error = system ? errno_of(store) : 0;
-    if (is_process_limit(rc, error))
-        return error == EMFILE || error == ENFILE
-                   ? pen_fail(st, PEN_UNAVAILABLE, "the store %s cannot be opened: %s", store->path,
-                              strerror(error))
-                   : pen_fail(st, PEN_NO_MEMORY, "no memory for the store");
+    if (rc == SQLITE_IOERR_SHMSIZE && error == 0 && pen_sqlite_index_lacks_space(store))
+        error = ENOSPC; /* SQLite does not keep the errno of this failure */
     switch (kind) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
@@ -277,6 +284,7 @@ bool pen_sqlite_error(struct pen_sqlite_store *store, int rc, struct pen_status 
     case SQLITE_FULL:
     case SQLITE_IOERR:
     case SQLITE_CANTOPEN:
+    case SQLITE_NOMEM:
         return pen_sqlite_io_error(store, rc, error, st);
     case SQLITE_READONLY:
     case SQLITE_PERM:
@@ -382,7 +390,12 @@ bool pen_sqlite_begin_write(struct pen_driver *driver, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     driver->outcome_unknown = false;
-    return has_name(store, st) && begin(store, SQL_BEGIN_WRITE, st);
+    if (!has_name(store, st) || !begin(store, SQL_BEGIN_WRITE, st))
+        return false;
+    if (pen_sqlite_index_keep_ahead(store, st))
+        return true;
+    roll_back(store);
+    return false;
 }
 
 /* If the log could not be written or synced, a later recovery may find the transaction in it. */

@@ -4,10 +4,11 @@
  * more: cancelling and removing jobs. It is made whole again before new jobs are taken. Its size
  * lets a log of the length that checkpoint.c allows be copied into the store.
  *
- * Other programs take at once what becomes free on a full disk. So what is cut is given to the
- * store's own files right away. What another program takes in between is lost: with the file that
- * is the time of a sync of the log. What the log gets beyond its usual length (checkpoint.c) is
- * free again once the log begins anew. */
+ * Other programs take at once what becomes free on a full disk. So what is cut is given right away
+ * to the one of the store's own files that lacks space: the database file, its log or the log's
+ * index. What another program takes in between is lost: with the file that is the time of a sync
+ * of the log, with the index the time until the write lock is free. What the log gets beyond its
+ * usual length (checkpoint.c) is free again once the log begins anew. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -204,11 +205,24 @@ static void lengthen_log(struct pen_sqlite_store *store, int64_t bytes)
     close(fd);
 }
 
+/* A transaction that begins makes it as long as the log demands (index.c). */
+static void lengthen_index(struct pen_sqlite_store *store)
+{
+    struct pen_status ignored;
+    if (pen_sqlite_begin_write(&store->base, &ignored))
+        pen_sqlite_rollback(&store->base);
+}
+
 /* What could not be synced must not be synced again (store/internal/health.h), even if the disk is
  * full, too. So after such a failure the reserve is of no use, and its users do not try again. */
 static bool may_sync(const struct pen_sqlite_store *store)
 {
     return !(store->base.faults >> PEN_FAULT_IO & 1);
+}
+
+bool pen_sqlite_reserve_free(struct pen_sqlite_store *store)
+{
+    return may_sync(store) && cut_reserve(store, reserve_part(store)) > 0;
 }
 
 bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store)
@@ -221,7 +235,8 @@ bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store)
     return may_sync(store);
 }
 
-/* A log that can be copied, or as far as its readers let it, is itself what lacks space. */
+/* If the log can be copied, or as far as its readers let it, it is not the file that lacks space
+ * but the log's index or else the log. */
 bool pen_sqlite_reserve_move(struct pen_driver *driver)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
@@ -230,8 +245,11 @@ bool pen_sqlite_reserve_move(struct pen_driver *driver)
         return false;
     if (!pen_sqlite_checkpoint(driver, &st))
         return st.code == PEN_STORAGE_FULL && pen_sqlite_reserve_for_file(store);
-    const int64_t cut = cut_reserve(store, reserve_part(store));
-    if (cut > 0)
+    const int64_t index_lacks = pen_sqlite_index_lacks(store),
+                  cut = cut_reserve(store, index_lacks > 0 ? index_lacks : reserve_part(store));
+    if (index_lacks > 0)
+        lengthen_index(store);
+    else if (cut > 0)
         lengthen_log(store, cut);
     return cut > 0;
 }

@@ -244,6 +244,7 @@ struct pen_sqlite_store {
     int log_pages;       /* the length from which on commits copy it, see checkpoint.c */
     int uncopied_pages;  /* of the log, which could not be copied the last time */
     int vain_pages;      /* copied when a commit last waited for readers in vain; -1: it did not */
+    int64_t index_parts; /* how long the log's index is at least, see index.c */
     struct stat opened;  /* the file when it was first opened, for device and inode */
     bool says_log;       /* the file itself says that it needs its log, as last looked at */
     /* The files beside it when this connection was opened, for device and inode; has_beside: there
@@ -341,6 +342,17 @@ bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
  * If it lacks nothing, as where a file system copies what is overwritten, a part of the reserve
  * becomes free. Returns whether there was any. */
 bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store);
+
+/* room.c: makes a part of the reserve free. Returns whether there was any. */
+bool pen_sqlite_reserve_free(struct pen_sqlite_store *store);
+
+/* index.c: makes the log's index long enough for the log and one transaction more, at the beginning
+ * of that transaction; tells how many bytes it lacks for that. */
+bool pen_sqlite_index_keep_ahead(struct pen_sqlite_store *store, struct pen_status *st);
+int64_t pen_sqlite_index_lacks(const struct pen_sqlite_store *store);
+
+/* index.c: tells whether the disk has less space than the log's index takes to grow. */
+bool pen_sqlite_index_lacks_space(const struct pen_sqlite_store *store);
 
 /* objects.c: notes that a row has the large object from now on. Fails: PEN_UNAVAILABLE, if it was
  * removed meanwhile. */
