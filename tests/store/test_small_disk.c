@@ -330,54 +330,81 @@ START_TEST(test_small_disk__others_get_nothing_of_the_reserve_for_the_log)
 }
 END_TEST
 
-/* On a full disk the log's index takes 32 KiB more, at a page of the log of which no job knows. */
-START_TEST(test_small_disk__jobs_are_removed_while_the_index_of_the_log_grows)
+/* The first part of the log's index is for so many pages of the log. */
+enum { PART_BYTES = 32768, PART_PAGES = 4062, LOG_FRAME_BYTES = 4096 + 24 };
+
+/* Writes until the log needs the second part soon. */
+static void write_part(const struct pen_claim *claim)
 {
-    enum { MIB = 64, JOBS = 4, FRAME_BYTES = 4096 + 24, FRAMES = 2 * 4096 - 34 - 4096 - 10 };
+    enum { BYTES = (PART_PAGES - 10) * LOG_FRAME_BYTES };
     static char picture[1 << 20];
     struct pen_status st;
     int fill = 0;
+    for (int64_t lacks; (lacks = BYTES - log_bytes()) > 0; fill++) {
+        const size_t bytes = (size_t)lacks < sizeof picture ? (size_t)lacks : sizeof picture;
+        memset(picture, fill, sizeof picture); /* what is as before is not written */
+        store_must(pen_store_artefact_put(bed.store, claim, "beauty", "pfm", picture, bytes, &st),
+                   &st, "put");
+    }
+    ck_assert_int_le(log_bytes(), PART_PAGES * LOG_FRAME_BYTES);
+}
+
+/* It is made longer before the disk is full. */
+START_TEST(test_small_disk__index_of_the_log_is_ahead)
+{
+    enum { MIB = 128, JOBS = 4 };
+    struct pen_status st;
     if (!open_small_disk(MIB))
         return;
     for (int n = 0; n < JOBS; n++)
         store_must(submit(n, &st), &st, "submit");
     const struct pen_claim claim = store_claim(bed.store, "w");
     sqlite3 *reader = begin_read();
-    for (int64_t lacks; (lacks = FRAMES * FRAME_BYTES - log_bytes()) > 0; fill++) {
-        memset(picture, fill, sizeof picture); /* what is as before is not written */
-        store_must(pen_store_artefact_put(
-                       bed.store, &claim, "beauty", "pfm", picture,
-                       (size_t)lacks < sizeof picture ? (size_t)lacks : sizeof picture, &st),
-                   &st, "put");
-    }
-    const int64_t index = file_bytes("-shm");
-    ck_assert_int_le(log_bytes(), (FRAMES + 10) * FRAME_BYTES);
+    write_part(&claim);
+    ck_assert_int_eq(file_bytes("-shm"), 2 * PART_BYTES);
     small_disk_fill(bed.folder, 0);
     remove_jobs_of_full_disk(JOBS);
-    printf("# log of %lld bytes, index of %lld, then %lld\n", (long long)log_bytes(),
-           (long long)index, (long long)file_bytes("-shm"));
-    ck_assert_int_gt(file_bytes("-shm"), index);
+    ck_assert_int_gt(log_bytes(), PART_PAGES * LOG_FRAME_BYTES);
+    ck_assert_int_eq(file_bytes("-shm"), 2 * PART_BYTES);
     end_read(reader);
     close_small_disk();
 }
 END_TEST
 
-/* The first handle makes the log's index, whose old file is no longer there. */
-START_TEST(test_small_disk__store_is_opened_on_a_full_disk)
+/* As after a crash: nobody has the store open, whose log is long, and was copied. */
+static void leave_long_log(int jobs)
 {
-    enum { JOBS = 5 };
     struct pen_status st;
     char index[128];
-    if (!open_small_disk(DISK_MIB))
-        return;
-    for (int n = 0; n < JOBS; n++)
+    for (int n = 0; n < jobs; n++)
         store_must(submit(n, &st), &st, "submit");
+    const struct pen_claim claim = store_claim(bed.store, "w");
+    sqlite3 *db = begin_read();
+    write_part(&claim);
+    ck_assert_int_eq(sqlite3_exec(db, "COMMIT; PRAGMA wal_checkpoint", NULL, NULL, NULL),
+                     SQLITE_OK);
+    ck_assert_int_eq(sqlite3_db_config(db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL), SQLITE_OK);
     pen_store_close(bed.store);
+    ck_assert_int_eq(sqlite3_close(db), SQLITE_OK);
     snprintf(index, sizeof index, "%s-shm", bed.url);
     ck_assert_int_eq(unlink(index), 0);
+}
+
+/* The first handle makes the index anew, at first only as long as the log needs it. For both the
+ * reserve has the space, of which others get a part in between. */
+START_TEST(test_small_disk__jobs_are_removed_after_a_start_on_a_full_disk)
+{
+    enum { MIB = 128, JOBS = 4 };
+    if (!open_small_disk(MIB))
+        return;
+    leave_long_log(JOBS);
+    const int64_t reserve = file_bytes("-reserve");
     small_disk_fill(bed.folder, 0);
     bed.store = store_bed_handle(&bed);
+    small_disk_fill(bed.folder, 0);
     remove_jobs_of_full_disk(JOBS);
+    ck_assert_int_eq(file_bytes("-shm"), 2 * PART_BYTES);
+    ck_assert_int_ge(file_bytes("-reserve"), reserve - 3 * PART_BYTES);
     close_small_disk();
 }
 END_TEST
@@ -603,8 +630,8 @@ PEN_SUITE("small disk", test_small_disk__long_reader_leaves_space_to_copy_the_lo
           test_small_disk__overlapping_readers_let_jobs_be_removed,
           test_small_disk__others_get_nothing_of_the_reserve_for_the_file,
           test_small_disk__others_get_nothing_of_the_reserve_for_the_log,
-          test_small_disk__jobs_are_removed_while_the_index_of_the_log_grows,
-          test_small_disk__store_is_opened_on_a_full_disk,
+          test_small_disk__index_of_the_log_is_ahead,
+          test_small_disk__jobs_are_removed_after_a_start_on_a_full_disk,
           test_small_disk__large_result_waits_for_space_and_small_ones_go_on,
           test_small_disk__job_that_is_cancelled_waits_for_no_space,
           test_small_disk__job_is_removed_from_a_full_disk,

@@ -94,6 +94,8 @@ static bool reclaim_most(struct pen_sqlite_store *store, int64_t *most, struct p
 {
     int64_t fit = pages_that_fit(store);
     *most = store->log_pages < RECLAIM_PAGES ? store->log_pages : RECLAIM_PAGES;
+    if (pen_sqlite_index_is_refused(store))
+        pen_sqlite_reserve_move(&store->base);
     if (fit >= *most)
         return true;
     if (fit < 2 && pen_sqlite_reserve_move(&store->base))

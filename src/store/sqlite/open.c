@@ -256,7 +256,7 @@ static bool open_database(struct pen_sqlite_store *store, struct pen_status *st)
 static bool open_on_any_disk(struct pen_sqlite_store *store, struct pen_status *st)
 {
     while (!open_database(store, st)) {
-        if (st->code != PEN_STORAGE_FULL || !pen_sqlite_reserve_free(store))
+        if (st->code != PEN_STORAGE_FULL || !pen_sqlite_reserve_for_index(store))
             return false;
         pen_log(PEN_LOG_WARN, "the disk of the store %s is full: its reserve is used to open it",
                 store->path);

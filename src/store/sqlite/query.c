@@ -268,8 +268,11 @@ bool pen_sqlite_error(struct pen_sqlite_store *store, int rc, struct pen_status 
     int kind = rc & 0xff;
     bool system = kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN;
     int error = system ? errno_of(store) : 0;
-    if (rc == SQLITE_IOERR_SHMSIZE && error == 0 && pen_sqlite_index_lacks_space(store))
-        error = ENOSPC; /* SQLite does not keep the errno of this failure */
+    /* SQLite does not keep the errno of this failure. In a commit the log was written before, so
+     * that its outcome is not known, and it must not count as refused for lack of space. */
+    if (rc == SQLITE_IOERR_SHMSIZE && error == 0 && !store->commits &&
+        pen_sqlite_index_is_refused(store))
+        error = ENOSPC;
     switch (kind) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
@@ -404,7 +407,9 @@ bool pen_sqlite_commit(struct pen_driver *driver, struct pen_status *st)
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     unsigned faults = driver->faults;
     driver->faults = 0;
+    store->commits = true;
     bool ok = run_plain(store, SQL_COMMIT, st);
+    store->commits = false;
     driver->outcome_unknown = !ok && (driver->faults >> PEN_FAULT_IO & 1);
     driver->faults |= faults;
     if (!ok)

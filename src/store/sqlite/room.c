@@ -205,7 +205,7 @@ static void lengthen_log(struct pen_sqlite_store *store, int64_t bytes)
     close(fd);
 }
 
-/* A transaction that begins makes it as long as the log demands (index.c). */
+/* As every transaction does when it begins. */
 static void lengthen_index(struct pen_sqlite_store *store)
 {
     struct pen_status ignored;
@@ -220,9 +220,10 @@ static bool may_sync(const struct pen_sqlite_store *store)
     return !(store->base.faults >> PEN_FAULT_IO & 1);
 }
 
-bool pen_sqlite_reserve_free(struct pen_sqlite_store *store)
+bool pen_sqlite_reserve_for_index(struct pen_sqlite_store *store)
 {
-    return may_sync(store) && cut_reserve(store, reserve_part(store)) > 0;
+    const int64_t lacks = pen_sqlite_index_lacks(store);
+    return may_sync(store) && lacks > 0 && cut_reserve(store, lacks) > 0;
 }
 
 bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store)
@@ -245,11 +246,12 @@ bool pen_sqlite_reserve_move(struct pen_driver *driver)
         return false;
     if (!pen_sqlite_checkpoint(driver, &st))
         return st.code == PEN_STORAGE_FULL && pen_sqlite_reserve_for_file(store);
-    const int64_t index_lacks = pen_sqlite_index_lacks(store),
-                  cut = cut_reserve(store, index_lacks > 0 ? index_lacks : reserve_part(store));
-    if (index_lacks > 0)
+    if (pen_sqlite_reserve_for_index(store)) {
         lengthen_index(store);
-    else if (cut > 0)
+        return true;
+    }
+    const int64_t cut = cut_reserve(store, reserve_part(store));
+    if (cut > 0)
         lengthen_log(store, cut);
     return cut > 0;
 }

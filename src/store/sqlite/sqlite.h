@@ -251,6 +251,7 @@ struct pen_sqlite_store {
      * was such a file. */
     struct stat beside[PEN_SQLITE_BESIDE];
     bool has_beside[PEN_SQLITE_BESIDE];
+    bool commits;      /* a transaction is being committed */
     bool sound;        /* opened without a fault, and none met since: closing may write */
     int lock_fd;       /* holds the lock of a worker; -1: none */
     ino_t lock_file;   /* the inode of lock_fd */
@@ -343,16 +344,17 @@ bool pen_sqlite_reserve_allocate(struct pen_sqlite_store *store, int64_t more,
  * becomes free. Returns whether there was any. */
 bool pen_sqlite_reserve_for_file(struct pen_sqlite_store *store);
 
-/* room.c: makes a part of the reserve free. Returns whether there was any. */
-bool pen_sqlite_reserve_free(struct pen_sqlite_store *store);
+/* room.c: makes so much of the reserve free as the log's index lacks. Returns whether it was of
+ * use. */
+bool pen_sqlite_reserve_for_index(struct pen_sqlite_store *store);
 
-/* index.c: makes the log's index long enough for the log and one transaction more, at the beginning
- * of that transaction; tells how many bytes it lacks for that. */
+/* index.c: makes the log's index long enough for a transaction, at its beginning. */
 bool pen_sqlite_index_keep_ahead(struct pen_sqlite_store *store, struct pen_status *st);
-int64_t pen_sqlite_index_lacks(const struct pen_sqlite_store *store);
 
-/* index.c: tells whether the disk has less space than the log's index takes to grow. */
-bool pen_sqlite_index_lacks_space(const struct pen_sqlite_store *store);
+/* index.c: how many bytes the log's index lacks, in whole pages, for a transaction to begin; whether
+ * the disk has not so many. */
+int64_t pen_sqlite_index_lacks(const struct pen_sqlite_store *store);
+bool pen_sqlite_index_is_refused(const struct pen_sqlite_store *store);
 
 /* objects.c: notes that a row has the large object from now on. Fails: PEN_UNAVAILABLE, if it was
  * removed meanwhile. */
