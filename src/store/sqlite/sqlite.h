@@ -351,8 +351,8 @@ bool pen_sqlite_reserve_for_index(struct pen_sqlite_store *store);
 /* index.c: makes the log's index long enough for a transaction, at its beginning. */
 bool pen_sqlite_index_keep_ahead(struct pen_sqlite_store *store, struct pen_status *st);
 
-/* index.c: how many bytes the log's index lacks, in whole pages, for a transaction to begin; whether
- * the disk has not so many. */
+/* index.c: how many bytes the log's index lacks, in whole pages, for a transaction to begin;
+ * whether the disk has not so many. */
 int64_t pen_sqlite_index_lacks(const struct pen_sqlite_store *store);
 bool pen_sqlite_index_is_refused(const struct pen_sqlite_store *store);
 
