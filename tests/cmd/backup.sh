@@ -15,13 +15,13 @@ daemon_start
 export PENUMBRA_URL="$url"
 running=$("$penumbra" submit scene.json "$@")
 has_begun() { "$penumbra" list --json | jq -e ".jobs[] | select(.id == \"$running\") | .state == \"running\" or .state == \"succeeded\""; }
-within 20 has_begun || not_ok "the job starts" "$("$penumbra" list)"
+within has_begun || not_ok "the job starts" "$("$penumbra" list)"
 : >taken
 (while [ ! -e enough ]; do
     "$penumbra" submit builtin:spheres --set width=16 --set height=16 >>taken 2>>log || exit 1
 done) &
 load=$!
-within 20 test -s taken
+within test -s taken
 sleep 0.5
 cp taken before # these jobs were acknowledged before the backup began
 exits "a backup under load" 0 "$build/penumbrad" backup "$work/b.db" --store "$store"
@@ -53,12 +53,12 @@ ended_by() {
     for _ in 1 2 3 4 5 6 7 8 9 10; do
         env --default-signal=INT "$build/penumbrad" backup d.db --store "$store" >stdout 2>stderr &
         backup=$!
-        within 20 is_made || not_ok "the backup begins" "$(ls -l)"
+        within is_made || not_ok "the backup begins" "$(ls -l)"
         maker=$(pgrep -P $backup)
         "$@" 2>>log
         wait $backup 2>>log
         code=$?
-        [ -z "$maker" ] || within 20 gone "$maker" || not_ok "the process that makes the backup ends" "$maker"
+        [ -z "$maker" ] || within gone "$maker" || not_ok "the process that makes the backup ends" "$maker"
         [ -e d.db ] || return
         rm d.db
     done
@@ -70,7 +70,7 @@ end_both() { kill -KILL $backup "$maker"; }
 for signal in TERM=143 INT=130 KILL=137; do
     ended_by end_backup ${signal%=*}
     expect "a backup dies of SIG${signal%=*}" "$code" "${signal#*=}"
-    check "and leaves nothing" within 20 no_copy
+    check "and leaves nothing" within no_copy
 done
 ended_by end_maker
 expect "a backup dies with the process that makes it" "$code" 137
@@ -86,7 +86,7 @@ expect "no temporary file of a backup remains" "$(find . -name '*.part-*' | wc -
 children="$(child api) $(child work)"
 daemon_stop KILL
 # shellcheck disable=SC2086
-within 10 gone $children || not_ok "the children of the killed daemon end" "$(ps -o pid,stat,comm -p "$children")"
+within gone $children || not_ok "the children of the killed daemon end" "$(ps -o pid,stat,comm -p "$children")"
 cp b.db "$store"
 rm -f "$store-wal" "$store-shm"
 daemon_start

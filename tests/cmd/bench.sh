@@ -27,12 +27,14 @@ expect "JSON has the build id of the program" "$(jq -r .host.build r.json)" \
     "$(readelf -n "$penumbra" | sed -n 's/.*Build ID: //p')"
 expect "three repeats decide nothing" "$(jq -c '[.rows[].verdict], .noise, .ended_by' r.json | tr '\n' ' ')" \
     '["baseline","undecided"] null "repeats" '
-exits "bench until the intervals are narrow" 0 "$penumbra" bench builtin:spheres $tiny -m tile=8,16 --interval 1 --budget 3600 -o i.json
-# On a machine that takes the processors away from most runs, there is no interval after 640 repeats.
-expect "it ends at a doubling of 10, and has a twin" "$(jq -c '[.repeats % 10, .noise.pairs - .repeats,
-    if .rows[1].ratio.low != null then .ended_by == "interval"
-    else .ended_by == "repeats" and .repeats == 640 and .rows[1].ratio.spoiled >= 160 end]' i.json)" '[0,0,true]'
-prints "the noise floor is printed" stdout "Noise floor: the baseline against itself "
+if [ -n "${PEN_TIMED:-}" ]; then # on a busy machine no interval may become narrow
+    exits "bench until the intervals are narrow" 0 "$penumbra" bench builtin:spheres $tiny -m tile=8,16 --interval 1 --budget 3600 -o i.json
+    # On a machine that takes the processors away from most runs, there is no interval after 640 repeats.
+    expect "it ends at a doubling of 10, and has a twin" "$(jq -c '[.repeats % 10, .noise.pairs - .repeats,
+        if .rows[1].ratio.low != null then .ended_by == "interval"
+        else .ended_by == "repeats" and .repeats == 640 and .rows[1].ratio.spoiled >= 160 end]' i.json)" '[0,0,true]'
+    prints "the noise floor is printed" stdout "Noise floor: the baseline against itself "
+fi
 exits "bench until the budget ends" 0 "$penumbra" bench builtin:spheres $tiny -m tile=8,16 --interval 0.000001 --budget 0.3 -o i.json
 expect "the budget ends it" "$(jq -r .ended_by i.json)" budget
 exits "the order of runs is repeated by its seed" 0 "$penumbra" bench builtin:spheres $tiny --order-seed 77 -o i.json

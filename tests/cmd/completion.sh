@@ -68,5 +68,7 @@ complete 'penumbra render ' >/dev/null
 expect "and are never run" "$(ls evil 2>/dev/null)" ""
 if command -v zsh >/dev/null; then
     check "zsh reads its script" zsh -n "$build/completion/penumbra.zsh"
+else
+    skip command-zsh "whether zsh reads its script"
 fi
 finish

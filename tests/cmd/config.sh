@@ -63,7 +63,7 @@ log_format() { # VARIABLES-AND-COMMAND…: runs a daemon, and prints whether its
     : >form.out
     env "$@" --listen 127.0.0.1:0 --store form.db --log-file form.log >form.out 2>&1 &
     daemon=$!
-    within 20 grep -q '^listening on' form.out
+    within grep -q '^listening on' form.out
     daemon_stop
     case $(head -c 1 form.log) in
     '{') echo json ;;
@@ -89,7 +89,7 @@ default_store() { # VARIABLES…
     : >form.out
     env "$@" "$penumbrad" --listen 127.0.0.1:0 >form.out 2>&1 &
     daemon=$!
-    within 20 grep -q '^listening on' form.out
+    within grep -q '^listening on' form.out
     daemon_stop
 }
 default_store XDG_STATE_HOME="$work/state"
@@ -107,7 +107,7 @@ for address in 127.0.0.1:0 localhost:0; do
     : >form.out
     "$penumbrad" --listen $address --store first.db >form.out 2>>log &
     daemon=$!
-    within 20 grep -q '^listening on' form.out
+    within grep -q '^listening on' form.out
     expect "$address is served" \
         "$(curl -s -o body -w '%{http_code}' "$(sed -n '1s/^listening on //p' form.out)/healthz")" 200
     expect "the first line has the address as given: $address" "$(sed 's/[0-9]*$//' form.out)" \

@@ -18,9 +18,6 @@ explain() {
         curl -s -o /dev/null -X DELETE "$url$late"
     done
 }
-up_ms() { # since the machine's start; the time of day may be set meanwhile
-    awk '{ printf "%d\n", $1 * 1000 }' /proc/uptime
-}
 jobs_left() {
     curl -s "$url/v1/jobs?kind=explain" | jq '.jobs | length'
 }
@@ -61,7 +58,7 @@ expect_problem "pictures that are too large" 413 '*'
 run="--set width=160 --set height=120"
 run="--kind effects $run --set tile=8 --set samples_per_pixel=$(($(samples_lasting 150 builtin:glass $run) + 1))"
 job=$("$penumbra" submit builtin:glass $run --repeats 100)
-within 30 has_runs "$job" 2 || not_ok "progress counts renders during a bill" "$(done_runs "$job")"
+within has_runs "$job" 2 || not_ok "progress counts renders during a bill" "$(done_runs "$job")"
 expect "the worker says what it does" "$(curl -s "$url/v1/workers" | jq -c '[.workers[].batches[].kind]')" '["effects"]'
 call "/v1/jobs/$job/report"
 expect_problem "GET report of a running bill" 409 '*is running*'
@@ -107,15 +104,18 @@ curl -s -X DELETE "$url$failed"
 expect "no explanation that was answered is kept" "$(jobs_left)" 0
 
 # One that takes longer than 10 s becomes a job.
-begun=$(up_ms)
-call /v1/explain -H 'Content-Type: application/json' \
-    --data-binary '{"scene": "builtin:glass", "analyze": true, "render": {"width": 3000, "height": 2400, "samples_per_pixel": 64}}'
-took=$(($(up_ms) - begun))
-expect "a long explanation" "$status $(body .kind)" "202 explain"
-if [ "$took" -ge 9900 ] && [ "$took" -lt 30000 ]; then ok "is answered after 10 s"; else not_ok "is answered after 10 s" "$took ms"; fi
-job=$(header location)
-expect "the job can be followed" "$(curl -s "$url$job" | jq -r .state)" running
-curl -s -o /dev/null -X POST "$url$job/cancel"
+if [ -n "${PEN_TIMED:-}" ]; then
+    begun=$(now_ms)
+    call /v1/explain -H 'Content-Type: application/json' \
+        --data-binary '{"scene": "builtin:glass", "analyze": true, "render": {"width": 3000, "height": 2400, "samples_per_pixel": 64}}'
+    took=$(($(now_ms) - begun))
+    expect "a long explanation" "$status $(body .kind)" "202 explain"
+    expect "is answered after 10 s" "$((took >= 9900))" 1
+    timed "and before 30 s" "$took" 30000
+    job=$(header location)
+    expect "the job can be followed" "$(curl -s "$url$job" | jq -r .state)" running
+    curl -s -o /dev/null -X POST "$url$job/cancel"
+fi
 job=$(curl -s "$url/v1/jobs" -d '{"scene": "builtin:room", "kind": "explain"}' | jq -r .errors[0].pointer)
 expect "jobs of kind explain are made by explain alone" "$job" /kind
 check_sanitizer_reports

@@ -88,14 +88,14 @@ goes_beyond() {
 # kept, and checks that the next worker does not begin with the first again. Runs are reported before they are
 # kept, so the worker is killed after one more report.
 check_goes_on() {
-    within 60 has_runs "$1" "$2" || not_ok "the study whose worker is killed" "does not run: $(done_runs "$1")"
-    within 60 goes_beyond "$1" "$(done_runs "$1")"
+    within has_runs "$1" "$2" || not_ok "the study whose worker is killed" "does not run: $(done_runs "$1")"
+    within goes_beyond "$1" "$(done_runs "$1")"
     kill -KILL "$(child work)"
     killed=$(done_runs "$1")
     least=$killed now=$killed
-    tries=$((3000 * patience))
+    tries=$((hang * 20))
     while ! goes_beyond "$1" "$killed" && [ "$tries" -gt 0 ]; do
-        sleep 0.02
+        sleep 0.05
         now=$(done_runs "$1")
         [ "$now" -ge "$least" ] || least=$now
         tries=$((tries - 1))
@@ -110,10 +110,10 @@ check_goes_on() {
 
 # check_gives_way ID COUNT: a job of higher priority comes between two runs of a study, after COUNT of them.
 check_gives_way() {
-    within 60 has_runs "$1" "$2" || not_ok "the study that is outranked" "does not run: $(done_runs "$1")"
+    within has_runs "$1" "$2" || not_ok "the study that is outranked" "does not run: $(done_runs "$1")"
     exits "a job of higher priority does not wait for the study" 0 "$penumbra" submit builtin:spheres --set width=20 \
         --set height=20 --priority 5 --wait -q
     expect "which is not done" "$(curl -s "$url/v1/jobs/$1" | jq -r .state)" running
-    within 60 has_runs "$1" $(($2 + 2)) && ok "the study goes on after it" || not_ok "the study goes on after it" "$(done_runs "$1")"
+    within has_runs "$1" $(($2 + 2)) && ok "the study goes on after it" || not_ok "the study goes on after it" "$(done_runs "$1")"
     expect "the interruption is not charged to the study" "$(curl -s "$url/v1/jobs/$1" | jq .attempts)" 1
 }

@@ -80,7 +80,7 @@ forget_injected_segv
 start segv@1,1
 not_ready() { [ "$(curl -s -o ready.json -w '%{http_code}' "$url/readyz")" = 503 ]; }
 for _ in 1 2 3 4 5 6; do bad ', "max_attempts": 1'; done # three in a row count, each within 10 s of its start
-check "a daemon whose worker crashes over each job is not ready" within 20 not_ready
+check "a daemon whose worker crashes over each job is not ready" within not_ready
 expect_match "/readyz gives the reason" "$(jq -r .detail ready.json)" '*worker process ended * times*or over different jobs*'
 daemon_stop
 forget_injected_segv
@@ -106,7 +106,7 @@ bad ', "max_attempts": 1, "priority": 100'
 : >goods
 for _ in 1 2 3 4 5 6; do good; done
 died_often() { [ "$(grep -c 'signal 9' "$work/log")" -ge 4 ]; }
-check "a job whose worker is killed is tried again" within 20 died_often
+check "a job whose worker is killed is tried again" within died_often
 check "other jobs succeed" all_good
 call "/v1/jobs/$id"
 expect "and the job is not charged" "$(body .state) $(body .attempts)" "running 1"
@@ -121,7 +121,7 @@ unset PENUMBRA_TEST_OOM
 # Memory
 if [ -z "$sanitized" ]; then
     start alloc@0,0@bad --memory-limit 1024
-    within 10 child work
+    within child work
     worker=$(child work)
     bad ''
     failed "a job that takes too much memory fails" no-memory
@@ -133,12 +133,12 @@ fi
 
 # A pixel that never ends
 start hang@2,1@bad
-within 10 child work
+within child work
 worker=$(child work)
 bad ', "timeout_seconds": 1'
-begun=$(date +%s)
+begun=$(now_ms)
 failed "a job with a pixel that never ends fails with a timeout" timeout
-expect "it fails within 4 s" "$(($(date +%s) - begun < 4 * patience))" 1
+timed "it fails within 4 s" $(($(now_ms) - begun)) 4000
 expect "its error has the pixel" "$(body '.error.pixel | join(",")')" 2,1
 : >goods
 good
@@ -152,11 +152,11 @@ runs() {
 # A worker that had not come to the pixel when its job was cancelled goes on, and gets another such job.
 for _ in 1 2 3 4 5; do
     bad ''
-    within 10 runs
+    within runs
     sleep 0.5
     "$penumbra" cancel "$id" >stdout 2>stderr
     cancelled=$?
-    within 3 gone "$worker" && break
+    within gone "$worker" && break
 done
 expect "such a job can be cancelled" "$cancelled" 0
 prints "and is cancelled" stdout "$id cancelled"

@@ -45,16 +45,15 @@ gone_away() {
     call /readyz
     [ "$status" = 503 ] && body .detail | grep -q 'the store .* is gone, and no new one is made'
 }
-check "the api that takes its place reports the reason" within 30 gone_away
+check "the api that takes its place reports the reason" within gone_away
 slowly() {
-    for _ in $(seq $((300 * patience))); do printf x && sleep 0.1; done
+    while printf x; do sleep 0.1; done
 }
 slowly | curl -s -o /dev/null "telnet://${url#http://}" &
 slow=$!
 sleep 0.3
-until=$(($(date +%s) + 10 * patience))
-answered() { [ "$(date +%s)" -lt $until ] && curl -s -m 2 "$url/readyz" | jq -r .detail | grep -q 'is gone'; }
-check "a client that sends a byte at a time does not hold up others" within 10 answered
+answered() { curl -s "$url/readyz" | jq -r .detail | grep -q 'is gone'; }
+check "a client that sends a byte at a time does not hold up others" within answered
 kill $slow 2>/dev/null
 kill -KILL "$(child work)" 2>/dev/null
 sleep 1
@@ -62,7 +61,7 @@ check "no new store was made" test ! -e "$store"
 check "the log has the reason" grep -q 'is gone, and no new one is made in its place' log
 mv "$store.away" "$store"
 is_ready() { [ "$(curl -s -m 5 -o ready.json -w '%{http_code}' "$url/readyz")" = 200 ]; }
-check "the daemon is ready once the store is back" within 60 is_ready
+check "the daemon is ready once the store is back" within is_ready
 submit "$small"
 expect "jobs are accepted again" "$status" 202
 exits "the jobs succeed" 0 "$penumbra" wait $("$penumbra" list --json | jq -r '.jobs[].id')
@@ -76,7 +75,7 @@ daemon_start
 check "nothing is made beside the link" test ! -e link.db-wal -a ! -e link.db-wake
 ln -sf other.db link.db
 kill -KILL "$(child api)"
-check "a new api process opens the same store" within 60 is_ready
+check "a new api process opens the same store" within is_ready
 export PENUMBRA_URL="$url"
 exits "a job is rendered after that" 0 "$penumbra" submit builtin:spheres --set width=20 --set height=20 --wait -q
 daemon_stop
@@ -100,7 +99,7 @@ expect "a copy of the stopped store's file alone is complete" "$(jq '.jobs | len
 children="$(child api) $(child work)"
 daemon_stop KILL
 # shellcheck disable=SC2086
-within 10 gone $children
+within gone $children
 mv "$store-wal" "$store.wal"
 exits "a store whose log is missing is refused" 8 "$build/penumbrad" --listen 127.0.0.1:0 --store "$store"
 prints "and the message says so" stderr "the log of the store's last changes, is missing"
@@ -108,10 +107,10 @@ mv "$store.wal" "$store-wal"
 
 # Someone holds the lock
 held() { ! flock -n "$first-wake" true; }
-flock --no-fork "$first-wake" sleep $((30 * patience)) &
+flock --no-fork "$first-wake" sleep $((2 * hang)) &
 holder=$!
-within 10 held
-exits "a held lock is reported" 5 timeout $((25 * patience)) "$build/penumbrad" --listen 127.0.0.1:0 --store "$first"
+within held
+exits "a held lock is reported" 5 timeout "$hang" "$build/penumbrad" --listen 127.0.0.1:0 --store "$first"
 prints "with the process that holds it" stderr "process $holder holds the lock"
 kill "$holder"
 finish

@@ -4,9 +4,9 @@
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 "$penumbra" scenes forest | jq 'del(.views)' >scene.json
-# A job that takes more than a second with two threads on any machine and build.
+# A job that takes more than half a second on any machine and build.
 set -- --set width=300 --set height=200
-set -- "$@" --set samples_per_pixel=$(samples_lasting 1500 scene.json "$@")
+set -- "$@" --set samples_per_pixel=$(samples_lasting 700 scene.json "$@")
 "$penumbra" render scene.json "$@" -o wanted.pfm
 running() { # ID: whether the job's state is running
     [ "$(curl -s -m 5 "$url/v1/jobs/$1" | jq -r .state)" = running ]
@@ -26,7 +26,7 @@ has_begun() { # ID: whether the job is running, or has succeeded already
 start_held() {
     for _ in 1 2 3 4 5 6 7 8; do
         id=$("$penumbra" submit scene.json "$@")
-        within 20 has_begun "$id"
+        within has_begun "$id"
         worker=$(child work)
         kill -STOP "$worker"
         running "$id" && return
@@ -46,9 +46,9 @@ start
 for round in 1 2 3; do
     start_held "$@"
     kill -KILL "$worker"
-    check "a killed worker is gone" within 2 gone "$worker"
-    check "another worker takes its place" within 5 child work
-    check "its leases are released at once" within 5 released "$round"
+    check "a killed worker is gone" within gone "$worker"
+    check "another worker takes its place" within child work
+    check "its leases are released at once" within released "$round"
     exits "its job succeeds ($round)" 0 "$penumbra" wait "$id"
     "$penumbra" fetch "$id" -o got.pfm
     check "H101: its picture has the same bytes" cmp got.pfm wanted.pfm
@@ -61,7 +61,7 @@ refused=0
 for round in 1 2 3 4 5; do
     api=$(child api)
     kill -KILL "$api"
-    within 2 gone "$api" # connections that it had accepted are broken, new ones wait
+    within gone "$api" # connections that it had accepted are broken, new ones wait
     for _ in 1 2 3 4 5; do
         code=$(curl -s -m 20 -o /dev/null -w '%{http_code}' "$url/healthz")
         [ "$code" = 200 ] || refused=$((refused + 1))
@@ -97,7 +97,7 @@ daemon_stop
 "$build/penumbrad" --listen 127.0.0.1:0 --store "$store" --config config.json \
     --log-file "$work/daemon.log" >first 2>>log &
 daemon=$!
-within 20 grep -q '^listening on' first
+within grep -q '^listening on' first
 url=$(sed -n 's/^listening on //p' first)
 export PENUMBRA_URL="$url"
 exits "a daemon with a log file" 0 "$penumbra" list
@@ -105,21 +105,21 @@ mv daemon.log old.log
 echo '{"log_level": "debug", "threads": 1}' >config.json
 worker=$(child work)
 kill -HUP "$daemon"
-check "SIGHUP opens the log anew" within 5 test -e daemon.log
-check "SIGHUP reads the configuration again" within 5 grep -q "configuration read again" daemon.log
-check "the worker with the old number of threads ends" within 5 gone "$worker"
-check "another worker takes its place" within 5 child work
+check "SIGHUP opens the log anew" within test -e daemon.log
+check "SIGHUP reads the configuration again" within grep -q "configuration read again" daemon.log
+check "the worker with the old number of threads ends" within gone "$worker"
+check "another worker takes its place" within child work
 echo '{"log_level": "no such"}' >config.json
 kill -HUP "$daemon"
-check "a wrong configuration changes nothing" within 5 grep -q "the old one stays" daemon.log
+check "a wrong configuration changes nothing" within grep -q "the old one stays" daemon.log
 exits "and the daemon goes on serving" 0 "$penumbra" list
 
 # SIGTERM drains within 10 s; the next daemon continues the job
 printf '%s' "$long" >long.json
 id=$("$penumbra" submit long.json)
-within 20 running "$id" || not_ok "the long job starts" "$("$penumbra" list)"
+within running "$id" || not_ok "the long job starts" "$("$penumbra" list)"
 children="$(child api) $(child work)"
-begun=$(date +%s%3N)
+begun=$(now_ms)
 kill -TERM "$daemon"
 # The log has it before the api process knows, which /readyz then says, unless it has already ended (000).
 drains() {
@@ -128,7 +128,7 @@ drains() {
     *) jq -r .detail ready.json | grep -q draining ;;
     esac
 }
-within 10 drains || not_ok "the api says that it drains" "$(cat ready.json)"
+within drains || not_ok "the api says that it drains" "$(cat ready.json)"
 refusal=$(curl -s -o /dev/null -w '%{http_code}' -H 'Content-Type: application/json' \
     --data-binary '{"scene": "builtin:spheres"}' "$url/v1/jobs")
 case $refusal in
@@ -137,12 +137,12 @@ case $refusal in
 esac
 wait "$daemon"
 expect "a drained daemon ends with exit code 0" "$?" 0
-expect "within 10 s" "$(($(date +%s%3N) - begun < 10000 * patience))" 1
-check "its children are gone" within 2 all_gone
+timed "within 10 s" $(($(now_ms) - begun)) 10000
+check "its children are gone" within all_gone
 daemon=
 start
 expect "the next daemon lists the job" "$("$penumbra" list --json | jq -r ".jobs[0].id")" "$id"
-check "and continues it" within 10 running "$id"
+check "and continues it" within running "$id"
 exits "the job can be cancelled" 0 "$penumbra" cancel "$id"
 
 # The supervisor is killed: its children end, even stopped ones, and the next daemon continues
@@ -151,7 +151,9 @@ children="$(child api) $worker"
 kill -CONT "$worker"
 kill -KILL "$daemon"
 wait "$daemon" 2>/dev/null
-check "children of a killed supervisor end within 2 s" within 2 all_gone
+begun=$(now_ms)
+check "children of a killed supervisor end" within all_gone
+timed "within 2 s" $(($(now_ms) - begun)) 2000
 daemon=
 start
 exits "the next daemon completes their job" 0 "$penumbra" wait "$id"
@@ -162,7 +164,7 @@ children="$(child api) $worker"
 kill -STOP $children
 kill -KILL "$daemon"
 wait "$daemon" 2>/dev/null
-check "stopped children of a killed supervisor end, too" within 2 all_gone
+check "stopped children of a killed supervisor end, too" within all_gone
 daemon=
 start
 start_held "$@"
@@ -172,11 +174,11 @@ children="$(child api) $worker"
 kill -STOP "$daemon" $children
 kill -KILL "$daemon" $children
 wait "$daemon" 2>/dev/null
-check "the whole daemon is killed" within 10 all_gone
+check "the whole daemon is killed" within all_gone
 daemon=
 start
 check "the leases of a daemon killed as a whole are released at once" \
-    within 5 grep -q "released [1-9].* of other dead workers" "$work/log"
+    within grep -q "released [1-9].* of other dead workers" "$work/log"
 exits "its job succeeds" 0 "$penumbra" wait "$id"
 "$penumbra" fetch "$id" -o got.pfm
 check "its picture has the same bytes" cmp got.pfm wanted.pfm
@@ -184,11 +186,11 @@ check "its picture has the same bytes" cmp got.pfm wanted.pfm
 # A stopped worker does not hold up a drain
 kill -STOP "$(child work)"
 children="$(child api) $(child work)"
-begun=$(date +%s%3N)
+begun=$(now_ms)
 daemon_stop
-expect "a drain ends within 10 s although the worker is stopped" "$(($(date +%s%3N) - begun < 10000 * patience))" 1
+timed "a drain ends within 10 s although the worker is stopped" $(($(now_ms) - begun)) 10000
 expect "it ends with exit code 0" "$stopped" 0
-check "no child is left over" within 2 all_gone
+check "no child is left over" within all_gone
 
 # Each process without a supervisor
 "$build/penumbrad" --role worker --store "$store" >worker.out 2>>log &

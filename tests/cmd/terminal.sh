@@ -86,7 +86,7 @@ server.serve_forever()
 END
 python3 server.py "$evil" >port &
 server=$!
-within 10 test -s port
+within test -s port
 export PENUMBRA_URL="http://127.0.0.1:$(cat port)"
 exits "list from a hostile server" 0 "$penumbra" list --retry 0
 harmless "list from a hostile server" stdout stderr

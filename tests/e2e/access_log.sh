@@ -13,13 +13,13 @@ lines() { # PATTERN: the number of lines of the log that match
 # Requests are counted and logged after their answers were sent, and a thread of its own writes the
 # lines: wait_for_line PATTERN, wait_for_value SERIES VALUE
 wait_for_line() {
-    within 10 grep -q "$1" "$work/log"
+    within grep -q "$1" "$work/log"
 }
 has_value() {
     [ "$(metric "$1")" = "$2" ]
 }
 wait_for_value() {
-    within 10 has_value "$@"
+    within has_value "$@"
 }
 repeat() { # COUNT PATH [CURL-ARGUMENT...]: makes a request so many times on one connection
     many=$1 path=$2

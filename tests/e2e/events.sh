@@ -16,8 +16,8 @@ has_progress() {
     call "$job"
     [ "$(body .progress.done)" -gt 0 ]
 }
-within 20 has_progress
-python3 tests/e2e/events.py "$url" "$job" "$(api_pid)" "$patience" >"$work/many"
+within has_progress
+python3 tests/e2e/events.py "$url" "$job" "$(api_pid)" "$hang" "${PEN_TIMED:-}" >"$work/many"
 expect many-listeners-exit "$?" 0
 while read -r line; do
     case $line in
@@ -29,9 +29,9 @@ done <"$work/many"
 
 # After the api process is killed, a listener resumes its stream from the next api process.
 submit "$long"
-curl -sN -m $((60 * patience)) "$url$job/events" >"$work/cut" 2>/dev/null &
+curl -sN -m "$hang" "$url$job/events" >"$work/cut" 2>/dev/null &
 listener=$!
-within 30 grep -q '^event: tile' "$work/cut"
+within grep -q '^event: tile' "$work/cut"
 kill -KILL "$(api_pid)"
 wait "$listener"
 # An event ends with an empty line; a listener ignores the last one if it was cut
@@ -42,11 +42,11 @@ is_ready() {
     call /readyz
     [ "$status" = 200 ]
 }
-within 10 is_ready
+within is_ready
 sleep 1 # time for some commits
-curl -sN -m $((60 * patience)) -H "Last-Event-ID: $last" "$url$job/events" >"$work/second" 2>/dev/null &
+curl -sN -m "$hang" -H "Last-Event-ID: $last" "$url$job/events" >"$work/second" 2>/dev/null &
 listener=$!
-within 30 grep -q '^event: progress' "$work/second"
+within grep -q '^event: progress' "$work/second"
 call "$job/cancel" -X POST
 wait "$listener"
 expect second-stream-ends "$?" 0

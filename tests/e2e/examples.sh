@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Runs every script of api/examples and checks its output.
 . "$(dirname "$0")/lib.sh"
+threads=2
 daemon_start
 PENUMBRA_URL=$url
 export PENUMBRA_URL

@@ -160,7 +160,7 @@ big_runs() {
     call "$big"
     [ "$(body .state)" = running ]
 }
-within 10 big_runs
+within big_runs
 # The queue is read again after 20 times as long as that took, which a halt of the daemon makes long
 has_place() {
     call "$third"
@@ -172,7 +172,7 @@ second=$job
 submit "$waiting"
 expect submit-without-place "$(body 'has("queue_position")')" false
 third=$job
-within 100 has_place 2
+within has_place 2
 expect place-of-the-last "$(body .queue_position) $(header etag)" "2 W/\"$(body .revision)\""
 expect eta-of-the-last "$(body '.progress.eta_seconds > 0')" true
 tag=$(header etag)
@@ -180,24 +180,23 @@ call "$third" -H "If-None-Match: $tag"
 expect weak-tag-not-modified "$status" 304
 call "$second/cancel" -X POST
 expect no-place-any-more "$(body 'has("queue_position")')" false
-within 100 has_place 1
+within has_place 1
 expect place-moves-up "$(body .queue_position) $(header etag)" "1 $tag"
 call "$big"
 expect running-has-no-place "$(body 'has("queue_position")') $(header etag)" "false \"$(body .revision)\""
 call "$third/cancel" -X POST
 
 # A waiting GET ends when the job changes, here by a cancel.
-curl -s -m 60 "$url$big?wait=50" >"$work/waited" &
+curl -s "$url$big?wait=50" >"$work/waited" &
 waiter=$!
 sleep 0.5
-begun=$(date +%s%N)
+begun=$(now_ms)
 call "$big/cancel" -X POST
 expect cancel "$status $(body .state)" "202 cancelled"
 wait $waiter
-took=$((($(date +%s%N) - begun) / 1000000))
+took=$(($(now_ms) - begun))
 expect wait-returns-the-cancelled-job "$(jq -r .state "$work/waited")" cancelled
-# It would have waited for 50 s
-expect_match wait-ends-with-the-job "$([ $took -lt 25000 ] && echo yes || echo "after $took ms")" yes
+timed wait-ends-with-the-job "$took" 1000
 call "$big/cancel" -X POST
 expect cancel-again "$status $(body .state)" "202 cancelled"
 call "$first/cancel" -X POST
@@ -294,7 +293,7 @@ call /v1/jobs -H 'Content-Type: application/json' -H "traceparent: $trace" -d "$
 expect traced-job "$status $(body .traceparent)" "202 $trace"
 call "/v1/jobs/$(body .id)"
 expect trace-is-kept "$(body .traceparent)" "$trace"
-within 10 grep -q "traceparent=$trace" "$work/log" # after the answer was sent
+within grep -q "traceparent=$trace" "$work/log" # after the answer was sent
 expect trace-is-logged "$(grep -c "POST /v1/jobs 202 .* traceparent=$trace" "$work/log")" 1
 for wrong in 01-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01 00-4bf9-00f067aa0ba902b7-01 \
     00-00000000000000000000000000000000-00f067aa0ba902b7-01 "$trace-x" x; do

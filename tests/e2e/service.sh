@@ -57,7 +57,7 @@ request='.process == "api" and .job == $job and .request == "find.me-1"'
 request_is_logged() {
     [ "$(lines "$request")" -gt 0 ]
 }
-within 10 request_is_logged # after its answer was sent; at its end the daemon does not wait long for lines
+within request_is_logged # after its answer was sent; at its end the daemon does not wait long for lines
 daemon_stop
 expect log-names-the-request "$(lines "$request")" 1
 expect log-names-the-batch "$(lines '.process == "worker" and .job == $job and .batch > 0 and .attempt == 1')" 1

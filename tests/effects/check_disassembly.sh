@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Kernels hold the code of their effects and of no others; and the stripped kernels, which
-# `make effects-proof` counts the instructions of, give the same bits.
+# Pixel kernels hold the code of their effects and of no others, and the stripped kernels, which `make
+# effects-proof` counts the instructions of, give the same bits. That proof reads the block kernels too.
 case ${1:-build} in
 *asan* | *tsan*)
-    echo "skipped: kernels with sanitizers are not those that are installed"
+    echo "skipped: plain-build: kernels with sanitizers are not those that are installed"
     exit 77
     ;;
 esac

@@ -3,7 +3,7 @@
 # The disassembly of the kernels, function by function, against the markers of effects: a kernel
 # has those of its effects and no others.
 #   tests/effects/disassembly.sh BUILD [INSTRUCTION-SET…]
-# reads the pixel kernels, and the block kernels of these instruction sets (default: avx2). Prints
+# reads the pixel kernels, and the block kernels of these instruction sets (none: a minute each). Prints
 # a row for each kernel, and what it should not have or lacks; exit 1 if there is any.
 # A kernel is its function and what it calls in its object; which source an instruction is of, its
 # line table tells, so the build needs -g, as in `make`.
@@ -62,7 +62,7 @@ judge() {
 failed=0
 echo "the pixel kernels"
 judge pixel 'pen_sample_ pen_pixel_' "$build/src/shade/pixel_kernels.o"
-for isa in ${*:-avx2}; do
+for isa; do
     echo "the block kernels for $isa"
     judge block block_ "$build/src/shade/kernel_isa_$isa.o"
 done

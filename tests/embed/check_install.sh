@@ -4,7 +4,7 @@
 # with what pkg-config prints, what the shared library exports, and `make uninstall`.
 case $(echo "${1:-build}"/libpenumbra.so.*.*.*) in
 *'*')
-    echo "skipped: a build with sanitizers has no shared library and is not for installing"
+    echo "skipped: plain-build: a build with sanitizers has no shared library and is not for installing"
     exit 77
     ;;
 esac
@@ -77,9 +77,13 @@ for name in penumbra.1 penumbrad.8 penumbra-scene.5 penumbra.3; do
     expect "$name has nothing left of its template" "$(grep -n '@' "$(path $name)")" ""
     if command -v groff >/dev/null; then
         expect "groff finds nothing in $name" "$(groff -man -Tutf8 -Kutf8 -ww -z "$(path $name)" 2>&1)" ""
+    else
+        skip command-groff "what groff finds in $name"
     fi
     if command -v mandoc >/dev/null; then
         expect "mandoc finds nothing in $name" "$(mandoc -T lint -W warning "$(path $name)")" ""
+    else
+        skip command-mandoc "what mandoc finds in $name"
     fi
 done
 plain() { # what a page says, without markup and in one line

@@ -30,16 +30,15 @@ begin_job() {
     for _ in 1 2 3 4 5; do
         id=$("$penumbra" submit scene.json $args)
         echo "$id" >>taken
-        within 20 has_begun "$id" && [ "$state" = running ] && return
+        within has_begun "$id" && [ "$state" = running ] && return
     done
     return 1
 }
 is_ready() { [ "$(curl -s -o ready.json -w '%{http_code}' "$url/readyz")" = 200 ]; }
-now_ms() { date +%s%3N; }
-# A job that takes most of a second with two threads.
+# A job that takes half a second or more.
 "$penumbra" scenes forest >scene.json
 set -- --set width=200 --set height=150
-set -- "$@" --set samples_per_pixel=$(samples_lasting 700 scene.json "$@")
+set -- "$@" --set samples_per_pixel=$(samples_lasting 400 scene.json "$@")
 "$penumbra" render scene.json "$@" -o wanted.pfm
 : >taken # every job that was answered with 202
 longest=0
@@ -79,19 +78,19 @@ accepts_again() {
     [ "$status" = 202 ]
 }
 
-# recovers NAME: without the fault the same processes accept jobs again within 5 s. A try to recover that
-# fails puts the next one off by four times what it took, which under a sanitizer is longer.
+# recovers NAME: without the fault the same processes accept jobs again, within 5 s.
 recovers() {
     begun=$(now_ms)
     fault ""
-    if within 20 accepts_again; then
+    if within accepts_again; then
         took=$(($(now_ms) - begun))
         [ "$took" -le "$longest" ] || longest=$took
         basename "$job" >>taken
         echo "# $1: jobs are accepted $took ms after the disk works"
-        expect "$1: jobs are accepted within 5 s afterwards" "$((took < 5000 * patience))" 1
+        ok "$1: jobs are accepted afterwards"
+        timed "$1: within 5 s" "$took" 5000
     else
-        not_ok "$1: jobs are accepted within 5 s afterwards" "$(cat ready.json body)"
+        not_ok "$1: jobs are accepted afterwards" "$(cat ready.json body)"
     fi
     expect "$1: the processes are the same" "$(child api) $(child work)" "$children"
 }
@@ -150,9 +149,9 @@ begin_job || not_ok "a job starts before the daemon stops" "$state"
 fault "sync EIO"
 submit "$small"
 sleep 1
-begun=$(date +%s)
+begun=$(now_ms)
 daemon_stop
-expect "a daemon whose disk fails ends within 11 s" "$(($(date +%s) - begun < 11 * patience))" 1
+timed "a daemon whose disk fails ends within 11 s" $(($(now_ms) - begun)) 11000
 fault ""
 start
 exits "the next daemon completes the job" 0 "$penumbra" wait "$id"
@@ -175,13 +174,13 @@ fault ""
 # A disk that is really full
 full=$work/full
 mkdir "$full"
-if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
+if why=$(mount -t tmpfs -o size=6m tmpfs "$full" 2>&1); then
     readers=
     # shellcheck disable=SC2086
     trap 'kill $readers 2>/dev/null; daemon_stop; umount "$full" 2>/dev/null; clean_up' EXIT
     store=$full/penumbra.db
     daemon_start
-    within 10 child work # it may not bear its name yet
+    within child work # it may not bear its name yet
     children="$(child api) $(child work)"
     submit "$small"
     first=$(basename "$job")
@@ -204,7 +203,7 @@ if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
     expect "the reserve is set aside" "$(($(wc -c <"$store-reserve") > 100000))" 1
     echo "# the log: $(wc -c <"$store-wal") bytes"
     is_short() { [ "$(wc -c <"$store-wal")" -lt 1000000 ]; }
-    check "the log stays short on a small disk" within 10 is_short
+    check "the log stays short on a small disk" within is_short
     dd if=/dev/zero of="$full/ballast" bs=64k 2>/dev/null
     dd if=/dev/zero of="$full/crumbs" bs=1k 2>/dev/null
     # Every scene is different, so each takes space
@@ -240,15 +239,15 @@ if mount -t tmpfs -o size=6m tmpfs "$full" 2>/dev/null; then
     # shellcheck disable=SC2086
     kill $readers
     rm "$full"/ballast "$full"/crumbs "$full"/more.*
-    within 10 is_ready && ok "with space on the disk the daemon is ready" || not_ok "with space on the disk the daemon is ready" "$(cat ready.json)"
+    within is_ready && ok "with space on the disk the daemon is ready" || not_ok "with space on the disk the daemon is ready" "$(cat ready.json)"
     expect "and the reserve is set aside again" "$(($(wc -c <"$store-reserve") > 100000))" 1
-    check "with space on the disk jobs are accepted" within 10 accepts_again
+    check "with space on the disk jobs are accepted" within accepts_again
     expect "by the same processes" "$(child api) $(child work)" "$children"
-    check "all accepted jobs succeed" within 30 sh -c "[ \$(curl -s '$url/v1/jobs?limit=500&state=succeeded' |
+    check "all accepted jobs succeed" within sh -c "[ \$(curl -s '$url/v1/jobs?limit=500&state=succeeded' |
         jq '.jobs | length') = $((taken + 2)) ]"
     daemon_stop
     umount "$full"
 else
-    echo "# tmpfs may not be mounted here: the full disk is only simulated"
+    skip mount "the disk that is really full: $why"
 fi
 finish

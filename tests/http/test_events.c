@@ -413,7 +413,7 @@ START_TEST(test_events__have_a_limit_of_their_own_and_release_it)
     static struct client client;
     int64_t begun = pen_clock_ns();
     int status = 503;
-    while (status == 503 && pen_clock_ns() - begun < INT64_C(10000000000) * client_patience()) {
+    while (status == 503 && pen_clock_ns() - begun < INT64_C(1000000000) * SUITE_HANG_S) {
         client_pause(50);
         int fd = server_connect(&server);
         snprintf(head, sizeof head, "GET %s/events HTTP/1.0\r\nHost: localhost\r\n\r\n", path);
@@ -466,7 +466,7 @@ START_TEST(test_events__end_when_the_server_stops)
     }
     int64_t begun = pen_clock_ns();
     tear_down();
-    ck_assert_int_lt((pen_clock_ns() - begun) / 1000000, 15000);
+    ck_assert_timed((pen_clock_ns() - begun) / 1000000 < 15000);
     for (int i = 0; i < CLIENTS; i++) {
         read_to_end(&clients[i]);
         ck_assert_int_eq(clients[i].count, 1);

@@ -540,11 +540,11 @@ END_TEST
 
 PEN_SUITE("large", test_large__bodies_do_not_hold_up_a_small_one,
           test_large__a_large_body_is_not_overtaken_for_ever,
-          test_large__bodies_of_clients_that_have_gone_are_dropped,
           test_large__a_client_that_ends_its_side_is_answered,
           test_large__pictures_do_not_hold_up_small_ones,
-          test_large__labels_of_jobs_that_are_waited_for_cost_little,
           test_large__readers_of_a_scene_share_one_copy,
           test_large__scenes_do_not_hold_up_short_reads,
           test_large__small_bodies_have_memory_of_their_own,
-          test_large__complete_bodies_leave_memory_to_others)
+          test_large__complete_bodies_leave_memory_to_others, PEN_TIMED,
+          test_large__bodies_of_clients_that_have_gone_are_dropped,
+          test_large__labels_of_jobs_that_are_waited_for_cost_little)

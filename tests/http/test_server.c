@@ -52,7 +52,7 @@ START_TEST(test_server__partial_requests_are_ended)
     }
     server_expect_alive(&server);
     for (int i = 0; i < 5; i++) {
-        ck_assert_msg(client_sees_end(fds[i], 20), "\"%s\" is still open", parts[i]);
+        ck_assert_msg(client_sees_end(fds[i]), "\"%s\" is still open", parts[i]);
         close(fds[i]);
     }
     server_expect_alive(&server);
@@ -187,7 +187,7 @@ START_TEST(test_server__unread_heads_in_memory_are_bounded)
     }
     server_expect_alive(&server);
     for (int i = 0; i < HEADS; i++) {
-        refused += client_sees_end(fd[i], 0);
+        refused += client_sees_end(fd[i]);
         close(fd[i]);
     }
     printf("# %zu bytes of heads, %d of %d refused\n", most, refused, HEADS);
@@ -393,7 +393,7 @@ START_TEST(test_server__ambiguous_heads_are_refused)
         ck_assert_msg(answer.status == 400, "%s: %d", rows[i], answer.status);
         ck_assert_ptr_nonnull(strstr(answer.body, "malformed HTTP"));
         answer_release(&answer);
-        ck_assert(client_sees_end(fd, 5));
+        ck_assert(client_sees_end(fd));
         close(fd);
     }
     static const char zero[] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: a\0b\r\n\r\n";
@@ -430,7 +430,7 @@ static int status_of_trailer(const struct server *server, const char *trailer, s
         *kept = answer.status == 200;
         answer_release(&answer);
     } else {
-        ck_assert(client_sees_end(fd, 5));
+        ck_assert(client_sees_end(fd));
     }
     close(fd);
     return status;
@@ -587,7 +587,7 @@ START_TEST(test_server__body_is_requested_only_if_accepted)
                     "Content-Length: 1001\r\n\r\n");
     client_read(fd, false, &answer);
     ck_assert_int_eq(answer.status, 413);
-    ck_assert(client_sees_end(fd, 5));
+    ck_assert(client_sees_end(fd));
     answer_release(&answer);
     close(fd);
 
@@ -688,7 +688,7 @@ START_TEST(test_server__long_polls_end_with_the_job)
     int64_t ms = 1000;
     for (int i = 0; i < 3 && ms >= 1000; i++) /* once in three times nothing is held up */
         ms = cancel_polls(&server);
-    ck_assert_int_lt(ms, 1000);
+    ck_assert_timed(ms < 1000);
     server_stop(&server);
 }
 END_TEST
@@ -706,7 +706,7 @@ START_TEST(test_server__long_poll_ends_with_its_time)
     server_ask(&server, head, NULL, &answer);
     ck_assert_int_eq(answer.status, 200);
     ck_assert_int_ge(ms_since(begun), 990);
-    ck_assert_int_lt(ms_since(begun), 10000);
+    ck_assert_timed(ms_since(begun) < 10000);
     answer_field(&answer, "ETag", etag, sizeof etag);
     answer_release(&answer);
     begun = pen_clock_ns();
@@ -714,9 +714,9 @@ START_TEST(test_server__long_poll_ends_with_its_time)
     ck_assert_int_eq(server_status(&server, head, NULL), 304);
     ck_assert_int_ge(ms_since(begun), 990);
     begun = pen_clock_ns();
-    snprintf(head, sizeof head, "GET %s?wait=20 HTTP/1.1\r\nIf-None-Match: \"0\"", path);
+    snprintf(head, sizeof head, "GET %s?wait=60 HTTP/1.1\r\nIf-None-Match: \"0\"", path);
     ck_assert_int_eq(server_status(&server, head, NULL), 200);
-    ck_assert_int_lt(ms_since(begun), 10000);
+    ck_assert_timed(ms_since(begun) < 10000);
     server_stop(&server);
 }
 END_TEST
@@ -734,7 +734,7 @@ START_TEST(test_server__long_poll_of_a_deleted_job)
     snprintf(head, sizeof head, "GET %s?wait=30 HTTP/1.1", path);
     int64_t begun = pen_clock_ns();
     ck_assert_int_eq(server_status(&server, head, NULL), 410);
-    ck_assert_int_lt(ms_since(begun), 15000);
+    ck_assert_timed(ms_since(begun) < 15000);
     server_stop(&server);
 }
 END_TEST
@@ -765,7 +765,7 @@ START_TEST(test_server__waiting_requests_are_bounded)
         ck_assert_int_eq(server_status(&server, "GET /v1/jobs HTTP/1.1", NULL), 200);
         ms = ms_since(begun);
     }
-    ck_assert_int_lt(ms, 500);
+    ck_assert_timed(ms < 500);
     snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
     ck_assert_int_eq(server_status(&server, head, NULL), 202);
     expect_polls(fds, WAITING, 200, "\"cancelled\"");
@@ -804,7 +804,7 @@ START_TEST(test_server__stop_answers_waiting_requests)
     server_wait_for_waiters(&server, POLLS, 0);
     int64_t begun = pen_clock_ns();
     server_stop(&server);
-    ck_assert_int_lt(ms_since(begun), 20000);
+    ck_assert_timed(ms_since(begun) < 20000);
     expect_polls(fds, POLLS, 200, "\"queued\"");
 }
 END_TEST

@@ -11,7 +11,7 @@
 #include "support/suite.h"
 
 /* Threads that use no processor count as stuck after ten seconds. */
-enum { THREADS = 4, BUSY_MS = 3000, IDLE_MS = 10000, WAIT_MS = 60000, STEP_MS = 10 };
+enum { THREADS = 4, BUSY_MS = 1500, IDLE_MS = 10000, WAIT_MS = 60000, STEP_MS = 10 };
 
 static struct store_bed bed;
 static struct pen_thread_pool *pool;

@@ -260,14 +260,14 @@ END_TEST
 START_TEST(test_rounds__budget_gives_way_and_goes_on_with_the_rest)
 {
     static const char timed[] =
-        "{\"scene\": \"builtin:lens\", \"views\": [\"middle\"], \"budget_seconds\": 12,"
+        "{\"scene\": \"builtin:lens\", \"views\": [\"middle\"], \"budget_seconds\": 4,"
         " \"render\": {\"width\": 64, \"height\": 48, \"tile\": 8, \"max_samples\": 65536}}";
     jobs_bed_open(&bed);
     jobs_worker_start(&bed);
     jobs_submit(&bed, timed, id);
     struct pen_buf state = jobs_wait_kept(&bed, id, PEN_KEPT_STATE);
     pen_buf_release(&state);
-    usleep(6000000);
+    usleep(2000000);
     jobs_submit(&bed, urgent, other);
     ck_assert_int_eq(jobs_wait(&bed, other), PEN_JOB_SUCCEEDED);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
@@ -277,8 +277,8 @@ START_TEST(test_rounds__budget_gives_way_and_goes_on_with_the_rest)
     double render_ms;
     ck_assert_int_eq(json_unpack(stats, "{s:{s:F}}", "timing", "render_ms", &render_ms), 0);
     json_decref(stats);
-    ck_assert_double_gt(render_ms, 6000);
-    ck_assert_double_lt(render_ms, 17500); /* 18000 if it had begun anew */
+    ck_assert_double_gt(render_ms, 2000);
+    ck_assert_timed(render_ms < 5500); /* 6000 if it had begun anew */
     jobs_bed_close(&bed);
 }
 END_TEST

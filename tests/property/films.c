@@ -247,22 +247,24 @@ static bool accumulators_hash(const struct stage *s, uint64_t *hash)
     return true;
 }
 
-bool films_print_accumulators(FILE *out)
+const char *films_scene(int i)
 {
-    for (int i = 0; i < films_count(); i++) {
-        struct stage s;
-        uint64_t hash;
-        char why[256] = "out of memory";
-        bool ok = stage_begin(&s, &film[i], PEN_ACCEL_AUTO, why, sizeof why);
-        if (ok) {
-            ok = accumulators_hash(&s, &hash);
-            stage_end(&s);
-        }
-        if (!ok) {
-            fprintf(stderr, "stability: %s\n", why);
-            return false;
-        }
-        fprintf(out, "%016llx %s %s\n", (unsigned long long)hash, film[i].path, film[i].view);
+    return film[i].path;
+}
+
+bool films_print_accumulators(int i, FILE *out)
+{
+    struct stage s;
+    uint64_t hash;
+    char why[256] = "out of memory";
+    bool ok = stage_begin(&s, &film[i], PEN_ACCEL_AUTO, why, sizeof why);
+    if (ok) {
+        ok = accumulators_hash(&s, &hash);
+        stage_end(&s);
     }
-    return films_count() > 0;
+    if (ok)
+        fprintf(out, "%016llx %s %s\n", (unsigned long long)hash, film[i].path, film[i].view);
+    else
+        fprintf(stderr, "stability: %s\n", why);
+    return ok;
 }

@@ -30,8 +30,11 @@ int films_count(void);
 /* Whether film `i`, rendered by that variant, has the hash of the table; why says what is wrong. */
 bool films_match(int i, const struct films_variant *variant, char *why, size_t bytes);
 
-/* Prints one line a film: a hash of the binary64 values that it is rounded from, scene, view.
- * False if a film cannot be rendered, which it says. */
-bool films_print_accumulators(FILE *out);
+/* The file of film i. */
+const char *films_scene(int i);
+
+/* Prints a line for film i: a hash of the binary64 values that it is rounded from, scene, view.
+ * False if the film cannot be rendered, which it says. */
+bool films_print_accumulators(int i, FILE *out);
 
 #endif

@@ -52,7 +52,7 @@ int main(void)
         snprintf(name[i], sizeof name[i], "test_property__%s", row->name);
         test[i] = (TTest){name[i], run_row, __FILE__, __LINE__};
         TCase *tcase = tcase_create(row->name);
-        tcase_set_timeout(tcase, 300);
+        tcase_set_timeout(tcase, 1200);
         tcase_add_loop_test(tcase, &test[i], i, i + 1);
         suite_add_tcase(suite, tcase);
     }

@@ -39,7 +39,7 @@ static struct pen_render_task task_of(const struct pen_scene *scene, float *rgb)
 
 /* ---- Threads that wait for each other ---- */
 
-enum { THREADS = 3, PATIENCE_S = 20 };
+enum { THREADS = 3, PATIENCE_S = SUITE_HANG_S };
 
 /* A meeting of threads. The first call of each thread waits until all have called. */
 struct meeting {

@@ -44,7 +44,7 @@ START_TEST(test_faults_open__making_a_store)
     fault_bed_open(&disk);
     for (int k = 0; k < FAULT_PLANS; k++) {
         struct fault_plan plan = fault_plans[k];
-        for (plan.n = 1; make_faulty(&plan); plan.n += random_stride())
+        for (plan.n = 1; make_faulty(&plan); plan.n = fault_next(plan.n, k))
             continue;
     }
     fault_bed_close(&disk);
@@ -76,7 +76,7 @@ START_TEST(test_faults_open__migration)
     store_downgrade(disk.template, 3);
     for (int k = 0; k < FAULT_PLANS; k++) {
         struct fault_plan plan = fault_plans[k];
-        for (plan.n = 1; migrate_faulty(&plan); plan.n += random_stride())
+        for (plan.n = 1; migrate_faulty(&plan); plan.n = fault_next(plan.n, k))
             continue;
     }
     fault_bed_close(&disk);

@@ -71,7 +71,7 @@ static bool blocks_nobody(work_fn *work, long n, struct pen_store *other, struct
     bool ok = work(store, 1000 + (int)n, st);
     bool refused = alloc_succeed();
     ck_assert_msg(ok || (refused && st->code == PEN_NO_MEMORY), "allocation %ld: %s", n, st->msg);
-    ck_assert_int_lt(shortest_write_ms(other), 4000);
+    ck_assert(shortest_write_ms(other) < 4000 || !suite_timed());
     store_must(work(store, 2000 + (int)n, st), st, "and so does this one");
     pen_store_close(store);
     return refused;

@@ -111,7 +111,7 @@ static void end_read(sqlite3 *db)
  * long its last try took. */
 static void submit_in_time(int n)
 {
-    enum { RECOVERY_MS = 90000, STEP_MS = 50 };
+    enum { RECOVERY_MS = 1000 * SUITE_HANG_S, STEP_MS = 50 };
     struct pen_status st;
     int waited_ms = 0;
     for (; !submit(n, &st) && waited_ms < RECOVERY_MS; waited_ms += STEP_MS)
@@ -205,7 +205,7 @@ static bool was_held_up(void)
  * held up. Waits until then. */
 static bool once_more(int *tries, const struct pen_status *st)
 {
-    enum { STEP_MS = 50, TRIES = 90000 / STEP_MS };
+    enum { STEP_MS = 50, TRIES = 1000 * SUITE_HANG_S / STEP_MS };
     if (st->code != PEN_STORAGE_FULL || !was_held_up() || ++*tries > TRIES)
         return false;
     pause_ms(STEP_MS);

@@ -24,7 +24,7 @@ static void pause_ms(unsigned ms)
 
 /* A wait that a signal should end lasts MISSED_MS if the signal is missed, and less than SOON_MS if
  * not, also on a machine that is slow. */
-enum { MISSED_MS = 20000, SOON_MS = 15000 };
+enum { MISSED_MS = 1000 * SUITE_HANG_S, SOON_MS = MISSED_MS - 20000 };
 
 /* Waits up to MISSED_MS; returns the ms it took. */
 static int64_t time_to_wake(struct pen_store *store, enum pen_signal signal, uint32_t seen)

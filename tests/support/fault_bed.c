@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/log.h"
+#include "support/random.h"
 
 const struct fault_plan fault_plans[] = {
     {.calls = FAULT_WRITE, .mode = FAULT_ONCE, .error = ENOSPC},
@@ -24,6 +25,13 @@ const struct fault_plan fault_plans[] = {
     {.calls = FAULT_ALL, .mode = FAULT_FROM, .error = EIO},
 };
 _Static_assert(sizeof fault_plans / sizeof fault_plans[0] == FAULT_PLANS, "the plans");
+
+long fault_next(long n, int k)
+{
+    enum { FIRST = 8, STEP = 5 };
+    const bool each = random_all() || n < FIRST + k % STEP;
+    return n + random_stride() * (each ? 1 : STEP);
+}
 
 static void copy_file(const char *from, const char *to)
 {

@@ -31,6 +31,10 @@ const char *fault_bed_id(int number);
 enum { FAULT_PLANS = 12 };
 extern const struct fault_plan fault_plans[FAULT_PLANS];
 
+/* The call that fails after call n under plan k: the next one, or beyond the first few every fifth,
+ * unless all cases are asked for. So each of many writes fails under one of their five plans. */
+long fault_next(long n, int k);
+
 /* Fails the test unless the status of a call that failed under a plan fits the plan: its code, and
  * a text that names the store. */
 void fault_bed_check_refusal(const struct fault_bed *b, const struct fault_plan *plan,

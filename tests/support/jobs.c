@@ -10,6 +10,7 @@
 
 #include "base/clock.h"
 #include "support/random.h"
+#include "support/suite.h"
 
 void jobs_bed_open(struct jobs_bed *bed)
 {
@@ -158,7 +159,7 @@ struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char 
 
 enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id)
 {
-    const int64_t until_ns = pen_clock_ns() + INT64_C(240000000000);
+    const int64_t until_ns = pen_clock_ns() + INT64_C(1000000000) * SUITE_HANG_S;
     uint32_t seen = 0;
     while (pen_clock_ns() < until_ns) {
         enum pen_job_state state = store_job_state(bed->bed.store, id);

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* Random numbers for property tests: splitmix64 (Steele, Lea, Flood, OOPSLA 2014). A test prints
- * its seed with its failures, and PEN_SEED in the environment repeats it. PEN_FEWER=10 makes heavy
- * tests try a tenth of their cases. Builds with sanitizers use that: they find undefined behaviour,
+ * its seed with its failures, and PEN_SEED in the environment repeats it. PEN_CASES=all makes tests
+ * try all their cases, as `make check-all` does, where `make check` tries a part. PEN_FEWER=10 makes
+ * heavy tests try a tenth of them. Builds with sanitizers use that: they find undefined behaviour,
  * for which rare numbers are not needed. */
 #ifndef TESTS_SUPPORT_RANDOM_H
 #define TESTS_SUPPORT_RANDOM_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "math/vec3.h"
 
@@ -23,6 +26,13 @@ static inline struct random random_begin(uint64_t seed)
     return (struct random){seed, seed};
 }
 
+/* Whether all cases are asked for. */
+static inline bool random_all(void)
+{
+    const char *cases = getenv("PEN_CASES");
+    return cases && strcmp(cases, "all") == 0;
+}
+
 /* The divisor of the number of cases in heavy tests: PEN_FEWER of the environment, 1 if not set. */
 static inline int random_fewer(void)
 {
@@ -35,6 +45,13 @@ static inline int random_fewer(void)
 static inline int random_cases(int count)
 {
     return (count + random_fewer() - 1) / random_fewer();
+}
+
+/* The number of cases that are tried, out of `all`, where `few` still find the mutants of the
+ * subject (tests/property/mutants.sh) or differ in more than their random numbers. */
+static inline int random_some(int all, int few)
+{
+    return random_cases(random_all() ? all : few);
 }
 
 /* The step from one n to the next, for tests that would try every n. */

@@ -18,6 +18,7 @@
 #include "base/log.h"
 #include "jobs/worker.h"
 #include "store/store.h"
+#include "support/suite.h"
 
 static int listen_on_free_port(int *port)
 {
@@ -108,7 +109,7 @@ int server_connect_from(const struct server *server, const char *from)
     struct sockaddr_in address = {.sin_family = AF_INET,
                                   .sin_port = htons((uint16_t)server->port),
                                   .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    struct timeval limit = {.tv_sec = 20 * client_patience()};
+    struct timeval limit = {.tv_sec = SUITE_HANG_S};
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     ck_assert_int_ge(fd, 0);
     setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
@@ -193,11 +194,11 @@ bool client_sees_answer(int fd)
     return recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
 }
 
-bool client_sees_end(int fd, int seconds)
+bool client_sees_end(int fd)
 {
     char part[4096];
     struct pollfd readable = {.fd = fd, .events = POLLIN};
-    while (poll(&readable, 1, 1000 * seconds * client_patience()) > 0) {
+    while (poll(&readable, 1, 1000 * SUITE_HANG_S) > 0) {
         if (recv(fd, part, sizeof part, 0) <= 0)
             return true;
     }
@@ -286,7 +287,7 @@ int client_first_answered(const int *fds, int count)
     ck_assert_ptr_nonnull(list);
     for (int i = 0; i < count; i++)
         list[i] = (struct pollfd){.fd = fds[i], .events = POLLIN};
-    ck_assert_int_ge(poll(list, (nfds_t)count, 40000 * client_patience()), 1);
+    ck_assert_int_ge(poll(list, (nfds_t)count, 1000 * SUITE_HANG_S), 1);
     int first = 0;
     while (!list[first].revents)
         first++;

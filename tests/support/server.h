@@ -39,7 +39,7 @@ void server_stop(struct server *server);
  * which builds with sanitizers set, or 1. */
 int client_patience(void);
 
-/* A connected socket whose reads time out after 20 s, times client_patience. */
+/* A connected socket whose reads give up after SUITE_HANG_S. */
 int server_connect(const struct server *server);
 
 /* As server_connect, from another loopback address, such as "127.0.0.2". */
@@ -64,8 +64,8 @@ const char *answer_field(const struct answer *answer, const char *name, char *ou
 /* Whether bytes of an answer have come. */
 bool client_sees_answer(int fd);
 
-/* Whether the server closes the connection within `seconds`, times client_patience. */
-bool client_sees_end(int fd, int seconds);
+/* Whether the server closes the connection, before SUITE_HANG_S. */
+bool client_sees_end(int fd);
 
 /* Makes one request on a new connection. `head` is a request line and fields, without Host and the
  * empty line; body may be NULL. */

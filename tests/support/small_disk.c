@@ -11,6 +11,8 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include "support/suite.h"
+
 enum { PAGE_BYTES = 4096 };
 
 bool small_disk_mount(const char *folder, int mib)
@@ -20,10 +22,8 @@ bool small_disk_mount(const char *folder, int mib)
     if (unshare(CLONE_NEWNS) == 0 && mount("none", "/", NULL, MS_REC | MS_PRIVATE, NULL) == 0 &&
         mount("none", folder, "tmpfs", 0, size) == 0)
         return true;
-    const int error = errno;
+    suite_skip("mount", strerror(errno));
     rmdir(folder);
-    printf("not tested: a tmpfs cannot be mounted here: %s\n", strerror(error));
-    ck_assert(error == EPERM || error == EACCES); /* not root, or only that of a container */
     return false;
 }
 
