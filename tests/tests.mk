@@ -155,11 +155,16 @@ run-tests: tests
 golden: $(BUILD)/tests/golden/test_golden
 	PENUMBRA_GOLDEN=write $<
 
+# Everything: all cases, times, sanitizers, load, kills, mutants, fuzzing: hours. PARTS="NAME…": only these.
+PARTS ?=
+check-all: tests
+	@JOBS=$(JOBS) sh tests/all.sh $(BUILD) $(PARTS)
+
 # Every test with sanitizers, and with a part of the cases: rare numbers are not needed to find undefined
 # behaviour. TESTS="PART…": only tests whose paths contain one of these.
 .PHONY: asan tsan
 TESTS ?=
-SANITIZED = PEN_FEWER=10 PEN_SLOW=10 $(MAKE) OPT="-O1 -g1" PIXEL_OPT=-O2 run-tests
+SANITIZED = PEN_FEWER=10 CK_TIMEOUT_MULTIPLIER=4 $(MAKE) OPT="-O1 -g1" PIXEL_OPT=-O2 run-tests
 UNDEFINED := -fsanitize=address,undefined -fno-sanitize-recover=undefined
 asan:
 	$(SANITIZED) BUILD=$(BUILD)-asan SAN="$(UNDEFINED)"
@@ -177,8 +182,8 @@ memory-programs: all $(MEMORY_BIN) $(REPLAYS)
 	    $(CC) $(CPP) -Itests $(WARN) $(CHECK_CFLAGS) $(PKG_CFLAGS) $(AVX2_FLAGS) -std=c11 -fsyntax-only
 memory-build:
 	$(MAKE) $(CLANG) memory-programs
-memory: memory-build
-	PEN_FEWER=10 PEN_SLOW=10 JOBS=$(JOBS) sh tests/run.sh $(BUILD)-clang-asan \
+memory:
+	PEN_FEWER=10 CK_TIMEOUT_MULTIPLIER=4 JOBS=$(JOBS) sh tests/run.sh $(BUILD)-clang-asan \
 	    $(MEMORY_ROOMS:%=tests/%/) tests/golden/test_golden
 
 # Feeds inputs made by libFuzzer to each target of tests/fuzz, MINUTES long; needs clang. TARGETS="NAME…":

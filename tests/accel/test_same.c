@@ -175,7 +175,7 @@ START_TEST(test_accel__h095_equals_brute_force)
 {
     struct random random = random_begin(2);
     static uint8_t see_through[WORLD_MAX];
-    for (int scene = 0; scene < random_cases(150); scene++) {
+    for (int scene = 0; scene < random_some(150, 50); scene++) {
         world_clear(&world);
         world_random(&world, &random, random_below(&random, 60), random_in(&random, 0.02, 1));
         if (scene & 1)
@@ -242,7 +242,7 @@ START_TEST(test_accel__h073_seams)
 {
     struct random r = random_begin(73);
     static const double offsets[] = {0, 1e3, 1e6};
-    for (int i = 0; i < random_cases(180); i++) {
+    for (int i = 0; i < random_some(180, 60); i++) {
         static uint8_t see_through[WORLD_MAX];
         enum world_room room = (enum world_room)(i % ROOM_COUNT);
         struct pen_vec3 eye = world_room(&world, &r, room, offsets[i / ROOM_COUNT % 3]);
@@ -287,7 +287,7 @@ static struct pen_vec3 tiny3(struct random *r)
 START_TEST(test_accel__h085_hairs_beside_surfaces)
 {
     struct random r = random_begin(85);
-    for (int scene = 0; scene < random_cases(60); scene++) {
+    for (int scene = 0; scene < random_some(60, 20); scene++) {
         world_clear(&world);
         for (int i = 0; i < 12; i++) {
             struct pen_vec3 a = random_vec(&r, 2.5);

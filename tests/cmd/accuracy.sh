@@ -101,7 +101,7 @@ submit '{"scene": "builtin:spheres", "ladder": {"light_samples": [1]}}'
 expect_problem "a ladder in a render" 422 '*belongs to jobs of kind*accuracy*'
 
 # Killed in the middle, a study has the results of one that is not
-some="--kind accuracy --set width=120 --set height=90 --ladder light_samples=1,16,256 --seeds 12 --target rmse=0.001"
+some="--kind accuracy --set width=80 --set height=60 --ladder light_samples=1,16,256 --seeds 12 --target rmse=0.001"
 job=$("$penumbra" submit builtin:soft-shadow $some)
 check_goes_on "$job" 6
 exits "the study of a killed worker succeeds" 0 "$penumbra" wait "$job" -q

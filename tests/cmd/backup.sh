@@ -5,7 +5,7 @@
 cd "$work" || exit 1
 "$penumbra" scenes forest >scene.json
 set -- --set width=200 --set height=150
-set -- "$@" --set samples_per_pixel=$(samples_lasting 2500 scene.json "$@")
+set -- "$@" --set samples_per_pixel=$(samples_lasting 1000 scene.json "$@")
 "$penumbra" render scene.json "$@" -o wanted.pfm
 
 exits "a backup without a store fails" 4 "$build/penumbrad" backup b.db --store "$store"

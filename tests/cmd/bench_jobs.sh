@@ -12,7 +12,7 @@ export PENUMBRA_URL
 small="--kind benchmark --set width=40 --set height=30 --repeats 2 -m accelerator=none,auto -m threads=1,0"
 # Runs of a fraction of a second on any machine and build; many of them, or few.
 run="--set width=200 --set height=150"
-run="--kind benchmark $run --set tile=8 --set samples_per_pixel=$(samples_lasting 200 builtin:spheres $run)"
+run="--kind benchmark $run --set tile=8 --set samples_per_pixel=$(samples_lasting 70 builtin:spheres $run)"
 lengthy="$run --repeats 100"
 idle() {
     [ "$(curl -s "$url/v1/workers" | jq '[.workers[].batches[]] | length')" = 0 ]

@@ -56,7 +56,7 @@ expect_problem "pictures that are too large" 413 '*'
 # A bill is alone in its worker, can be cancelled, gives way to a job of higher priority, and goes on when
 # its worker dies.
 run="--set width=160 --set height=120"
-run="--kind effects $run --set tile=8 --set samples_per_pixel=$(($(samples_lasting 150 builtin:glass $run) + 1))"
+run="--kind effects $run --set tile=8 --set samples_per_pixel=$(($(samples_lasting 60 builtin:glass $run) + 1))"
 job=$("$penumbra" submit builtin:glass $run --repeats 100)
 within has_runs "$job" 2 || not_ok "progress counts renders during a bill" "$(done_runs "$job")"
 expect "the worker says what it does" "$(curl -s "$url/v1/workers" | jq -c '[.workers[].batches[].kind]')" '["effects"]'

@@ -6,7 +6,7 @@ cd "$work" || exit 1
 "$penumbra" scenes forest | jq 'del(.views)' >scene.json
 # A job that takes more than half a second on any machine and build.
 set -- --set width=300 --set height=200
-set -- "$@" --set samples_per_pixel=$(samples_lasting 700 scene.json "$@")
+set -- "$@" --set samples_per_pixel=$(samples_lasting 400 scene.json "$@")
 "$penumbra" render scene.json "$@" -o wanted.pfm
 running() { # ID: whether the job's state is running
     [ "$(curl -s -m 5 "$url/v1/jobs/$1" | jq -r .state)" = running ]

@@ -37,7 +37,10 @@ check "render -o - writes a PNG" cmp piped.png out.png
 "$penumbra" render builtin:spheres $small -o - --format pfm >piped.pfm
 expect "or what --format says" "$(head -c 2 piped.pfm)" PF
 
+# The job called long waits in its first pixel, so that it takes no processor time.
+export PENUMBRA_TEST_FAULT=hang@0,0@long
 daemon_start
+unset PENUMBRA_TEST_FAULT
 export PENUMBRA_URL="$url"
 # shellcheck disable=SC2086
 id=$("$penumbra" submit builtin:spheres $small --name "a name that is longer than eighty columns have space for, grün")
@@ -79,6 +82,7 @@ prints "with bars" stdout "["
 exits "top --once on 80 columns" 0 display 80 "" "$penumbra" top --once
 fits "top --once fits 80 columns" 80
 "$penumbra" cancel "$long" >log
+kill -KILL "$(child work)"
 
 # Tables of studies, which go on below themselves
 # shellcheck disable=SC2086

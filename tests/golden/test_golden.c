@@ -10,6 +10,7 @@
 
 #include "io/scene_json.h"
 #include "render/render.h"
+#include "shade/kernel.h"
 #include "support/golden.h"
 #include "support/isa.h"
 #include "support/suite.h"
@@ -63,9 +64,33 @@ static struct pen_scene *freeze(const struct pen_scene_desc *desc, int accelerat
     return scene;
 }
 
-/* All views of a scene: one line each, once all ways of rendering agree. These meet each accelerator,
- * instruction set, number of threads and size of tiles; the rows of films in tests/property change one
- * of them at a time. */
+/* A build with sanitizers looks for undefined behaviour: for each kernel one view stands for all.
+ */
+#ifdef PEN_SHARED_KERNELS
+enum { ONE_PER_KERNEL = 1 };
+#else
+enum { ONE_PER_KERNEL = 0 };
+#endif
+
+/* Whether no view before this one was rendered by the same kernel. */
+static bool has_new_kernel(const struct pen_scene *scene, int view,
+                           const struct pen_settings *settings)
+{
+    enum { KERNELS_MAX = 64 };
+    static const struct pen_kernel *seen[KERNELS_MAX];
+    const struct pen_kernel *kernel =
+        pen_kernel_select(pen_scene_effects(scene, view, settings), PEN_ISA_BASE);
+    int i = 0;
+    while (i < KERNELS_MAX - 1 && seen[i] && seen[i] != kernel)
+        i++;
+    const bool is_new = seen[i] != kernel;
+    seen[i] = kernel;
+    return is_new;
+}
+
+/* All views of a scene: one line each, once all ways of rendering agree. These meet each
+ * accelerator, instruction set, number of threads and size of tiles; the rows of films in
+ * tests/property change one of them at a time. */
 static void hash_views(const char *path, const struct pen_scene_desc *desc, struct table *table)
 {
     static const int threads[] = {2, 3, 8, 1}, tiles[] = {7, 1000, 1, 32};
@@ -76,6 +101,8 @@ static void hash_views(const char *path, const struct pen_scene_desc *desc, stru
         by_kind[kind] = freeze(desc, kind);
     const struct pen_scene *tree = by_kind[PEN_ACCEL_AUTO];
     for (uint32_t view = 0; view < desc->view_count; view++) {
+        if (ONE_PER_KERNEL && !has_new_kernel(tree, (int)view, &settings))
+            continue;
         uint64_t hash = render_hash(tree, (int)view, settings, 1, 32);
         for (int kind = 0; kind < PEN_ACCEL_COUNT; kind++) {
             isa_force(kind % isa_count());
@@ -152,7 +179,7 @@ START_TEST(test_golden__films_are_those_of_the_table)
     int lines = 0;
     for (const char *c = known; *c; c++)
         lines += *c == '\n';
-    ck_assert_int_eq(lines, table.count + 1); /* no scene has gone */
+    ck_assert(ONE_PER_KERNEL || lines == table.count + 1); /* no scene has gone */
     free(known);
 }
 END_TEST

@@ -208,7 +208,8 @@ static void check_not_used(const struct kind *tested, enum damage done)
     jobs_bed_close(&bed);
 }
 
-/* All damages, or every second one of them, from `first` on: both kinds are read by the same code. */
+/* All damages, or every second one of them, from `first` on: both kinds are read by the same code.
+ */
 static void check_damages(const struct kind *tested, int first)
 {
     for (int i = random_all() ? 0 : first; i < DAMAGES; i += random_all() ? 1 : 2)

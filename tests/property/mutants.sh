@@ -6,7 +6,8 @@
 #   tests/property/mutants.sh BUILD --edits      builds nothing: does each edit still fit the source?
 # A mistake is an edit that must change exactly as many lines as the list at the end says. One that
 # does not fit the source any more, or does not compile, is an error, not a kill.
-# Writes BUILD/stability/mutants.json; exit 1 if a mutant survives or could not be judged.
+# Writes BUILD/stability/mutants.json; exit 1 if a mutant survives or could not be judged. If the environment
+# has MUTANTS_KEPT, a folder for this tree alone, what is known of a mutant is kept there and not found out again.
 set -u
 build=$1
 shift
@@ -32,7 +33,7 @@ cp -a Makefile src "$dir/control"
 [ -n "$edits" ] || {
     cp -a include scenes api deploy "$dir/control"
     mkdir "$dir/control/tests"
-    cp -a tests/property tests/support tests/golden tests/accel tests/shade tests/scene tests/math \
+    cp -a tests/tests.mk tests/bench tests/property tests/support tests/golden tests/accel tests/geom tests/shade tests/scene tests/math \
         tests/render tests/io tests/study "$dir/control/tests"
     (cd "$dir/control" && $make -s -j"${JOBS:-$(nproc)}" $stability $films) >"$dir/control.log" 2>&1 || {
         tail -n 20 "$dir/control.log"
@@ -62,6 +63,12 @@ fact() { # OUTCOME FIGURES
 mutant() {
     name=$1 row=$2 cases=$3 what=$4
     case $only in "  " | *" $name "*) skip= ;; *) skip=1 ;; esac
+    known=${MUTANTS_KEPT:+$MUTANTS_KEPT/$name}
+    [ -z "$skip$edits" ] && [ -n "$known" ] && [ -s "$known" ] && {
+        sed 's/^/(before) killed   /' "$known"
+        fact killed "$(cat "$known")"
+        killed=$((killed + 1)) skip=1
+    }
     [ -n "$skip$edits" ] || cp -a "$dir/control" "$dir/$name"
 }
 
@@ -109,6 +116,7 @@ verdict() { # KILLED FIGURES
         echo "killed   $name by $row: $2"
         fact killed "$2"
         killed=$((killed + 1))
+        [ -z "$known" ] || echo "$name by $row: $2" >"$known"
     else
         echo "SURVIVED $name: $row: $2"
         fact survived "$2"

@@ -115,7 +115,7 @@ static struct quad_ray aim(struct random *r, double distance, struct glass_scree
 START_TEST(test_media__h114_balls_in_balls)
 {
     struct random r = random_begin(551);
-    for (int i = 0; i < random_cases(7000); i++) {
+    for (int i = 0; i < random_some(7000, 7000 / 4); i++) {
         struct glass_screen screen;
         quad weight = 1;
         const struct balls b = random_glass(&r, i);
@@ -133,7 +133,7 @@ END_TEST
 START_TEST(test_media__h115_eye_in_balls)
 {
     struct random r = random_begin(552);
-    for (int i = 0; i < random_cases(5000); i++) {
+    for (int i = 0; i < random_some(5000, 5000 / 4); i++) {
         struct glass_screen screen;
         quad weight = 1;
         const struct balls b = random_glass(&r, 0);
@@ -235,7 +235,7 @@ START_TEST(test_media__h114_common_faces)
     static const double end[4] = {0.75, 0.25, -0.25, -0.75};
     static const double nested_end[4] = {0.75, -0.75, -0.25, 0.25};
     struct random r = random_begin(554);
-    for (int i = 0; i < random_cases(3000); i++) {
+    for (int i = 0; i < random_some(3000, 3000 / 4); i++) {
         const double *ior = iors[i / 2 % 3];
         const bool nested = i & 1;
         const double reversed[3] = {ior[2], ior[1], ior[0]};
@@ -319,7 +319,7 @@ END_TEST
 START_TEST(test_media__one_pane)
 {
     struct random r = random_begin(555);
-    for (int i = 0; i < random_cases(2000); i++) {
+    for (int i = 0; i < random_some(2000, 2000 / 4); i++) {
         const bool back = i & 1;
         const double sign = back ? -1 : 1, ior = random_in(&r, 1.1, 1.6);
         const vec3 d = pen_vec3(random_in(&r, -0.5, 0.5), random_in(&r, -0.5, 0.5), -sign);

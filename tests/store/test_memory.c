@@ -85,7 +85,7 @@ static void fail_every_allocation(work_fn *work)
     faults_install(); /* its syncs are quick */
     store_bed_open(&bed);
     while (blocks_nobody(work, n, bed.store, &st))
-        n += random_stride();
+        n += random_stride() * (random_all() || n < 100 ? 1 : 5);
     ck_assert_int_gt(n, 5);
     store_bed_close(&bed);
 }
@@ -148,9 +148,10 @@ START_TEST(test_memory__of_a_recovery_does_not_delay_the_next)
     store_bed_open(&bed);
     while (recovers_next(n, &failed)) {
         failures += failed;
-        n += random_stride() * (n < 200 ? 1 : 41); /* one check makes thousands */
+        n += random_stride() *
+             (n < random_some(200, 40) ? 1 : random_some(41, 211)); /* one check makes thousands */
     }
-    ck_assert_int_gt(failures, random_cases(200));
+    ck_assert_int_gt(failures, random_some(200, 40));
     store_bed_close(&bed);
 }
 END_TEST

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Random numbers for property tests: splitmix64 (Steele, Lea, Flood, OOPSLA 2014). A test prints
  * its seed with its failures, and PEN_SEED in the environment repeats it. PEN_CASES=all makes tests
- * try all their cases, as `make check-all` does, where `make check` tries a part. PEN_FEWER=10 makes
- * heavy tests try a tenth of them. Builds with sanitizers use that: they find undefined behaviour,
- * for which rare numbers are not needed. */
+ * try all their cases, as `make check-all` does, where `make check` tries a part. PEN_FEWER=10
+ * makes heavy tests try a tenth of them. Builds with sanitizers use that: they find undefined
+ * behaviour, for which rare numbers are not needed. */
 #ifndef TESTS_SUPPORT_RANDOM_H
 #define TESTS_SUPPORT_RANDOM_H
 

@@ -3,9 +3,9 @@
  * Each test runs in a process of its own (libcheck), so a crash fails one test only.
  *
  * Tests that judge how long something takes stand behind PEN_TIMED in the list, or use
- * ck_assert_timed: they would fail on a slow machine, so only `make check-all PARTS=timed`, which sets
- * the environment variable PEN_TIMED, judges times. A test that lacks a privilege or a feature of the
- * machine calls suite_skip and returns. */
+ * ck_assert_timed: they would fail on a slow machine, so only `make check-all PARTS=timed`, which
+ * sets the environment variable PEN_TIMED, judges times. A test that lacks a privilege or a feature
+ * of the machine calls suite_skip and returns. */
 #ifndef TESTS_SUPPORT_SUITE_H
 #define TESTS_SUPPORT_SUITE_H
 
