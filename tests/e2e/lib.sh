@@ -131,7 +131,7 @@ within() {
     give_up=$(($(date +%s) + hang))
     while ! "$@" >/dev/null 2>&1; do
         [ "$(date +%s)" -lt "$give_up" ] || return 1
-        sleep 0.05
+        sleep 0.1
     done
 }
 

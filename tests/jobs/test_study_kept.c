@@ -31,7 +31,7 @@ struct kind {
 /* The target is met by the last row alone, whatever its time is. */
 static const struct kind kinds[] = {
     {"\"kind\": \"accuracy\", \"render\": {\"width\": 56, \"height\": 42, \"tile\": 16},"
-     " \"ladder\": {\"samples_per_pixel\": [4, 16, 64]}, \"seeds\": 20,"
+     " \"ladder\": {\"samples_per_pixel\": [4, 16, 64]}, \"seeds\": 10,"
      " \"target\": {\"metric\": \"rmse\", \"value\": 0.003},",
      4, 4 + 2 + 1, ",expected_ms,runs_ms,median_ms,min_ms,max_ms,threads,pareto,efficiency,"},
     {"\"kind\": \"effects\", \"render\": {\"width\": 56, \"height\": 42, \"tile\": 16,"

@@ -18,7 +18,7 @@ const struct row row_table_same[] = {
         .oracle = golden,
         .run = rows_films_accelerators,
         .full = ALL,
-        .check = 60,
+        .check = 20,
     },
     {
         .id = "H100",
@@ -27,7 +27,7 @@ const struct row row_table_same[] = {
         .oracle = golden,
         .run = rows_films_threads,
         .full = ALL,
-        .check = 60,
+        .check = 20,
     },
     {
         .id = "H101",
@@ -37,7 +37,7 @@ const struct row row_table_same[] = {
         .oracle = golden,
         .run = rows_films_tiles,
         .full = ALL,
-        .check = 60,
+        .check = 20,
     },
     {
         .id = "H102",
@@ -47,7 +47,7 @@ const struct row row_table_same[] = {
         .oracle = golden,
         .run = rows_films_sets,
         .full = ALL,
-        .check = 60,
+        .check = 20,
     },
     {
         .id = "H103",
@@ -56,7 +56,7 @@ const struct row row_table_same[] = {
         .oracle = golden,
         .run = rows_films_plain,
         .full = ALL,
-        .check = 60,
+        .check = 4,
     },
     {
         .id = "H096 H100 H101 H102",

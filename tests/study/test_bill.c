@@ -276,6 +276,8 @@ START_TEST(test_bill__what_is_kept_of_another_one_is_not_used)
     struct unfinished_bed bed = {.runs_left = 33};
     struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
     everything();
+    kit.settings.width = 10;
+    kit.settings.height = 8;
     struct pen_bill_task task = task_of(pool), first = task;
     first.between = unfinished_keep;
     first.user = &bed;
