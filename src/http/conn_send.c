@@ -174,7 +174,8 @@ static ssize_t send_both(int fd, const struct iovec parts[2], int flags)
 static bool send_parts(struct conn *conn, const unsigned char *body, size_t body_bytes, bool ends)
 {
     const struct iovec parts[2] = {
-        {.iov_base = conn->out.data + conn->out_sent, .iov_len = conn->out.bytes - conn->out_sent},
+        {.iov_base = conn->out.data ? conn->out.data + conn->out_sent : NULL,
+         .iov_len = conn->out.bytes - conn->out_sent},
         {.iov_base = (void *)body, .iov_len = body_bytes}};
     if (!conn->writable || conn->reset)
         return false;

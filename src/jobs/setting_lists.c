@@ -88,7 +88,7 @@ bool pen_count_read(const json_t *members, const char *key, int lo, int hi, int 
     double number = json_number_value(value);
     if (!value)
         return true;
-    if (!json_is_number(value) || number != (int)number || number < lo || number > hi) {
+    if (!json_is_number(value) || !(number >= lo && number <= hi) || number != (int)number) {
         pen_request_fail(errors, PEN_INVALID, "", key, "must be an integer from %d to %d, found %s",
                          lo, hi, pen_found(value).text);
         return false;

@@ -55,8 +55,10 @@ static struct pen_errors warnings_of(int count, bool split)
  */
 static bool ends_with(const struct pen_errors *warnings, size_t from_end, const char *text)
 {
+    if (warnings->count <= from_end)
+        return false;
     const struct pen_status *st = &warnings->item[warnings->count - 1 - from_end];
-    return warnings->count > from_end && strcmp(st->at, "/scene") == 0 && strstr(st->msg, text);
+    return strcmp(st->at, "/scene") == 0 && strstr(st->msg, text);
 }
 
 START_TEST(test_warnings__h051_every_vertex_inside_an_edge_is_found)
