@@ -106,7 +106,7 @@ static struct pen_prims crowd(uint32_t count)
 /* H097: copies of one triangle: the tree ends, and the first copy is met. */
 START_TEST(test_tree__h097_identical_centroids)
 {
-    const int N = random_cases(100000);
+    const int N = random_some(100000, 33333);
     struct pen_prims prims = crowd((uint32_t)N);
     for (int i = 0; i < N; i++)
         ck_assert(
@@ -135,7 +135,7 @@ END_TEST
 /* Sizes and places over sixty powers of two: depth stays bounded. */
 START_TEST(test_tree__geometric_scales)
 {
-    const int N = random_cases(20000);
+    const int N = random_some(20000, 6666);
     struct random r = random_begin(97);
     struct pen_prims prims = crowd((uint32_t)N);
     for (int i = 0; i < N; i++) {
@@ -146,7 +146,7 @@ START_TEST(test_tree__geometric_scales)
     }
     struct tree tree = plant(&prims);
     struct pen_origin_surface origin = pen_origin_none;
-    for (int i = 0; i < random_cases(200); i++) {
+    for (int i = 0; i < random_some(200, 66); i++) {
         struct pen_ray ray = world_ray(random_vec(&r, 1), random_direction(&r));
         struct pen_t_interval interval = {pen_after_start, INFINITY};
         struct pen_hit truth = {INFINITY, PEN_NO_PRIM, 0}, hit = truth;
@@ -182,7 +182,7 @@ START_TEST(test_tree__h098_unbounded_mix)
         world_triangle(&world, c, pen_add(c, random_vec(&r, .1)), pen_add(c, random_vec(&r, .1)));
     }
     struct tree tree = plant(&world.prims);
-    for (int i = 0; i < random_cases(2000); i++)
+    for (int i = 0; i < random_some(2000, 666); i++)
         same(&tree, &world, random_vec(&r, 2), random_direction(&r), INFINITY);
     pen_arena_free(tree.arena);
 }
@@ -224,7 +224,7 @@ START_TEST(test_tree__h091_h092_h093_no_false_box_misses)
     static const double far[] = {0, 1e3, 1e6, 1e9};
     struct random r = random_begin(91);
     int hits = 0;
-    for (int scene = 0; scene < random_cases(60); scene++) {
+    for (int scene = 0; scene < random_some(60, 20); scene++) {
         double k = far[_i];
         boxes(&r, pen_vec3(k, -.37 * k, .7 * k), scene & 1);
         struct tree tree = plant(&world.prims);
@@ -246,7 +246,7 @@ START_TEST(test_tree__h091_h092_h093_no_false_box_misses)
         }
         pen_arena_free(tree.arena);
     }
-    ck_assert_int_gt(hits, random_cases(2000));
+    ck_assert_int_gt(hits, random_some(2000, 666));
 }
 END_TEST
 
@@ -256,7 +256,7 @@ START_TEST(test_tree__h094_tmax_equality)
     struct random r = random_begin(94);
     boxes(&r, pen_vec3(0, 0, 0), true);
     struct tree tree = plant(&world.prims);
-    for (int i = 0; i < random_cases(2000); i++) {
+    for (int i = 0; i < random_some(2000, 666); i++) {
         vec3 o = random_vec(&r, 9), d = pen_sub(adversarial_point(&r), o);
         struct pen_ray ray = world_ray(o, d);
         struct pen_t_interval interval = {pen_after_start, INFINITY};

@@ -100,23 +100,11 @@ expect_problem "a wrong ladder" 422 '*on which accuracy depends*'
 submit '{"scene": "builtin:spheres", "ladder": {"light_samples": [1]}}'
 expect_problem "a ladder in a render" 422 '*belongs to jobs of kind*accuracy*'
 
-# Killed in the middle, a study has the results of one that is not
-some="--kind accuracy --set width=80 --set height=60 --ladder light_samples=1,16,256 --seeds 12 --target rmse=0.001"
-job=$("$penumbra" submit builtin:soft-shadow $some)
-check_goes_on "$job" 6
-exits "the study of a killed worker succeeds" 0 "$penumbra" wait "$job" -q
-"$penumbra" fetch --report "$job" -o killed.json
-exits "the same study, not killed" 0 "$penumbra" submit builtin:soft-shadow $some -q -o whole.json
-facts='[.reference.settings, .reference.error, .left_out, (.rows[] | {settings, runs, picture_hash, rays, resolved, rmse, flip, psnr, ssim})]'
-expect "gives the same results" "$(jq -cS "$facts" killed.json)" "$(jq -cS "$facts" whole.json)"
-expect "its runs are all there" "$(jq -c '[.rows[].runs_ms | length]' killed.json)" "[12,12,12,12]"
-
-# Cancelled; gives way to a job of higher priority, and goes on when its worker dies
+# A cancelled one. That a study goes on when its worker dies, and gives way to a job of higher priority, is in
+# tests/jobs/test_study_kept.c, and of a daemon's bill in effect_jobs.sh.
 lengthy="--kind accuracy --set width=200 --set height=150 --ladder light_samples=256,257,258,259 --seeds 64"
 job=$("$penumbra" submit builtin:soft-shadow $lengthy)
 within has_runs "$job" 2 || not_ok "progress counts runs during a study" "$(done_runs "$job")"
-check_goes_on "$job" 4
-check_gives_way "$job" 6
 "$penumbra" cancel "$job" >/dev/null
 render=$("$penumbra" submit builtin:spheres --set width=20 --set height=20)
 exits "after a cancelled study the next job runs" 0 "$penumbra" wait "$render" -q

@@ -29,7 +29,7 @@ START_TEST(test_watertight__h038_h039_bumpy_sphere)
     struct random r = random_begin(38);
     vec3 middle = offset[_i];
     world_bumpy(&world, &r, middle);
-    for (int i = 0; i < random_cases(10000); i++) {
+    for (int i = 0; i < random_some(10000, 3000); i++) {
         vec3 o = pen_along(middle, random_direction(&r), .5);
         vec3 d = pen_sub(target(&r, i % 4), o);
         int count = world_count(&world, o, i & 8 ? d : pen_normalize(d));
@@ -65,7 +65,7 @@ START_TEST(test_watertight__h040_h058_cube)
             }
         }
     }
-    for (int i = 0; i < random_cases(10000); i++) {
+    for (int i = 0; i < random_some(10000, 3000); i++) {
         double fine = i & 1 ? 4 : 1; /* vertices and edges, or between them */
         vec3 p = random_vec(&r, 1.25);
         p = pen_vec3(round(p.x * N * fine) / (N * fine), round(p.y * N * fine) / (N * fine),
@@ -150,7 +150,7 @@ START_TEST(test_watertight__h050_h057_folded_sheet_of_all_kinds)
     int hits = 0;
     vec3 at = offset[_i];
     make_sheet(&r, at);
-    for (int i = 0; i < random_cases(10000); i++) {
+    for (int i = 0; i < random_some(10000, 3000); i++) {
         /* Corners and points of edges, well inside; from above each is seen once. */
         double x = 1 + random_below(&r, 20) / 2., y = 1 + random_below(&r, 12) / 2.;
         vec3 to = lift(&r, x, y, at), next = lift(&r, x + .5 * (i & 1), y + .5 * !(i & 1), at);
@@ -163,7 +163,7 @@ START_TEST(test_watertight__h050_h057_folded_sheet_of_all_kinds)
                       (unsigned long long)r.seed);
         hits += count;
     }
-    ck_assert_int_eq(hits, random_cases(10000));
+    ck_assert_int_eq(hits, random_some(10000, 3000));
 }
 END_TEST
 
@@ -205,7 +205,7 @@ START_TEST(test_watertight__h056_huge_beside_small)
     world_triangle(&world, c, a, top);
     vec3 corner[4] = {a, b, c, top};
     vec3 middle = pen_scale(pen_add(pen_add(a, b), pen_add(c, pen_scale(top, 1e-12))), 1. / 4);
-    for (int i = 0; i < random_cases(10000); i++) {
+    for (int i = 0; i < random_some(10000, 3000); i++) {
         vec3 p = corner[random_below(&r, 4)], q = corner[random_below(&r, 4)];
         vec3 to = i & 1 ? p : pen_along(p, pen_sub(q, p), random_below(&r, 9) / 8.);
         vec3 d = pen_sub(to, middle);

@@ -5,6 +5,7 @@
 
 #include "render/audit.h"
 #include "support/jobs.h"
+#include "support/random.h"
 #include "support/suite.h"
 
 static struct jobs_bed bed;
@@ -53,6 +54,8 @@ static void check_same_audit(json_t *audit, const char *body)
 START_TEST(test_audits__job_of_higher_priority_comes_between_two_pixels)
 {
     for (int shape = 0; shape < SHAPES; shape++) {
+        if (shape == ROUNDS && !random_all()) /* gives way by the same code as WHOLE */
+            continue;
         jobs_bed_open(&bed);
         const char *body = body_of(shape);
         jobs_worker_start(&bed);

@@ -62,7 +62,7 @@ const struct row row_table_light[] = {
         .oracle = "black",
         .run = rows_crossing,
         .full = 20000,
-        .check = 300,
+        .check = 150,
     },
     {
         .id = "H073",
@@ -103,7 +103,7 @@ const struct row row_table_light[] = {
         .oracle = "itself, bit for bit",
         .run = rows_tree_ways,
         .full = 1000,
-        .check = 12,
+        .check = 4,
     },
     {
         .id = "H121 H141",
@@ -137,7 +137,7 @@ const struct row row_table_light[] = {
         .oracle = "black",
         .run = rows_round_beside,
         .full = 4000,
-        .check = 40,
+        .check = 20,
     },
     {
         .id = "H066 H138",
@@ -157,7 +157,7 @@ const struct row row_table_light[] = {
         .oracle = "black",
         .run = rows_dented_rooms,
         .full = 9000,
-        .check = 90,
+        .check = 30,
     },
     {
         .id = "H065 H138",

@@ -68,7 +68,7 @@ const struct row row_table_same[] = {
         .oracle = "base instructions, pixel by pixel, bit for bit",
         .run = rows_scenes_same,
         .full = 2000,
-        .check = 24,
+        .check = 12,
     },
     {
         .id = "H105",

@@ -89,7 +89,7 @@ const struct row row_table_space[] = {
         .oracle = "area of a circle's segment",
         .run = rows_layers_below,
         .full = 10000,
-        .check = 200,
+        .check = 100,
     },
     {
         .id = "H070 H133",
@@ -109,7 +109,7 @@ const struct row row_table_space[] = {
         .oracle = "closed form",
         .run = rows_layers_round,
         .full = 20000,
-        .check = 200,
+        .check = 100,
     },
     {
         .id = "H070",

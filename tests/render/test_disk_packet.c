@@ -185,7 +185,7 @@ START_TEST(test_disk_packet__packets_equal_single_rays)
 {
     struct random random = random_begin(77);
     const char *many = getenv("PEN_N");
-    int scenes = many ? atoi(many) : random_cases(250);
+    int scenes = many ? atoi(many) : random_some(250, 90);
     static struct film single, packets;
     for (int i = 0; i < scenes; i++) {
         unsigned long long state = random.state;
