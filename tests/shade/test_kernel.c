@@ -156,8 +156,8 @@ static void leave_out(unsigned effects)
     }
 }
 
-/* Sets of at most two effects that can be left out, and of all but at most two; or of one, unless all
- * cases are asked for, since tests/effects/test_masks.c leaves out effects as well. */
+/* Sets of at most two effects that can be left out, and of all but at most two; or of one, unless
+ * all cases are asked for, since tests/effects/test_masks.c leaves out effects as well. */
 static bool few_or_nearly_all(unsigned effects)
 {
     const int count = __builtin_popcount(effects);
