@@ -195,7 +195,7 @@ static void compare(const char *name, int few)
 {
     char path[128];
     snprintf(path, sizeof path, "tests/golden/scenes/%s.json", name);
-    render(path, random_some(OURS, few / 2));
+    render(path, random_all() ? OURS : few / 2);
     sample_oracle(path, few);
     const double pixel = least_probability(1), block = least_probability(SIDE);
     const double each = 1e-4 / (3 * (PIXELS + BLOCKS));
