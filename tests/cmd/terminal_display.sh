@@ -2,6 +2,10 @@
 # SPDX-License-Identifier: MIT
 # What the command line prints on a terminal: a closing line, tables that fit, a display that ends by a key.
 . "$(dirname "$0")/lib.sh"
+python3 -c 'import os; os.openpty()' 2>/dev/null || {
+    skip terminal "a pseudo-terminal cannot be opened"
+    exit 77
+}
 display() { # COLUMNS KEYS COMMAND…
     columns=$1 keys=$2
     shift 2
