@@ -14,6 +14,7 @@ has() { # NEED: whether this machine has it
         rmdir "$folder"
         return "$code"
         ;;
+    setuid) setpriv --reuid=65534 true 2>/dev/null ;;
     terminal) python3 -c 'import os; os.openpty()' 2>/dev/null ;;
     avx2 | avx512f) grep -qw "$1" /proc/cpuinfo ;;
     plain-build) case $log in *asan* | *tsan*) return 1 ;; esac ;;
