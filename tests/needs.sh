@@ -16,10 +16,9 @@ has() { # NEED: whether this machine has it
         ;;
     setuid) setpriv --reuid=65534 true 2>/dev/null ;;
     terminal) python3 -c 'import os; os.openpty()' 2>/dev/null ;;
-    avx2 | avx512f) grep -qw "$1" /proc/cpuinfo ;;
+    avx2) grep -qw "$1" /proc/cpuinfo ;;
     plain-build) case $log in *asan* | *tsan*) return 1 ;; esac ;;
     command-*) command -v "${1#command-}" >/dev/null ;;
-    files-*) [ "$(ulimit -Hn)" = unlimited ] || [ "$(ulimit -Hn)" -ge "${1#files-}" ] ;;
     *) echo "tests/needs.sh does not know the need \"$1\"" ;;
     esac
 }

@@ -122,7 +122,7 @@ START_TEST(test_connections__idle_connections_give_way)
         server_expect_alive(&server);
     int open = 0;
     for (int i = 0; i < ALL; i++) {
-        open += !client_sees_end(fds[i]);
+        open += !client_has_seen_end(fds[i]);
         close(fds[i]);
     }
     ck_assert_int_le(open, ALLOWED);

@@ -187,7 +187,7 @@ START_TEST(test_server__unread_heads_in_memory_are_bounded)
     }
     server_expect_alive(&server);
     for (int i = 0; i < HEADS; i++) {
-        refused += client_sees_end(fd[i]);
+        refused += client_has_seen_end(fd[i]);
         close(fd[i]);
     }
     printf("# %zu bytes of heads, %d of %d refused\n", most, refused, HEADS);

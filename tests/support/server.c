@@ -194,15 +194,25 @@ bool client_sees_answer(int fd)
     return recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
 }
 
-bool client_sees_end(int fd)
+static bool ends_within(int fd, int ms)
 {
     char part[4096];
     struct pollfd readable = {.fd = fd, .events = POLLIN};
-    while (poll(&readable, 1, 1000 * SUITE_HANG_S) > 0) {
+    while (poll(&readable, 1, ms) > 0) {
         if (recv(fd, part, sizeof part, 0) <= 0)
             return true;
     }
     return false;
+}
+
+bool client_sees_end(int fd)
+{
+    return ends_within(fd, 1000 * SUITE_HANG_S);
+}
+
+bool client_has_seen_end(int fd)
+{
+    return ends_within(fd, 0);
 }
 
 void server_ask(const struct server *server, const char *head, const char *body,

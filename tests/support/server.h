@@ -67,6 +67,9 @@ bool client_sees_answer(int fd);
 /* Whether the server closes the connection, before SUITE_HANG_S. */
 bool client_sees_end(int fd);
 
+/* Whether it has closed the connection already. */
+bool client_has_seen_end(int fd);
+
 /* Makes one request on a new connection. `head` is a request line and fields, without Host and the
  * empty line; body may be NULL. */
 void server_ask(const struct server *server, const char *head, const char *body,
