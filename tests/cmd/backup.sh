@@ -50,7 +50,7 @@ no_copy() { [ -z "$(find . -name 'd.db*')" ]; }
 # ended_by COMMAND…: begins backups until one was still being made when the command came, which ends it. One
 # that looked at signals no longer is made to its end, and has its name then. Sets $code.
 ended_by() {
-    for _ in 1 2 3 4 5 6 7 8 9 10; do
+    for _ in $(seq 40); do
         env --default-signal=INT "$build/penumbrad" backup d.db --store "$store" >stdout 2>stderr &
         backup=$!
         within is_made || not_ok "the backup begins" "$(ls -l)"
