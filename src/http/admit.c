@@ -13,9 +13,10 @@
 #include <strings.h>
 
 #include "http/internal/http.h"
-#include "http/internal/intake.h"
 #include "http/internal/request.h"
 #include "http/internal/routes.h"
+
+enum { HEAD_BYTES = 6 << 10 }; /* the most of a head */
 
 /* Reads a length, or UINT64_MAX if it is larger than that. */
 static bool read_length(const char *text, uint64_t *length)
@@ -46,10 +47,21 @@ static void check_traceparent(struct fields *fields)
         fields->traceparent = NULL;
 }
 
-/* Checks how long the body is: whatever two servers could read differently is refused. */
+/* Checks what libmicrohttpd lets through but the parsed head shows: whatever two servers could read
+ * differently is refused. */
 static bool check_framing(struct request *request, struct pen_status *st)
 {
     const struct fields *fields = &request->fields;
+    for (const char *c = request->raw_target; *c; c++) {
+        if (*c <= ' ' || *c == 127)
+            return pen_fail(
+                st, PEN_SYNTAX,
+                "malformed HTTP: the request target has a space or a control character");
+    }
+    if (fields->malformed)
+        return pen_fail(st, PEN_SYNTAX,
+                        "malformed HTTP: a header field has a character that is "
+                        "not allowed");
     if (fields->repeated)
         return pen_fail(st, PEN_SYNTAX, "a header field that may be sent only once was repeated");
     if (fields->content_length && fields->transfer_encoding)
@@ -57,33 +69,48 @@ static bool check_framing(struct request *request, struct pen_status *st)
     if (fields->content_length && !read_length(fields->content_length, &request->declared_bytes))
         return pen_fail(st, PEN_SYNTAX, "Content-Length is \"%.40s\"; a number is allowed",
                         fields->content_length);
+    if (!request->is_http_1_0 && !fields->host)
+        return pen_fail(st, PEN_SYNTAX, "malformed HTTP: there is no Host");
     if (!fields->transfer_encoding)
         return true;
-    if (request->minor == 0)
+    if (request->is_http_1_0)
         return pen_fail(st, PEN_SYNTAX, "HTTP/1.0 has no Transfer-Encoding");
     return strcasecmp(fields->transfer_encoding, "chunked") == 0 ||
            pen_fail(st, PEN_SYNTAX, "Transfer-Encoding is \"%.40s\"; \"chunked\" is allowed",
                     fields->transfer_encoding);
 }
 
-/* Checks Host and Origin. */
-static bool check_sender(const struct request *request, struct pen_status *st)
+static const char *host_of(const struct request *request)
 {
+    return request->target.authority ? request->target.authority : request->fields.host;
+}
+
+/* Without tokens everybody who reaches the port may do everything. So it must be reached under a
+ * name of this machine: a page of a foreign site could otherwise resolve its own name to it. */
+static bool check_host(const struct request *request, struct pen_status *st)
+{
+    const char *host = host_of(request);
+    return request->http->tokens || pen_host_is_loopback(host) ||
+           pen_fail(st, PEN_FORBIDDEN,
+                    "the Host must be localhost, 127.0.0.1 or [::1], found \"%.200s\"",
+                    host ? host : "");
+}
+
+/* A browser lets a page of any site send simple requests to this server, and names the page's
+ * origin. It must be the daemon's own, or one that --cors names. */
+static bool check_origin(struct request *request, struct pen_status *st)
+{
+    const struct pen_http *http = request->http;
     const struct fields *fields = &request->fields;
-    if (request->minor > 0 && !fields->host)
-        return pen_fail(st, PEN_SYNTAX, "malformed HTTP: there is no Host");
-    const char *host = request->target.authority ? request->target.authority : fields->host;
-    if (!pen_host_is_loopback(host))
-        return pen_fail(st, PEN_FORBIDDEN,
-                        "the Host must be localhost, 127.0.0.1 or [::1], found \"%s\"",
-                        host ? host : "");
-    /* A browser lets a page of any site send simple requests to this server. It keeps the answers
-     * from the page; the check here keeps the page from changing anything. */
-    bool reads = strcmp(request->method, "GET") == 0 || request->head;
-    if (!reads && fields->origin && !pen_origin_is_host(fields->origin, host))
-        return pen_fail(st, PEN_FORBIDDEN, "requests from pages of %s are not allowed",
-                        fields->origin);
-    return true;
+    const char *origin = fields->origin;
+    const bool proxied = request->is_from_proxy && fields->forwarded_host;
+    if (!origin ||
+        (proxied ? pen_origin_is_host(origin, NULL, fields->forwarded_host)
+                 : pen_origin_is_host(origin, http->tls ? "https" : "http", host_of(request))))
+        return true;
+    request->is_cross_origin = http->cors && pen_origin_listed(http->cors, origin);
+    return request->is_cross_origin ||
+           pen_fail(st, PEN_FORBIDDEN, "requests from pages of %.200s are not allowed", origin);
 }
 
 /* Job ids are UUIDs, for which upper and lower case are the same. Any other text names no job. */
@@ -101,11 +128,42 @@ static bool read_job_id(struct request *request, struct pen_status *st)
     return true;
 }
 
-static bool find_route(struct request *request, char allow[ALLOW_BYTES], struct pen_status *st)
+/* Checks the token before anything is told of the path: an unknown path needs one, too. */
+static bool check_token(struct request *request, struct pen_status *st)
 {
+    struct pen_tokens *tokens = request->http->tokens;
+    const enum pen_scope needed = request->route ? request->route->scope : PEN_SCOPE_READ;
+    if (!tokens || needed == PEN_SCOPE_NONE)
+        return true;
+    if (!pen_tokens_check(tokens, request->fields.authorization, &request->holder, st)) {
+        pen_http_request_fail(request, st);
+        pen_http_reply_field(&request->reply, "WWW-Authenticate", "Bearer realm=\"penumbra\"");
+        return false;
+    }
+    snprintf(request->client, sizeof request->client, "token:%s", request->holder.name);
+    request->client_is_shared = false;
+    return request->holder.scope >= needed ||
+           pen_fail(st, PEN_FORBIDDEN, "this needs a token of scope %s; yours has the scope %s",
+                    pen_scope_names[needed - PEN_SCOPE_READ],
+                    pen_scope_names[request->holder.scope - PEN_SCOPE_READ]);
+}
+
+static bool find_route(struct request *request, struct pen_status *st)
+{
+    char allow[ALLOW_BYTES] = "";
+    struct pen_status unknown;
     request->route =
-        pen_http_route_find(request->method, &request->target, &request->arg, allow, st);
-    if (!request->route || !pen_http_route_check_params(request->route, &request->target, st))
+        pen_http_route_find(request->method, &request->target, &request->arg, allow, &unknown);
+    if (!check_token(request, st))
+        return false;
+    if (!request->route) {
+        *st = unknown;
+        pen_http_request_fail(request, st);
+        if (allow[0])
+            pen_http_reply_field(&request->reply, "Allow", "%s", allow);
+        return false;
+    }
+    if (!pen_http_route_check_params(request->route, &request->target, st))
         return false;
     return strncmp(request->route->path, "/v1/jobs/{id}", 13) != 0 || read_job_id(request, st);
 }
@@ -157,6 +215,8 @@ static bool check_encoding(struct request *request, struct pen_status *st)
 static bool check_drain(const struct request *request, struct pen_status *st)
 {
     struct pen_http *http = request->http;
+    if (request->route->queue != QUEUE_NONE && !pen_http_is_open(http, st))
+        return false;
     if (atomic_load_explicit(&http->stopping, memory_order_relaxed))
         return pen_fail(st, PEN_UNAVAILABLE, "the daemon is stopping");
     if (request->route->submits && atomic_load_explicit(&http->draining, memory_order_relaxed))
@@ -169,38 +229,56 @@ static bool check_drain(const struct request *request, struct pen_status *st)
  * The length of a chunked body is not known yet; pen_http_request_receive bounds it. */
 static bool wants_discard(const struct request *request)
 {
-    return !request->close && !pen_http_request_waits(request) &&
+    const char *expect = request->fields.expect;
+    const bool waits = expect && !request->is_http_1_0 && strcasecmp(expect, "100-continue") == 0;
+    return !request->close && !waits &&
            (request->declared_bytes > 0 || request->fields.transfer_encoding) &&
            request->declared_bytes <= request->http->limits.body_bytes;
 }
 
-bool pen_http_request_waits(const struct request *request)
+/* A page of an allowed origin asks what it may send. It has no token yet. */
+static bool answer_preflight(struct request *request)
 {
-    const char *expect = request->fields.expect;
-    return expect && request->minor > 0 && strcasecmp(expect, "100-continue") == 0;
+    struct reply *reply = &request->reply;
+    if (strcmp(request->method, "OPTIONS") != 0 || !request->is_cross_origin)
+        return false;
+    reply->status = 204;
+    pen_http_reply_field(reply, "Access-Control-Allow-Methods", "GET, HEAD, POST, DELETE");
+    pen_http_reply_field(reply, "Access-Control-Allow-Headers",
+                         "Authorization, Content-Type, Content-Encoding, Idempotency-Key, "
+                         "If-None-Match, Last-Event-ID, Range, X-Request-Id");
+    pen_http_reply_field(reply, "Access-Control-Max-Age", "600");
+    return true;
 }
 
-void pen_http_request_admit(struct request *request)
+/* Returns whether the request may go on; otherwise *st says why not, or the reply is there. */
+static bool admit(struct request *request, struct pen_status *st)
 {
-    struct pen_status st;
-    char allow[ALLOW_BYTES] = "";
+    return pen_target_parse(request->raw_target, &request->target, st) && check_host(request, st) &&
+           check_origin(request, st) && !answer_preflight(request) && find_route(request, st) &&
+           check_length(request, st) && check_media(request, st) && check_encoding(request, st) &&
+           check_drain(request, st);
+}
+
+void pen_http_request_admit(struct request *request, size_t head_bytes)
+{
+    struct pen_status st = {.code = PEN_OK};
     check_traceparent(&request->fields);
-    if (request->phase == PHASE_ANSWERED)
-        return;
-    bool framed = check_framing(request, &st);
-    bool ok = framed && pen_target_parse(request->raw_target, &request->target, &st) &&
-              check_sender(request, &st) && find_route(request, allow, &st) &&
-              check_length(request, &st) && check_media(request, &st) &&
-              check_encoding(request, &st) && check_drain(request, &st);
-    if (ok) {
-        request->phase = PHASE_BODY;
-        return;
+    bool ok = check_framing(request, &st);
+    request->close = !ok;
+    if (ok && head_bytes > HEAD_BYTES) {
+        pen_fail(&st, PEN_USAGE, "the request's head has %zu bytes, %d are allowed", head_bytes,
+                 HEAD_BYTES);
+        pen_http_request_refuse(request, 431, &st);
+        ok = false;
     }
+    ok = ok && admit(request, &st);
+    request->phase = PHASE_BODY;
+    if (ok)
+        return;
     request->route = NULL;
-    request->close = request->close || !framed;
-    pen_http_request_fail(request, &st);
-    if (allow[0])
-        pen_http_reply_field(&request->reply, "Allow", "%s", allow);
+    if (request->reply.status == 0)
+        pen_http_request_fail(request, &st);
     request->phase = wants_discard(request) ? PHASE_DISCARD : PHASE_ANSWERED;
 }
 
@@ -220,13 +298,12 @@ bool pen_http_request_receive(struct request *request, const char *data, size_t 
     if (request->received_bytes > limit) {
         pen_fail(&st, PEN_TOO_LARGE, "the body has more than the %zu bytes that are allowed",
                  limit);
-        if (request->phase == PHASE_BODY)
-            refuse_body(request, &st);
+        refuse_body(request, &st);
         return false;
     }
     if (request->phase != PHASE_BODY || !request->route->takes_body)
         return true;
-    if (pen_http_intake_keep(request, data, bytes))
+    if (pen_http_request_count_body(request, bytes) && pen_buf_add(&request->body, data, bytes))
         return true;
     pen_fail(&st, PEN_UNAVAILABLE, "there is no memory for this body now; try again later");
     refuse_body(request, &st);

@@ -78,33 +78,23 @@ bool pen_http_gzip(const void *data, size_t bytes, struct pen_buf *out)
     return ok;
 }
 
-size_t pen_http_request_work(const struct request *request)
-{
-    const struct pen_buf *body = &request->body;
-    const size_t limit = request->http->limits.body_bytes;
-    size_t decoded = 0;
-    if (!request->fields.content_encoding || body->bytes < 4)
-        return body->bytes;
-    for (int i = 0; i < 4; i++)
-        decoded |= (size_t)body->data[body->bytes - 4 + (size_t)i] << 8 * i;
-    decoded = decoded < limit ? decoded : limit;
-    return decoded > body->bytes ? decoded : body->bytes;
-}
-
 bool pen_http_request_decode(struct request *request)
 {
-    struct pen_http *http = request->http;
+    const size_t limit = request->http->limits.body_bytes;
     struct pen_buf plain = {0};
     struct pen_status st;
     if (!request->fields.content_encoding || request->body.bytes == 0)
         return true;
-    if (!pen_http_gunzip(request->body.data, request->body.bytes, http->limits.body_bytes, &plain,
-                         &st)) {
+    bool ok = pen_http_gunzip(request->body.data, request->body.bytes, limit, &plain, &st);
+    if (ok && !pen_http_request_count_body(request, plain.bytes))
+        ok =
+            pen_fail(&st, PEN_UNAVAILABLE, "there is no memory for this body now; try again later");
+    if (!ok) {
+        pen_buf_release(&plain);
         pen_http_request_fail(request, &st);
         return false;
     }
-    pen_http_request_drop_body(request);
-    atomic_fetch_add_explicit(&http->intake_bytes, plain.bytes, memory_order_relaxed);
+    pen_buf_release(&request->body);
     request->body = plain;
     request->fields.content_encoding = NULL;
     return true;

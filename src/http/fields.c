@@ -44,10 +44,23 @@ bool pen_host_is_loopback(const char *host)
     return false;
 }
 
-bool pen_origin_is_host(const char *origin, const char *host)
+bool pen_origin_is_host(const char *origin, const char *scheme, const char *host)
 {
     const char *authority = strstr(origin, "://");
-    return authority && host && strcasecmp(authority + 3, host) == 0;
+    const size_t length = authority ? (size_t)(authority - origin) : 0;
+    return authority && host && strcasecmp(authority + 3, host) == 0 &&
+           (!scheme || (strlen(scheme) == length && strncasecmp(origin, scheme, length) == 0));
+}
+
+bool pen_origin_listed(const char *list, const char *origin)
+{
+    const size_t length = strlen(origin);
+    for (size_t n; *list; list += n + (list[n] == ' ')) {
+        n = strcspn(list, " ");
+        if (n == length && strncasecmp(list, origin, n) == 0)
+            return true;
+    }
+    return false;
 }
 
 static bool charset_is_utf8(const char *parameters)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Opening an event stream. A store thread writes the events up to now, here; the watcher's thread
  * writes those that follow. */
-#include "http/internal/conn.h"
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
@@ -22,8 +21,8 @@ static void answer_stream(struct request *request)
 static bool count_stream(struct request *request, struct pen_status *st)
 {
     struct watch *watch = request->http->watch;
-    enum watch_result result = pen_http_watch_add_stream(watch, &request->conn->address);
-    return result == WATCH_ACCEPTED || pen_http_watch_fail(watch, result, st);
+    enum watch_result result = pen_http_watch_add_stream(watch);
+    return result == WATCH_ACCEPTED || pen_http_watch_fail(result, st);
 }
 
 static bool open_stream(struct request *request, struct pen_jobs *jobs,
@@ -40,7 +39,7 @@ static bool open_stream(struct request *request, struct pen_jobs *jobs,
         ok = request->stream || pen_fail(st, PEN_NO_MEMORY, "no memory for a stream of events");
     }
     if (!ok)
-        pen_http_watch_remove_stream(request->http->watch, &request->conn->address);
+        pen_http_watch_remove_stream(request->http->watch);
     pen_buf_release(&text);
     return ok;
 }

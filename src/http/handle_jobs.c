@@ -71,20 +71,17 @@ static void note_readiness(struct pen_http *http, const struct pen_errors *error
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* The body as a submission of this client, for a job that is to be stored; `address` takes the text
- * of its address. */
-static struct pen_submission read_job(const struct request *request, char address[PEER_BYTES])
+/* The body as a submission of this client, for a job that is to be stored. */
+static struct pen_submission read_job(const struct request *request)
 {
     struct pen_submission in = read_submission(request);
-    pen_http_address_text(&request->client, address);
-    in.address = address;
+    in.address = request->client;
     return in;
 }
 
 enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jobs)
 {
-    char address[PEER_BYTES];
-    struct pen_submission in = read_job(request, address);
+    struct pen_submission in = read_job(request);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
@@ -112,12 +109,6 @@ enum outcome pen_http_handle_validate(struct request *request, struct pen_jobs *
     return OUTCOME_ANSWERED;
 }
 
-/* The seconds for which a GET of a job may wait. */
-static long wait_of(const struct request *request)
-{
-    return request->at_once ? 0 : pen_http_request_number(request, "wait", 0);
-}
-
 bool pen_http_quick_job(struct request *request)
 {
     struct snapshot snapshot;
@@ -125,7 +116,8 @@ bool pen_http_quick_job(struct request *request)
     if (!pen_http_snapshot_cache_peek(http->snapshot_cache, pen_http_watch_changes(http->watch),
                                       request->job_id, &snapshot))
         return false;
-    bool due = wait_of(request) == 0 || pen_http_snapshot_is_due(&snapshot, request);
+    bool due = pen_http_request_number(request, "wait", 0) == 0 ||
+               pen_http_snapshot_is_due(&snapshot, request);
     if (due)
         pen_http_snapshot_reply(&snapshot, request);
     pen_http_snapshot_release(&snapshot);
@@ -161,13 +153,12 @@ static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs,
         result = pen_http_watch_add(http->watch, request, changes);
     /* A request that the watcher has accepted must not be touched here any more. Where the request
      * has made the job, being unable to wait for it is no failure. */
-    const bool no_place = result == WATCH_FULL || result == WATCH_ADDRESS_FULL;
-    const bool refused = no_place && !request->route->handle_again;
-    if (result == WATCH_CLOSED || (no_place && !refused))
+    const bool refused = result == WATCH_FULL && !request->route->handle_again;
+    if (result == WATCH_CLOSED || (result == WATCH_FULL && !refused))
         reply(request, jobs, &snapshot);
     pen_http_snapshot_release(&snapshot);
     if (refused) {
-        pen_http_watch_fail(http->watch, result, &st);
+        pen_http_watch_fail(result, &st);
         return answer_status(request, &st);
     }
     *again = result == WATCH_CHANGED;
@@ -176,7 +167,7 @@ static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs,
 
 enum outcome pen_http_handle_job(struct request *request, struct pen_jobs *jobs)
 {
-    long wait = wait_of(request);
+    long wait = pen_http_request_number(request, "wait", 0);
     request->deadline_ns = request->begun_ns + wait * INT64_C(1000000000);
     bool again;
     enum outcome outcome;
@@ -217,7 +208,7 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
     struct pen_image report = {0};
     struct pen_status st;
     if (!pen_job_state_ended(snapshot->state)) {
-        if (pen_http_watch_is_abandoned(request->http->watch, request)) {
+        if (request->gone) {
             drop_job(request, jobs);
             pen_fail(&st, PEN_UNAVAILABLE, "the client closed its side before the explanation");
             pen_http_request_fail(request, &st);
@@ -246,8 +237,7 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
 /* Makes the job. Returns whether it is there; otherwise the request is answered. */
 static bool submit_explanation(struct request *request, struct pen_jobs *jobs)
 {
-    char address[PEER_BYTES];
-    struct pen_submission in = read_job(request, address);
+    struct pen_submission in = read_job(request);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     in.explain = true;

@@ -7,10 +7,9 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "http/internal/access_log.h"
+#include "http/internal/guard.h"
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
-#include "http/internal/listener.h"
 #include "http/internal/request.h"
 #include "http/internal/watch.h"
 
@@ -114,29 +113,34 @@ static void add_store(struct pen_buf *out, struct pen_store *store, int64_t byte
 
 static void add_connections(struct pen_buf *out, struct pen_http *http)
 {
-    static const char *const states[WAITS] = {
-        [WAIT_IDLE] = "idle",        [WAIT_HEAD] = "head",      [WAIT_BODY] = "body",
-        [WAIT_READER] = "answering", [WAIT_LINGER] = "closing", [WAIT_WORK] = "waiting"};
+    static const char *const states[PEER_STATES] = {[PEER_IDLE] = "idle",
+                                                    [PEER_HEAD] = "head",
+                                                    [PEER_BODY] = "body",
+                                                    [PEER_WORK] = "waiting",
+                                                    [PEER_SEND] = "answering"};
     const char *const name = "penumbra_http_connections";
-    int counts[WAITS];
-    pen_http_listener_counts(http->listener, counts);
+    int counts[PEER_STATES];
+    pen_guard_count(http->guard, counts);
     head(out, name, "gauge", "Open connections by what they wait for.");
-    for (enum conn_wait wait = 0; wait < WAITS; wait++)
-        pen_buf_printf(out, "%s{state=\"%s\"} %d\n", name, states[wait], counts[wait]);
+    for (int state = PEER_IDLE; state < PEER_STATES; state++)
+        pen_buf_printf(out, "%s{state=\"%s\"} %d\n", name, states[state], counts[state]);
+}
+
+static unsigned long long count_of(const atomic_uint_least64_t *sum)
+{
+    return atomic_load_explicit(sum, memory_order_relaxed);
 }
 
 /* Of this process alone, since it started. */
-static void add_refusals(struct pen_buf *out, struct pen_http *http)
+static void add_refusals(struct pen_buf *out, const struct pen_http *http)
 {
-    const struct access_counts counts = pen_http_access_log_counts(http->access_log);
     const char *const refused = "penumbra_http_refused_requests_total";
     head(out, refused, "counter", "Requests that this api process refused for load, by status.");
     pen_buf_printf(out, "%s{code=\"429\"} %llu\n%s{code=\"503\"} %llu\n", refused,
-                   (unsigned long long)counts.refused_429, refused,
-                   (unsigned long long)counts.refused_503);
+                   count_of(&http->refused_429), refused, count_of(&http->refused_503));
     counter(out, "penumbra_http_failed_requests_total",
             "Requests that this api process answered with another status from 500 on.",
-            counts.failed);
+            count_of(&http->failed));
 }
 
 static void add_process(struct pen_buf *out, struct pen_http *http)

@@ -10,11 +10,7 @@
 #include "http/internal/watch.h"
 #include "io/document.h"
 
-enum {
-    SHORT_READ = 1 << 20,  /* bytes that a store thread reads for an answer; it takes 2 ms */
-    LARGE_WORK = 32 << 20, /* bytes of memory; making the picture takes half a second and more */
-    LARGE_WAIT_MS = 2000   /* for memory, which readers of another large picture have */
-};
+enum { SHORT_READ = 1 << 20 }; /* bytes that a store thread reads for an answer; it takes 2 ms */
 
 static const char forever[] = "private, max-age=86400, immutable";
 
@@ -106,18 +102,12 @@ static bool find_kept(const struct request *request, struct pen_jobs *jobs,
     return pen_http_pictures_find(http->pictures, key, out);
 }
 
-/* Whether an answer that takes so much memory is left to other threads; request->queue then tells
- * which. */
+/* Whether an answer that takes so much memory is left to a compute thread. */
 static bool is_moved(struct request *request, size_t bytes)
 {
-    const enum queue_id from = request->queue;
-    if (bytes > LARGE_WORK)
-        request->queue = QUEUE_LARGE;
-    else if (bytes > SHORT_READ && from == QUEUE_STORE)
-        request->queue = QUEUE_COMPUTE;
-    if (request->queue == from)
+    if (bytes <= SHORT_READ || request->queue != QUEUE_STORE)
         return false;
-    request->work_bytes = bytes;
+    request->queue = QUEUE_COMPUTE;
     return true;
 }
 
@@ -125,8 +115,7 @@ static bool is_moved(struct request *request, size_t bytes)
 struct making {
     struct request *request;
     struct picture_room room;
-    bool is_made_in_file; /* in the memory of its file, so the file's length is known */
-    bool is_moved;        /* it is left to other threads */
+    bool is_moved; /* it is left to a compute thread */
 };
 
 /* Work goes to its thread before memory is set aside for it. What was set aside before is not
@@ -139,10 +128,8 @@ static bool reserve(void *user, size_t bytes, struct pen_status *st)
     making->is_moved = is_moved(request, bytes);
     if (making->is_moved)
         return pen_fail(st, PEN_UNAVAILABLE, "the picture is large");
-    making->room =
-        (struct picture_room){.bytes = bytes, .file_bytes = making->is_made_in_file ? bytes : 0};
-    return pen_http_pictures_reserve(request->http->pictures, &making->room,
-                                     request->queue == QUEUE_LARGE ? LARGE_WAIT_MS : 0, st);
+    making->room.bytes = bytes;
+    return pen_http_pictures_reserve(request->http->pictures, &making->room, st);
 }
 
 static enum outcome answer_made(struct making *making, struct pen_jobs *jobs, bool made,
@@ -162,17 +149,10 @@ static enum outcome answer_made(struct making *making, struct pen_jobs *jobs, bo
     return OUTCOME_ANSWERED;
 }
 
-/* Such a picture is made in the memory of its file. */
-static bool is_pfm_of_a_view(const struct picture_key *key)
-{
-    return key->format && strcmp(key->format, "pfm") == 0 &&
-           (!key->view || strcmp(key->view, "all") != 0);
-}
-
 enum outcome pen_http_handle_image(struct request *request, struct pen_jobs *jobs)
 {
     const struct picture_key key = key_of(request);
-    struct making making = {.request = request, .is_made_in_file = is_pfm_of_a_view(&key)};
+    struct making making = {.request = request};
     const struct pen_image_query query = {.view = key.view,
                                           .layer = key.layer,
                                           .format = key.format,

@@ -117,14 +117,28 @@ static bool probe(struct request *request, struct pen_jobs *jobs, struct pen_sta
     return true;
 }
 
-/* Fails if pen_http_set_not_ready has set a reason, with that reason. */
+/* Fails if pen_http_set_not_ready has set a reason, with that reason, or if the token file is
+ * broken. */
 static bool check_reason(struct pen_http *http, struct pen_status *st)
 {
+    struct pen_status fault;
     pthread_mutex_lock(&http->ready_lock);
     bool ok =
         !http->not_ready_reason[0] || pen_fail(st, PEN_UNAVAILABLE, "%s", http->not_ready_reason);
     pthread_mutex_unlock(&http->ready_lock);
+    if (ok && http->tokens && pen_tokens_fault(http->tokens, &fault))
+        ok = pen_fail(st, PEN_UNAVAILABLE, "the token file cannot be used: %s", fault.msg);
     return ok;
+}
+
+/* Reasons are told to those who have a token. */
+static void hide_reason(const struct request *request, struct pen_status *st)
+{
+    struct pen_token_holder holder;
+    struct pen_status ignored;
+    struct pen_tokens *tokens = request->http->tokens;
+    if (tokens && !pen_tokens_check(tokens, request->fields.authorization, &holder, &ignored))
+        pen_fail(st, PEN_UNAVAILABLE, "the daemon is not ready; with a token it says why");
 }
 
 enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jobs)
@@ -145,6 +159,7 @@ enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jo
     if (ready)
         return answer_health(request, "ready",
                              (int64_t)pen_store_tally(pen_jobs_store(jobs), PEN_TALLY_DAMAGED));
+    hide_reason(request, &st);
     pen_http_request_fail(request, &st);
     return OUTCOME_ANSWERED;
 }

@@ -1,7 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* The acceptor thread accepts connections and deals them out to the loops. It accepts always: the
- * loops close idle connections for new ones (loop.h), so that nobody waits outside. The listening
- * socket belongs to the supervisor and stays open. */
+/* The acceptor thread accepts connections and gives them to libmicrohttpd, which does not accept
+ * any itself, for three reasons:
+ *   - MHD_quiesce_daemon races with the library's threads.
+ *   - MHD_stop_daemon shuts the listening socket down, but the socket belongs to the supervisor.
+ *   - One of its threads that has its share of the limit stops accepting without a word. So its
+ *     limit is far above the guard's, and the guard closes idle connections for new ones.
+ *
+ * TLS is served in poll mode: in epoll mode a stalled handshake keeps a thread busy
+ * (0.9.75, 1.0.1). */
 #include "http/internal/listener.h"
 
 #include <errno.h>
@@ -10,60 +16,101 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
-#include "base/clock.h"
-#include "base/cpu.h"
-#include "http/internal/addresses.h"
+#include "base/log.h"
+#include "http/internal/adapter.h"
+#include "http/internal/guard.h"
 #include "http/internal/http.h"
-#include "http/internal/loop.h"
-#include "http/internal/pace.h"
+#include "http/internal/request.h"
+#include "http/internal/streams.h"
+#include "http/internal/tls.h"
+#include "http/internal/watch.h"
 
 enum {
     CONNECTIONS = 8192,
-    SPARE_FILES = 128, /* descriptors for the store and everything else */
-    LOOPS_MAX = 4,
+    SPARE_FILES = 128,     /* descriptors for the store and everything else */
+    POOL_BYTES = 16 << 10, /* of a connection: its head, and what is read of a body at once */
+    THREADS = 2,
+    BACKLOG_BURST = 64, /* connections that are accepted before the acceptor looks up */
+    FULL_WAIT_MS = 50,  /* without descriptors */
     IDLE_S = 30,
     HEAD_S = 10,
     BODY_S = 10,
-    ACCEPT_AGAIN_MS = 5,
-    RUSH_LASTS_NS = 100000000 /* after connections came fast */
+    BODY_BYTES = 40 << 10, /* the least of a body in BODY_S */
+    SEND_S = 30,
+    SEND_BYTES = 128 << 10 /* the least of an answer in SEND_S */
 };
 
-/* A host that has vanished closes nothing. Probes find that out on a silent connection within 20 s;
- * a loop asks for them when a connection has to wait. The kernel sends none while it has something
- * to send: then the times of the loop end the wait, or, of a stream, which may wait for long,
- * TCP_USER_TIMEOUT (conn_send.c). */
+/* A host that has vanished closes nothing. Probes find that out on a silent connection within 20 s.
+ * The kernel sends none while it has something to send; the deadline of readers ends that wait. */
 enum { PROBE_AFTER_S = 10, PROBE_EVERY_S = 5, PROBES = 2 };
 
-/* What the kernel takes of an answer beyond what it has sent. With the megabytes that it would take
- * otherwise, a slow client would have to take a third of them until more can be sent, and the loop
- * could not tell it from one that takes nothing. */
-enum { UNSENT_BYTES = 64 << 10 };
+/* What the kernel takes of an answer beyond what it has sent. With megabytes the guard could not
+ * tell a slow reader from one that reads nothing. */
+enum { UNSENT_BYTES = 128 << 10 };
 
 struct listener {
     struct pen_http *http;
+    struct MHD_Daemon *daemon;
     int listen_fd;
-    int stop_fd; /* an eventfd: readable once accepting has to end */
+    int stop_fd;                  /* an eventfd: readable once accepting has to end */
+    int connections, descriptors; /* the guard's limits */
     pthread_t acceptor;
     bool accepting; /* the acceptor thread runs and has to be joined */
-    bool count_loopback, has_trusted;
-    unsigned char trusted[16];
-    int loop_count, next_loop;
-    struct loop *loop[LOOPS_MAX];
 };
+
+static void on_message(void *cls, const char *format, va_list args)
+{
+    (void)cls;
+    char text[300];
+    if (vsnprintf(text, sizeof text, format, args) < 0)
+        return;
+    text[strcspn(text, "\n")] = '\0';
+    pen_log(PEN_LOG_DEBUG, "%s", text);
+}
+
+static void on_connection(void *cls, struct MHD_Connection *connection, void **context,
+                          enum MHD_ConnectionNotificationCode code)
+{
+    (void)context;
+    struct pen_http *http = cls;
+    const int fd =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
+    if (code == MHD_CONNECTION_NOTIFY_STARTED)
+        pen_guard_opened(http->guard, fd);
+    else
+        pen_guard_closing(http->guard, fd);
+}
+
+/* Leaves percent-encoding in targets: target.c splits them before it decodes them. */
+static size_t keep_escapes(void *cls, struct MHD_Connection *connection, char *text)
+{
+    (void)cls, (void)connection;
+    return strlen(text);
+}
+
+static void on_gone(struct request *request)
+{
+    if (request->stream)
+        pen_http_stream_gone(request->stream);
+    else
+        pen_http_watch_gone(request->http->watch, request);
+}
 
 /* Accepted sockets get the options of the listening one. */
 static void set_options(int fd)
 {
     static const struct {
         int level, name, value;
-    } options[] = {{IPPROTO_TCP, TCP_NODELAY, 1}, /* answers are written whole */
+    } options[] = {{SOL_SOCKET, SO_KEEPALIVE, 1},
+                   {IPPROTO_TCP, TCP_NODELAY, 1}, /* answers are written whole */
                    {IPPROTO_TCP, TCP_KEEPIDLE, PROBE_AFTER_S},
                    {IPPROTO_TCP, TCP_KEEPINTVL, PROBE_EVERY_S},
                    {IPPROTO_TCP, TCP_KEEPCNT, PROBES},
@@ -77,123 +124,120 @@ static bool accept_one(struct listener *listener)
 {
     struct sockaddr_storage peer;
     socklen_t bytes = sizeof peer;
-    int fd = accept4(listener->listen_fd, (struct sockaddr *)&peer, &bytes,
-                     SOCK_NONBLOCK | SOCK_CLOEXEC);
+    const int fd = accept4(listener->listen_fd, (struct sockaddr *)&peer, &bytes,
+                           SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (fd < 0) {
-        /* Out of descriptors or memory, which the loops may give back: the connection stays in the
-         * backlog. */
-        if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
-            pen_http_loop_wake(listener->loop[listener->next_loop]);
-            poll(NULL, 0, ACCEPT_AGAIN_MS);
-        }
+        /* Out of descriptors or memory: the connection stays in the backlog. */
+        if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM)
+            poll(NULL, 0, FULL_WAIT_MS);
         return false;
     }
-    struct pen_address_key key = pen_http_address_key(
-        (struct sockaddr *)&peer, listener->has_trusted ? listener->trusted : NULL,
-        listener->count_loopback);
-    pen_http_loop_add(listener->loop[listener->next_loop], fd, &key);
+    const int open = pen_guard_count(listener->http->guard, NULL);
+    if (fd >= listener->descriptors || open > listener->connections + listener->connections / 4)
+        close(fd);
+    else
+        MHD_add_connection(listener->daemon, fd, (struct sockaddr *)&peer, bytes);
     return true;
-}
-
-/* Wakes the loop that got the last connections, and turns to the next one. */
-static void wake_next_loop(struct listener *listener)
-{
-    pen_http_loop_wake(listener->loop[listener->next_loop]);
-    listener->next_loop = (listener->next_loop + 1) % listener->loop_count;
-}
-
-/* The accepted connections that the loops have not looked at. */
-static int arriving(const struct listener *listener)
-{
-    return atomic_load_explicit(&listener->http->arriving, memory_order_relaxed);
-}
-
-/* Accepts what waits, a burst at most, and deals it out: one after the other, or, to wake one
- * thread once, all to the same loop. Returns the number of connections. */
-static int accept_burst(struct listener *listener, bool together)
-{
-    int count = 0;
-    while (count < PACE_BURST && arriving(listener) < PACE_ARRIVING && accept_one(listener)) {
-        count++;
-        if (!together)
-            wake_next_loop(listener);
-    }
-    if (together && count > 0)
-        wake_next_loop(listener);
-    return count;
-}
-
-static void note_rush(struct pen_http *http, int64_t now_ns)
-{
-    if (atomic_load_explicit(&http->rush_until_ns, memory_order_relaxed) < now_ns)
-        atomic_store_explicit(&http->rush_since_ns, now_ns, memory_order_relaxed);
-    atomic_store_explicit(&http->rush_until_ns, now_ns + RUSH_LASTS_NS, memory_order_relaxed);
-}
-
-/* Waits for so long, or, with 0, for new connections. Returns false once accepting has to end. */
-static bool wait_for_more(const struct listener *listener, int64_t wait_ns)
-{
-    const struct timespec wait = {.tv_nsec = wait_ns};
-    struct pollfd fds[] = {{.fd = listener->stop_fd, .events = POLLIN},
-                           {.fd = listener->listen_fd, .events = POLLIN}};
-    const int n = ppoll(fds, wait_ns > 0 ? 1 : 2, wait_ns > 0 ? &wait : NULL, NULL);
-    if (n < 0 && errno != EINTR)
-        poll(NULL, 0, ACCEPT_AGAIN_MS); /* the kernel is out of memory */
-    return n <= 0 || !fds[0].revents;
 }
 
 static void *accept_all(void *arg)
 {
     struct listener *listener = arg;
-    struct pace pace = {0};
-    for (;;) {
-        const int64_t now_ns = pen_clock_ns();
-        const int64_t wait_ns = pen_http_pace_wait(&pace, now_ns, arriving(listener));
-        if (pace.rush)
-            note_rush(listener->http, now_ns);
-        if (!wait_for_more(listener, wait_ns))
-            break;
-        pen_http_pace_count(&pace, accept_burst(listener, pace.pause_ns > 0));
+    struct pollfd fds[] = {{.fd = listener->stop_fd, .events = POLLIN},
+                           {.fd = listener->listen_fd, .events = POLLIN}};
+    while (!fds[0].revents) {
+        if (poll(fds, 2, -1) < 0 && errno != EINTR)
+            poll(NULL, 0, FULL_WAIT_MS); /* the kernel is out of memory */
+        for (int i = 0; i < BACKLOG_BURST && fds[1].revents && accept_one(listener); i++)
+            continue;
     }
     return NULL;
 }
 
-/* The number of connections that the process has descriptors for. */
-static int connection_max(int wanted)
+/* The numbers of connections and descriptors that the process may have. */
+static void set_limits(struct listener *listener, int wanted)
 {
-    const int others = SPARE_FILES + PACE_ARRIVING + RESERVED_SLOTS;
     struct rlimit files;
     wanted = wanted > 0 ? wanted : CONNECTIONS;
-    if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= (rlim_t)(wanted + others))
-        return wanted;
-    return files.rlim_cur > (rlim_t)(2 * others) ? (int)files.rlim_cur - others : others / 4;
+    const rlim_t needed = (rlim_t)wanted + (rlim_t)wanted / 4 + SPARE_FILES;
+    const bool known = getrlimit(RLIMIT_NOFILE, &files) == 0;
+    listener->descriptors = (int)(needed * 2);
+    listener->connections = wanted;
+    if (!known || files.rlim_cur >= needed)
+        return;
+    listener->descriptors = (int)files.rlim_cur;
+    const int left =
+        files.rlim_cur > 2 * SPARE_FILES ? (int)files.rlim_cur - SPARE_FILES : SPARE_FILES / 2;
+    listener->connections = left / 5 * 4;
 }
 
-static bool start_loops(struct listener *listener, int idle_seconds, struct pen_status *st)
+static bool start_guard(struct listener *listener, int idle_seconds, struct pen_status *st)
 {
-    const int64_t second_ns = INT64_C(1000000000);
-    int idle = idle_seconds > 0 ? idle_seconds : IDLE_S;
-    const struct loop_times times = {.idle_ns = idle * second_ns,
-                                     .head_ns = (idle < HEAD_S ? idle : HEAD_S) * second_ns,
-                                     .body_ns = (idle < BODY_S ? idle : BODY_S) * second_ns};
-    int cpus = pen_cpu_count();
-    int count = cpus < 2 ? 2 : cpus > LOOPS_MAX ? LOOPS_MAX : cpus;
-    while (listener->loop_count < count) {
-        struct loop *loop = pen_http_loop_start(listener->http, &times, st);
-        if (!loop)
-            return false;
-        listener->loop[listener->loop_count++] = loop;
+    const int idle = idle_seconds > 0 ? idle_seconds : IDLE_S;
+    const struct guard_options options = {.connections = listener->connections,
+                                          .descriptors = listener->descriptors,
+                                          .idle_ms = idle * 1000,
+                                          .head_ms = (idle < HEAD_S ? idle : HEAD_S) * 1000,
+                                          .body_ms = (idle < BODY_S ? idle : BODY_S) * 1000,
+                                          .send_ms = (idle < SEND_S ? idle : SEND_S) * 1000,
+                                          .body_bytes = BODY_BYTES,
+                                          .send_bytes = SEND_BYTES,
+                                          .gone = on_gone};
+    listener->http->guard = pen_guard_start(&options, st);
+    return listener->http->guard != NULL;
+}
+
+/* Level 1 of 1.0 refuses malformed heads. In 0.9.75 it drops a space in a target without an answer
+ * and sends the head of a refusal twice; there level -1 and the checks of admit.c do better. */
+#if MHD_VERSION >= 0x00097701
+#define STRICTNESS                                                                                 \
+    {                                                                                              \
+        MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1, NULL                                                  \
     }
-    for (int i = 0; i < count; i++)
-        listener->loop[i]->next = listener->loop[(i + 1) % count];
-    return true;
+#else
+#define STRICTNESS                                                                                 \
+    {                                                                                              \
+        MHD_OPTION_STRICT_FOR_CLIENT, -1, NULL                                                     \
+    }
+#endif
+
+static bool start_daemon(struct listener *listener, struct pen_status *st)
+{
+    struct pen_http *http = listener->http;
+    unsigned flags =
+        MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG | MHD_USE_NO_LISTEN_SOCKET;
+    struct MHD_OptionItem options[] = {
+        STRICTNESS,
+        {MHD_OPTION_THREAD_POOL_SIZE, THREADS, NULL},
+        {MHD_OPTION_CONNECTION_LIMIT, THREADS * 2 * listener->descriptors, NULL},
+        {MHD_OPTION_CONNECTION_TIMEOUT, 0, NULL}, /* the guard's work */
+        {MHD_OPTION_CONNECTION_MEMORY_LIMIT, POOL_BYTES, NULL},
+        {http->tls ? MHD_OPTION_HTTPS_PRIORITIES : MHD_OPTION_END, 0, (void *)pen_tls_priorities},
+        {MHD_OPTION_END, 0, NULL}};
+    if (http->tls)
+        flags |= MHD_USE_POLL_INTERNAL_THREAD | MHD_USE_TLS;
+    else
+        flags |= MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_TURBO;
+    listener->daemon = MHD_start_daemon(
+        flags, 0, NULL, NULL, pen_http_adapter_on_access, http, MHD_OPTION_EXTERNAL_LOGGER,
+        on_message, NULL, MHD_OPTION_URI_LOG_CALLBACK, pen_http_adapter_on_line, http,
+        MHD_OPTION_UNESCAPE_CALLBACK, keep_escapes, NULL, MHD_OPTION_NOTIFY_COMPLETED,
+        pen_http_adapter_on_completed, http, MHD_OPTION_NOTIFY_CONNECTION, on_connection, http,
+        MHD_OPTION_ARRAY, options, http->tls ? MHD_OPTION_HTTPS_CERT_CALLBACK : MHD_OPTION_END,
+        pen_tls_certificate, MHD_OPTION_END);
+    return listener->daemon ||
+           pen_fail(st, PEN_UNAVAILABLE, "libmicrohttpd %s does not start", MHD_get_version());
 }
 
 /* Another process may accept the connection that poll() announced: accept must not block. */
-static bool make_nonblocking(int fd)
+static bool prepare_socket(struct listener *listener, struct pen_status *st)
 {
-    int flags = fcntl(fd, F_GETFL);
-    return flags >= 0 && fcntl(fd, F_SETFL, flags | O_NONBLOCK) == 0;
+    const int flags = fcntl(listener->listen_fd, F_GETFL);
+    set_options(listener->listen_fd);
+    return (flags >= 0 && fcntl(listener->listen_fd, F_SETFL, flags | O_NONBLOCK) == 0 &&
+            listener->stop_fd >= 0) ||
+           pen_fail(st, PEN_UNAVAILABLE, "the listening socket cannot be used: %s",
+                    strerror(errno));
 }
 
 struct listener *pen_http_listener_start(struct pen_http *http,
@@ -207,15 +251,10 @@ struct listener *pen_http_listener_start(struct pen_http *http,
     }
     *listener = (struct listener){.http = http,
                                   .listen_fd = options->listen_fd,
-                                  .stop_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK),
-                                  .count_loopback = options->count_loopback};
-    listener->has_trusted =
-        options->trusted_proxy && pen_http_address_parse(options->trusted_proxy, listener->trusted);
-    http->connection_max = connection_max(options->connections);
-    set_options(options->listen_fd);
-    bool ok = (make_nonblocking(options->listen_fd) && listener->stop_fd >= 0) ||
-              pen_fail(st, PEN_UNAVAILABLE, "the HTTP server does not start");
-    if (ok && start_loops(listener, options->idle_seconds, st))
+                                  .stop_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
+    set_limits(listener, options->connections);
+    if (prepare_socket(listener, st) && start_guard(listener, options->idle_seconds, st) &&
+        start_daemon(listener, st))
         return listener;
     pen_http_listener_stop(listener);
     return NULL;
@@ -236,22 +275,15 @@ void pen_http_listener_stop_accepting(struct listener *listener)
     listener->accepting = false;
 }
 
-void pen_http_listener_counts(struct listener *listener, int counts[WAITS])
-{
-    for (enum conn_wait wait = 0; wait < WAITS; wait++) {
-        counts[wait] = 0;
-        for (int i = 0; i < 2 * listener->loop_count; i++)
-            counts[wait] += atomic_load_explicit(&listener->loop[i / 2]->list[i % 2][wait].count,
-                                                 memory_order_relaxed);
-    }
-}
-
 void pen_http_listener_stop(struct listener *listener)
 {
     if (!listener)
         return;
     pen_http_listener_stop_accepting(listener);
-    pen_http_loops_stop(listener->loop, listener->loop_count);
+    if (listener->daemon)
+        MHD_stop_daemon(listener->daemon);
+    pen_guard_stop(listener->http->guard);
+    listener->http->guard = NULL;
     if (listener->stop_fd >= 0)
         close(listener->stop_fd);
     free(listener);

@@ -49,9 +49,12 @@ bool pen_number_parse(const char *text, long low, long high, long *number);
  * for NULL. */
 bool pen_host_is_loopback(const char *host);
 
-/* Whether an Origin is the site that a Host names: the request then comes from a page of the daemon
- * itself. */
-bool pen_origin_is_host(const char *origin, const char *host);
+/* Whether an Origin is the site that a scheme (NULL: any) and a Host name: the request then comes
+ * from a page of the daemon itself. */
+bool pen_origin_is_host(const char *origin, const char *scheme, const char *host);
+
+/* Whether an Origin is one of a list with spaces between them. */
+bool pen_origin_listed(const char *list, const char *origin);
 
 /* The type of a body, from its Content-Type. */
 enum pen_media {

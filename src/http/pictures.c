@@ -1,28 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* A list of kept pictures, the one used last in front. A kept picture that nobody reads goes when
- * the list is full, or when the budget is needed for another; so does one whose readers give way.
- * The picture in the place beside the budget is not in the list, and goes with its last reader.
- *
- * Order of locks: that of the pictures, of a budget (answers.h), of a loop. */
+ * the list is full, or when the budget is needed for another. */
 #include "http/internal/pictures.h"
 
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-#include "http/internal/answers.h"
-
-enum {
-    KEPT = 64,
-    KEY_BYTES = 300,
-    BUDGET_BYTES = 128 << 20,
-    RESERVE_BYTES = 64 << 20, /* beyond the budget, for small pictures */
-    PAUSE_MS = 20,            /* after which a thread that waits for memory looks again */
-    SMALL_FILE = 1 << 20,     /* a picture is small up to so many bytes, */
-    SMALL_ROOM = 16 << 20     /* and while it is made, unless its file is known to be larger */
-};
+enum { KEPT = 64, KEY_BYTES = 300, BUDGET_BYTES = 256 << 20 };
 
 struct kept {
     char key[KEY_BYTES];
@@ -30,22 +16,18 @@ struct kept {
 };
 
 struct pictures {
-    struct answer_memory budget; /* reserved, or of pictures */
-    struct answer_memory beside; /* the place beside it; 0 bytes: it is free */
+    atomic_size_t budget; /* reserved, or of answers. atomic: relaxed, a sum */
+    atomic_size_t beside; /* the place beside it; 0: it is free. atomic: relaxed, a sum */
     pthread_mutex_t lock;
     int count;               /* guarded by lock */
     struct kept *kept[KEPT]; /* guarded by lock */
-    struct kept *alone;      /* guarded by lock: the picture in that place, if it can be found */
 };
 
 struct pictures *pen_http_pictures_new(void)
 {
     struct pictures *pictures = calloc(1, sizeof *pictures);
-    if (!pictures)
-        return NULL;
-    pthread_mutex_init(&pictures->lock, NULL);
-    pen_http_answers_init(&pictures->budget);
-    pen_http_answers_init(&pictures->beside);
+    if (pictures)
+        pthread_mutex_init(&pictures->lock, NULL);
     return pictures;
 }
 
@@ -55,28 +37,8 @@ static void drop(struct pictures *pictures, int i)
     pictures->count--;
     memmove(&pictures->kept[i], &pictures->kept[i + 1],
             (size_t)(pictures->count - i) * sizeof(struct kept *));
-    kept->picture.blob->is_kept = false;
     pen_http_blob_unref(kept->picture.blob);
     free(kept);
-}
-
-static void drop_alone(struct pictures *pictures)
-{
-    struct kept *kept = pictures->alone;
-    pictures->alone = NULL;
-    if (kept)
-        pen_http_blob_unref(kept->picture.blob);
-    free(kept);
-}
-
-/* The last reader of the picture beside the budget has gone, unless another came. */
-static void on_idle(void *user)
-{
-    struct pictures *pictures = user;
-    pthread_mutex_lock(&pictures->lock);
-    if (pictures->alone && atomic_load(&pictures->alone->picture.blob->refs) == 1)
-        drop_alone(pictures);
-    pthread_mutex_unlock(&pictures->lock);
 }
 
 void pen_http_pictures_free(struct pictures *pictures)
@@ -85,9 +47,6 @@ void pen_http_pictures_free(struct pictures *pictures)
         return;
     while (pictures->count > 0)
         drop(pictures, pictures->count - 1);
-    drop_alone(pictures);
-    pen_http_answers_release(&pictures->beside);
-    pen_http_answers_release(&pictures->budget);
     pthread_mutex_destroy(&pictures->lock);
     free(pictures);
 }
@@ -104,21 +63,17 @@ static bool write_key(const struct picture_key *key, char text[KEY_BYTES])
 /* Finds a picture and brings it to the front. Called with the lock held. */
 static bool find(struct pictures *pictures, const char *key, struct picture *out)
 {
-    struct kept *found = pictures->alone;
-    if (!found || strcmp(found->key, key) != 0 || found->picture.blob->readers.given_up)
-        found = NULL;
-    for (int i = 0; !found && i < pictures->count; i++) {
+    for (int i = 0; i < pictures->count; i++) {
         struct kept *kept = pictures->kept[i];
         if (strcmp(kept->key, key) != 0)
             continue;
         memmove(&pictures->kept[1], &pictures->kept[0], (size_t)i * sizeof(struct kept *));
-        pictures->kept[0] = found = kept;
+        pictures->kept[0] = kept;
+        *out = kept->picture;
+        pen_http_blob_ref(out->blob);
+        return true;
     }
-    if (!found)
-        return false;
-    *out = found->picture;
-    pen_http_blob_ref(out->blob);
-    return true;
+    return false;
 }
 
 bool pen_http_pictures_find(struct pictures *pictures, const struct picture_key *key,
@@ -133,89 +88,50 @@ bool pen_http_pictures_find(struct pictures *pictures, const struct picture_key 
     return found;
 }
 
-/* Drops those whose readers were told to give way: nobody is to become another reader of them.
- * Called with the lock held. */
-static void drop_given_up(struct pictures *pictures)
+static size_t used(const atomic_size_t *sum)
 {
-    for (int i = pictures->count - 1; i >= 0; i--) {
-        if (pictures->kept[i]->picture.blob->readers.given_up)
-            drop(pictures, i);
-    }
+    return atomic_load_explicit(sum, memory_order_relaxed);
 }
 
-/* Whether so many bytes fit into the budget; if need be, drops pictures that nobody reads, then
- * those that are read slowly. Called with the lock held. */
-static bool make_room(struct pictures *pictures, size_t bytes, bool is_small)
+/* Whether so many bytes of the budget, or the place beside it, are free; if need be, drops pictures
+ * that nobody reads. Called with the lock held, until the bytes are counted. */
+static bool make_room(struct pictures *pictures, size_t bytes, bool alone, struct pen_status *st)
 {
-    struct answer_memory *budget = &pictures->budget;
-    const size_t limit = BUDGET_BYTES + (is_small ? (size_t)RESERVE_BYTES : 0);
-    for (int i = pictures->count - 1; i >= 0 && !pen_http_answers_fit(budget, bytes, limit); i--) {
+    const atomic_size_t *sum = alone ? &pictures->beside : &pictures->budget;
+    const size_t most = alone || bytes > BUDGET_BYTES ? 0 : BUDGET_BYTES - bytes;
+    for (int i = pictures->count - 1; i >= 0 && used(sum) > most; i--) {
         if (atomic_load(&pictures->kept[i]->picture.blob->refs) == 1)
             drop(pictures, i);
     }
-    const bool fits = pen_http_answers_make_room(budget, bytes, limit);
-    drop_given_up(pictures);
-    return fits;
+    return used(sum) <= most ||
+           pen_fail(st, PEN_UNAVAILABLE,
+                    "there is no memory for a large answer now; try again later");
 }
 
-/* Whether the place beside the budget is free; if it is read slowly, its readers are told to give
- * way. Called with the lock held. */
-static bool is_beside_free(struct pictures *pictures)
-{
-    if (atomic_load_explicit(&pictures->beside.bytes, memory_order_relaxed) == 0)
-        return true;
-    pen_http_answers_make_room(&pictures->beside, 1, 1);
-    return false;
-}
-
-static bool fail_full(struct pen_status *st)
-{
-    return pen_fail(st, PEN_UNAVAILABLE,
-                    "there is no memory for a large picture now; try again later");
-}
-
-static struct answer_memory *memory_of(struct pictures *pictures, bool alone)
-{
-    return alone ? &pictures->beside : &pictures->budget;
-}
-
-static bool try_reserve(struct pictures *pictures, const struct picture_room *room)
-{
-    const bool is_small = room->bytes <= SMALL_ROOM && room->file_bytes <= SMALL_FILE;
-    pthread_mutex_lock(&pictures->lock);
-    const bool ok =
-        room->alone ? is_beside_free(pictures) : make_room(pictures, room->bytes, is_small);
-    if (ok)
-        atomic_fetch_add_explicit(&memory_of(pictures, room->alone)->bytes, room->bytes,
-                                  memory_order_relaxed);
-    pthread_mutex_unlock(&pictures->lock);
-    return ok;
-}
-
-bool pen_http_pictures_reserve(struct pictures *pictures, struct picture_room *room, int wait_ms,
+bool pen_http_pictures_reserve(struct pictures *pictures, struct picture_room *room,
                                struct pen_status *st)
 {
-    const struct timespec pause = {.tv_nsec = PAUSE_MS * 1000000L};
     room->alone = room->bytes > BUDGET_BYTES;
-    for (int ms = 0; !try_reserve(pictures, room); ms += PAUSE_MS) {
-        if (ms >= wait_ms) {
-            *room = (struct picture_room){0};
-            return fail_full(st);
-        }
-        nanosleep(&pause, NULL);
-    }
-    return true;
+    pthread_mutex_lock(&pictures->lock);
+    const bool ok = make_room(pictures, room->bytes, room->alone, st);
+    if (ok)
+        atomic_fetch_add_explicit(room->alone ? &pictures->beside : &pictures->budget, room->bytes,
+                                  memory_order_relaxed);
+    pthread_mutex_unlock(&pictures->lock);
+    if (!ok)
+        *room = (struct picture_room){0};
+    return ok;
 }
 
 void pen_http_pictures_give_up(struct pictures *pictures, struct picture_room *room)
 {
-    atomic_fetch_sub_explicit(&memory_of(pictures, room->alone)->bytes, room->bytes,
+    atomic_fetch_sub_explicit(room->alone ? &pictures->beside : &pictures->budget, room->bytes,
                               memory_order_relaxed);
     *room = (struct picture_room){0};
 }
 
-static void keep(struct pictures *pictures, const char *key, const struct picture *picture,
-                 bool alone)
+/* Called with the lock held. */
+static void keep(struct pictures *pictures, const char *key, const struct picture *picture)
 {
     struct kept *kept = malloc(sizeof *kept);
     if (!kept)
@@ -223,13 +139,6 @@ static void keep(struct pictures *pictures, const char *key, const struct pictur
     memcpy(kept->key, key, KEY_BYTES);
     kept->picture = *picture;
     pen_http_blob_ref(picture->blob);
-    picture->blob->is_kept = true;
-    if (alone) {
-        picture->blob->idle = on_idle;
-        picture->blob->idle_user = pictures;
-        pictures->alone = kept;
-        return;
-    }
     if (pictures->count == KEPT)
         drop(pictures, KEPT - 1);
     memmove(&pictures->kept[1], &pictures->kept[0],
@@ -238,25 +147,22 @@ static void keep(struct pictures *pictures, const char *key, const struct pictur
     pictures->count++;
 }
 
-/* Makes the image a picture. Called with the lock held. */
+/* Makes the image a picture, in the place of what was reserved for it. Called with the lock held.
+ */
 static bool take(struct pictures *pictures, const char *key, struct pen_image *image,
-                 struct picture_room *room, struct picture *out, struct pen_status *st)
+                 const struct picture_room *room, struct picture *out, struct pen_status *st)
 {
     const size_t bytes = image->bytes.bytes;
-    const bool was_alone = room->alone;
-    if (!was_alone)
-        pen_http_pictures_give_up(pictures, room);
-    const bool fits = make_room(pictures, bytes, bytes <= SMALL_FILE);
-    if (!fits && !was_alone)
-        return fail_full(st);
+    if (room->bytes == 0 && !make_room(pictures, bytes, false, st))
+        return false;
     memcpy(out->type, image->type, sizeof out->type);
     memcpy(out->etag, image->etag, sizeof out->etag);
     out->blob = pen_http_blob_take(&image->bytes);
     if (!out->blob)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
-    pen_http_blob_count(out->blob, memory_of(pictures, !fits));
+    pen_http_blob_count(out->blob, room->alone ? &pictures->beside : &pictures->budget);
     if (key[0])
-        keep(pictures, key, out, !fits);
+        keep(pictures, key, out);
     return true;
 }
 
@@ -275,5 +181,17 @@ bool pen_http_pictures_take(struct pictures *pictures, const struct picture_key 
     pen_http_pictures_give_up(pictures, room);
     pthread_mutex_unlock(&pictures->lock);
     pen_buf_release(&image->bytes);
+    return ok;
+}
+
+bool pen_http_pictures_count(struct pictures *pictures, struct blob *blob, struct pen_status *st)
+{
+    if (!blob || blob->sum || blob->content.bytes < PEN_BLOB_FILE_BYTES)
+        return true;
+    pthread_mutex_lock(&pictures->lock);
+    const bool ok = make_room(pictures, blob->content.bytes, false, st);
+    if (ok)
+        pen_http_blob_count(blob, &pictures->budget);
+    pthread_mutex_unlock(&pictures->lock);
     return ok;
 }

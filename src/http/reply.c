@@ -2,15 +2,47 @@
 /* Building replies, and applying If-None-Match and Range to them. */
 #include "http/internal/reply.h"
 
+#include <fcntl.h>
 #include <sodium.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
-#include "http/internal/answers.h"
 #include "http/internal/encoding.h"
 #include "http/message.h"
+
+/* A file that has no name, in $TMPDIR. -1: there is none. */
+static int open_unlinked(void)
+{
+    const char *folder = getenv("TMPDIR");
+    return open(folder && *folder ? folder : "/tmp", O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+}
+
+/* Moves large contents into a mapped file. Where that fails they stay as they are. */
+static void map_content(struct blob *blob)
+{
+    struct pen_buf *content = &blob->content;
+    const int fd = content->bytes >= PEN_BLOB_FILE_BYTES ? open_unlinked() : -1;
+    if (fd < 0)
+        return;
+    size_t written = 0;
+    ssize_t n = 1;
+    while (written < content->bytes && n > 0) {
+        n = write(fd, content->data + written, content->bytes - written);
+        written += n > 0 ? (size_t)n : 0;
+    }
+    void *mapped =
+        written == content->bytes ? mmap(NULL, written, PROT_READ, MAP_SHARED, fd, 0) : MAP_FAILED;
+    close(fd);
+    if (mapped == MAP_FAILED)
+        return;
+    free(content->data);
+    content->data = mapped;
+    blob->is_mapped = true;
+}
 
 struct blob *pen_http_blob_take(struct pen_buf *content)
 {
@@ -22,26 +54,16 @@ struct blob *pen_http_blob_take(struct pen_buf *content)
     *blob = (struct blob){.content = *content};
     atomic_init(&blob->refs, 1);
     pen_buf_init(content);
+    map_content(blob);
     return blob;
 }
 
-void pen_http_blob_count(struct blob *blob, struct answer_memory *memory)
+void pen_http_blob_count(struct blob *blob, atomic_size_t *sum)
 {
-    if (!blob || !memory)
+    if (!blob || !sum)
         return;
-    blob->memory = memory;
-    atomic_fetch_add_explicit(&memory->bytes, blob->content.bytes, memory_order_relaxed);
-}
-
-/* The last reference to the blob has gone. */
-static void discount(const struct blob *blob)
-{
-    struct answer_memory *memory = blob->memory;
-    if (!memory)
-        return;
-    atomic_fetch_sub_explicit(&memory->bytes, blob->content.bytes, memory_order_relaxed);
-    if (blob->readers.given_up)
-        atomic_fetch_sub_explicit(&memory->leaving, blob->content.bytes, memory_order_relaxed);
+    blob->sum = sum;
+    atomic_fetch_add_explicit(sum, blob->content.bytes, memory_order_relaxed);
 }
 
 struct blob *pen_http_blob_ref(struct blob *blob)
@@ -52,18 +74,15 @@ struct blob *pen_http_blob_ref(struct blob *blob)
 
 void pen_http_blob_unref(struct blob *blob)
 {
-    if (!blob)
+    if (!blob || atomic_fetch_sub_explicit(&blob->refs, 1, memory_order_acq_rel) != 1)
         return;
-    void (*idle)(void *user) = blob->idle; /* read now: without its reference the blob may go */
-    void *user = blob->idle_user;
-    const int refs = atomic_fetch_sub_explicit(&blob->refs, 1, memory_order_acq_rel);
-    if (refs == 2 && idle)
-        idle(user);
-    if (refs != 1)
-        return;
-    discount(blob);
+    if (blob->sum)
+        atomic_fetch_sub_explicit(blob->sum, blob->content.bytes, memory_order_relaxed);
     pen_http_blob_unref(atomic_load_explicit(&blob->gzip, memory_order_acquire));
-    pen_buf_release(&blob->content);
+    if (blob->is_mapped)
+        munmap(blob->content.data, blob->content.bytes);
+    else
+        pen_buf_release(&blob->content);
     free(blob);
 }
 
@@ -81,7 +100,7 @@ struct blob *pen_http_blob_gzip(struct blob *blob)
     if (!pen_http_gzip(blob->content.data, blob->content.bytes, &text) ||
         !(gzip = pen_http_blob_take(&text)))
         return NULL;
-    pen_http_blob_count(gzip, blob->memory);
+    pen_http_blob_count(gzip, blob->sum);
     struct blob *other = NULL;
     if (atomic_compare_exchange_strong_explicit(&blob->gzip, &other, gzip, memory_order_acq_rel,
                                                 memory_order_acquire))

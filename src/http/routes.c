@@ -7,7 +7,6 @@
 
 #include "base/utf8.h"
 #include "http/internal/handlers.h"
-#include "http/internal/intake.h"
 #include "http/internal/request.h"
 #include "http/server.h"
 #include "io/scene_json.h"
@@ -36,112 +35,58 @@ static const char *const booleans[] = {"false", "true", NULL};
 static const struct param_rule delete_params[] = {{.name = "stats", .allowed = booleans}, {0}};
 static const struct param_rule preview_params[] = {{.name = "view", .longest = 200}, {0}};
 
+/* A route does not compile without its scope. */
+#define ROUTE(METHOD, PATH, SCOPE, HANDLE, ...)                                                    \
+    {                                                                                              \
+        .method = METHOD, .path = PATH, .scope = PEN_SCOPE_##SCOPE,                                \
+        .handle = pen_http_handle_##HANDLE, __VA_ARGS__                                            \
+    }
+
 static const struct route table[] = {
-    {.method = "POST",
-     .path = "/v1/jobs",
-     .handle = pen_http_handle_submit,
-     .quick = pen_http_quick_refusal,
-     .queue = QUEUE_SUBMIT,
-     .takes_body = true,
-     .submits = true},
-    {.method = "GET",
-     .path = "/v1/jobs",
-     .handle = pen_http_handle_list,
-     .queue = QUEUE_LISTS,
-     .params = list_params},
-    {.method = "GET",
-     .path = "/v1/jobs/{id}",
-     .handle = pen_http_handle_job,
-     .quick = pen_http_quick_job,
-     .queue = QUEUE_STORE,
-     .is_short = true,
-     .params = job_params},
-    {.method = "DELETE",
-     .path = "/v1/jobs/{id}",
-     .handle = pen_http_handle_delete,
-     .queue = QUEUE_CHANGES,
-     .is_short = true,
-     .params = delete_params},
-    {.method = "GET",
-     .path = "/v1/jobs/{id}/events",
-     .handle = pen_http_handle_events,
-     .queue = QUEUE_STORE},
-    {.method = "GET",
-     .path = "/v1/jobs/{id}/image",
-     .handle = pen_http_handle_image,
-     .quick = pen_http_quick_image,
-     .queue = QUEUE_COMPUTE,
-     .params = image_params},
-    {.method = "GET",
-     .path = "/v1/jobs/{id}/preview",
-     .handle = pen_http_handle_preview,
-     .queue = QUEUE_COMPUTE,
-     .params = preview_params},
-    {.method = "GET",
-     .path = "/v1/jobs/{id}/stats",
-     .handle = pen_http_handle_stats,
-     .queue = QUEUE_COMPUTE},
-    {.method = "GET",
-     .path = "/v1/jobs/{id}/report",
-     .handle = pen_http_handle_report,
-     .queue = QUEUE_COMPUTE},
-    {.method = "GET",
-     .path = "/v1/jobs/{id}/scene",
-     .handle = pen_http_handle_scene,
-     .quick = pen_http_quick_scene,
-     .queue = QUEUE_STORE},
-    {.method = "POST",
-     .path = "/v1/jobs/{id}/cancel",
-     .handle = pen_http_handle_cancel,
-     .queue = QUEUE_CHANGES,
-     .is_short = true},
-    {.method = "POST",
-     .path = "/v1/validate",
-     .handle = pen_http_handle_validate,
-     .quick = pen_http_quick_refusal,
-     .queue = QUEUE_COMPUTE,
-     .only_answers = true,
-     .takes_body = true},
-    {.method = "POST",
-     .path = "/v1/explain",
-     .handle = pen_http_handle_explain,
-     .queue = QUEUE_SUBMIT,
-     .takes_body = true,
-     .submits = true,
-     .only_answers = true,
-     .handle_again = true},
-    {.method = "GET", .path = "/v1/scenes", .handle = pen_http_handle_scenes},
-    {.method = "GET", .path = "/v1/scenes/{name}", .handle = pen_http_handle_builtin},
-    {.method = "GET",
-     .path = "/v1/workers",
-     .handle = pen_http_handle_workers,
-     .queue = QUEUE_STORE},
-    {.method = "GET", .path = "/healthz", .handle = pen_http_handle_healthz, .is_short = true},
-    {.method = "GET",
-     .path = "/readyz",
-     .handle = pen_http_handle_readyz,
-     .queue = QUEUE_STORE,
-     .is_short = true},
-    {.method = "GET",
-     .path = "/metrics",
-     .handle = pen_http_handle_metrics,
-     .queue = QUEUE_LISTS,
-     .is_short = true},
-    {.method = "GET", .path = "/openapi.yaml", .handle = pen_http_handle_api_file},
-    {.method = "GET", .path = "/scene.schema.json", .handle = pen_http_handle_api_file},
+    ROUTE("POST", "/v1/jobs", SUBMIT, submit, .quick = pen_http_quick_refusal,
+          .queue = QUEUE_CHANGES, .takes_body = true, .submits = true),
+    ROUTE("GET", "/v1/jobs", READ, list, .queue = QUEUE_STORE, .params = list_params),
+    ROUTE("GET", "/v1/jobs/{id}", READ, job, .quick = pen_http_quick_job, .queue = QUEUE_STORE,
+          .params = job_params),
+    ROUTE("DELETE", "/v1/jobs/{id}", SUBMIT, delete, .queue = QUEUE_CHANGES,
+          .params = delete_params),
+    ROUTE("GET", "/v1/jobs/{id}/events", READ, events, .queue = QUEUE_STORE),
+    ROUTE("GET", "/v1/jobs/{id}/image", READ, image, .quick = pen_http_quick_image,
+          .queue = QUEUE_COMPUTE, .params = image_params),
+    ROUTE("GET", "/v1/jobs/{id}/preview", READ, preview, .queue = QUEUE_COMPUTE,
+          .params = preview_params),
+    ROUTE("GET", "/v1/jobs/{id}/stats", READ, stats, .queue = QUEUE_COMPUTE),
+    ROUTE("GET", "/v1/jobs/{id}/report", READ, report, .queue = QUEUE_COMPUTE),
+    ROUTE("GET", "/v1/jobs/{id}/scene", READ, scene, .quick = pen_http_quick_scene,
+          .queue = QUEUE_STORE),
+    ROUTE("POST", "/v1/jobs/{id}/cancel", SUBMIT, cancel, .queue = QUEUE_CHANGES),
+    ROUTE("POST", "/v1/validate", READ, validate, .quick = pen_http_quick_refusal,
+          .queue = QUEUE_COMPUTE, .only_answers = true, .takes_body = true),
+    ROUTE("POST", "/v1/explain", SUBMIT, explain, .queue = QUEUE_CHANGES, .takes_body = true,
+          .submits = true, .only_answers = true, .handle_again = true),
+    ROUTE("GET", "/v1/scenes", READ, scenes, .queue = QUEUE_NONE),
+    ROUTE("GET", "/v1/scenes/{name}", READ, builtin, .queue = QUEUE_NONE),
+    ROUTE("GET", "/v1/workers", READ, workers, .queue = QUEUE_STORE),
+    ROUTE("GET", "/healthz", NONE, healthz, .queue = QUEUE_NONE),
+    ROUTE("GET", "/readyz", NONE, readyz, .queue = QUEUE_STORE),
+    ROUTE("GET", "/metrics", READ, metrics, .queue = QUEUE_STORE),
+    ROUTE("GET", "/openapi.yaml", NONE, api_file, .queue = QUEUE_NONE),
+    ROUTE("GET", "/scene.schema.json", NONE, api_file, .queue = QUEUE_NONE),
 };
 
+enum { LARGE_BODY = 64 << 10 }; /* bytes; larger bodies take some milliseconds to parse */
 enum { ROUTES = sizeof table / sizeof table[0] };
 
 /* Paths of resources that are not supported yet: they get a 404 with that explanation. */
 static const char *const unsupported[] = {"/v1/plan", "/v1/assets/{sha256}", "/"};
 
-bool pen_http_route(int i, const char **method, const char **path)
+bool pen_http_route(int i, const char **method, const char **path, int *scope)
 {
     if (i < 0 || i >= ROUTES)
         return false;
     *method = table[i].method;
     *path = table[i].path;
+    *scope = (int)table[i].scope;
     return true;
 }
 
@@ -267,9 +212,9 @@ bool pen_http_route_check_params(const struct route *route, const struct pen_tar
 enum queue_id pen_http_route_queue(const struct route *route, const struct request *request)
 {
     const struct pen_target *target = &request->target;
-    if (request->body.bytes > INTAKE_SMALL ||
+    if (request->body.bytes > LARGE_BODY ||
         (request->body.bytes > 0 && request->fields.content_encoding))
-        return QUEUE_INTAKE;
+        return QUEUE_COMPUTE;
     if (route->handle != pen_http_handle_image)
         return route->queue;
     const char *layer = pen_target_param(target, "layer");

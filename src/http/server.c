@@ -3,17 +3,18 @@
  *   1. no new connections are accepted, and new requests are refused;
  *   2. long polls are answered, and event streams end;
  *   3. requests in progress are finished and sent, for finish_max_ns at most;
- *   4. the executor's threads end;
+ *   4. the executor's threads end, so that no connection is suspended;
  *   5. all connections are closed. */
 #include "http/server.h"
 
 #include <sodium.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "base/clock.h"
 #include "base/utf8.h"
-#include "http/internal/access_log.h"
+#include "http/internal/addresses.h"
 #include "http/internal/executor.h"
 #include "http/internal/http.h"
 #include "http/internal/listener.h"
@@ -21,79 +22,47 @@
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/static_files.h"
 #include "http/internal/streams.h"
-#include "http/internal/trim.h"
+#include "http/internal/tls.h"
 #include "http/internal/watch.h"
+#include "http/tokens.h"
 #include "jobs/jobs.h"
 
-enum {
-    STORE_THREADS = 4,
-    SUBMIT_THREADS = 4,
-    LIST_THREADS = 2,
-    COMPUTE_THREADS = 2,
-    INTAKE_THREADS = 1,
-    HEARTBEAT_MS = 10000,
-    WAITING_PER_ADDRESS = 32
-};
+enum { HEARTBEAT_MS = 10000 };
 static const int64_t finish_max_ns = INT64_C(1500000000);
 
 /* Frees the server and those of its parts that exist. No connection may be open. */
 static void release(struct pen_http *http)
 {
-    pen_http_trim_stop(http->trim);
     pen_http_executor_free(http->executor);
     pen_http_watch_free(http->watch);
     pen_http_snapshot_cache_free(http->snapshot_cache);
     pen_http_streams_free(http->streams);
     pen_http_pictures_free(http->pictures);
     pen_http_static_files_free(http->static_files);
-    pen_http_access_log_free(http->access_log);
+    pen_tokens_close(http->tokens);
+    pen_tls_close(http->tls);
     pthread_mutex_destroy(&http->ready_lock);
-    pthread_mutex_destroy(&http->intake_lock);
-    pen_http_answers_release(&http->answers);
+    free(http->cors);
     free(http);
 }
 
-static bool start_threads(struct pen_http *http, const struct pen_http_options *options,
-                          struct pen_status *st)
+static bool prepare(struct pen_http *http, const struct pen_http_options *options,
+                    struct pen_status *st)
 {
-    struct pen_jobs *jobs = pen_jobs_open(options->store_url, &http->limits, st);
-    if (!jobs)
-        return false;
-    int address_max = options->waiting_per_address;
-    address_max = address_max > 0 ? address_max : WAITING_PER_ADDRESS;
-    http->watch = pen_http_watch_start(http, jobs, address_max, st);
-    http->trim = http->watch ? pen_http_trim_start(st) : NULL;
-    if (!http->trim)
-        return false;
-    const struct executor_options executor = {
-        .store_url = options->store_url,
-        .limits = &http->limits,
-        .store_threads = options->store_threads > 0 ? options->store_threads : STORE_THREADS,
-        .submit_threads = SUBMIT_THREADS,
-        .list_threads = LIST_THREADS,
-        .compute_threads = COMPUTE_THREADS,
-        .intake_threads = INTAKE_THREADS};
-    http->executor = pen_http_executor_start(&executor, st);
-    return http->executor != NULL;
-}
-
-static void stop_threads(struct pen_http *http)
-{
-    if (http->executor)
-        pen_http_executor_stop(http->executor);
-    if (http->watch)
-        pen_http_watch_stop(http->watch);
-}
-
-static bool prepare(struct pen_http *http, int heartbeat_ms, struct pen_status *st)
-{
-    http->access_log = pen_http_access_log_new();
+    const int heartbeat_ms = options->heartbeat_ms > 0 ? options->heartbeat_ms : HEARTBEAT_MS;
     http->snapshot_cache = pen_http_snapshot_cache_new();
-    http->streams =
-        pen_http_streams_new(http->snapshot_cache, heartbeat_ms > 0 ? heartbeat_ms : HEARTBEAT_MS);
+    http->streams = pen_http_streams_new(http->snapshot_cache, heartbeat_ms);
     http->pictures = pen_http_pictures_new();
-    if (!http->access_log || !http->snapshot_cache || !http->streams || !http->pictures)
+    http->cors = options->cors ? strdup(options->cors) : NULL;
+    if (!http->snapshot_cache || !http->streams || !http->pictures ||
+        (options->cors && !http->cors))
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");
+    http->has_proxy =
+        options->trusted_proxy && pen_http_address_parse(options->trusted_proxy, http->proxy);
+    if (options->tokens && !(http->tokens = pen_tokens_open(options->tokens, st)))
+        return false;
+    if (options->tls_cert && !(http->tls = pen_tls_open(options->tls_cert, options->tls_key, st)))
+        return false;
     http->static_files = pen_http_static_files_new(st);
     return http->static_files != NULL;
 }
@@ -107,18 +76,57 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
     }
     http->limits = options->limits;
     http->id_prefix = randombytes_random();
+    pen_fail(&http->store_fault, PEN_UNAVAILABLE, "the store is being opened");
     pthread_mutex_init(&http->ready_lock, NULL);
-    pthread_mutex_init(&http->intake_lock, NULL);
-    pen_http_answers_init(&http->answers);
-    bool ok = prepare(http, options->heartbeat_ms, st) && start_threads(http, options, st) &&
-              (http->listener = pen_http_listener_start(http, options, st)) &&
-              pen_http_listener_accept(http->listener, st);
-    if (ok)
+    if (prepare(http, options, st) &&
+        (http->listener = pen_http_listener_start(http, options, st)) &&
+        pen_http_listener_accept(http->listener, st))
         return http;
-    stop_threads(http);
     pen_http_listener_stop(http->listener);
     release(http);
     return NULL;
+}
+
+static bool open_store(struct pen_http *http, const struct pen_http_options *options,
+                       struct pen_status *st)
+{
+    struct pen_jobs *jobs = pen_jobs_open(options->store_url, &http->limits, st);
+    if (!jobs)
+        return false;
+    http->watch = pen_http_watch_start(http, jobs, st);
+    if (!http->watch)
+        return false;
+    http->executor =
+        pen_http_executor_start(options->store_url, &http->limits, options->store_threads, st);
+    if (http->executor)
+        return true;
+    pen_http_watch_stop(http->watch);
+    pen_http_watch_free(http->watch);
+    http->watch = NULL;
+    return false;
+}
+
+bool pen_http_open(struct pen_http *http, const struct pen_http_options *options,
+                   struct pen_status *st)
+{
+    if (open_store(http, options, st)) {
+        atomic_store_explicit(&http->opened, true, memory_order_release);
+        return true;
+    }
+    pthread_mutex_lock(&http->ready_lock);
+    pen_fail(&http->store_fault, PEN_UNAVAILABLE, "the store cannot be opened: %s", st->msg);
+    pthread_mutex_unlock(&http->ready_lock);
+    return false;
+}
+
+bool pen_http_is_open(struct pen_http *http, struct pen_status *st)
+{
+    if (atomic_load_explicit(&http->opened, memory_order_acquire))
+        return true;
+    pthread_mutex_lock(&http->ready_lock);
+    *st = http->store_fault;
+    pthread_mutex_unlock(&http->ready_lock);
+    return false;
 }
 
 void pen_http_drain(struct pen_http *http)

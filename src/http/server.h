@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The HTTP server of the api process, in front of the room jobs. There is one route table;
  * api/openapi.yaml defines every route's method, path, parameters and answers, and a test compares
- * the two. Connections are served by a few threads that never block: work on the store runs on
- * threads of its own. README.md lists the files and threads. */
+ * the two. libmicrohttpd serves the connections with a few threads that never block: work on the
+ * store runs on threads of its own. README.md lists the files and threads. */
 #ifndef PEN_HTTP_SERVER_H
 #define PEN_HTTP_SERVER_H
 
@@ -17,14 +17,15 @@ struct pen_http_options {
     const char *store_url;
     struct pen_limits limits;
     int store_threads; /* 0: 4 */
-    int idle_seconds;  /* time after which an idle connection is closed; 0: 30. The times for a head
-                        * and for the beginning of a body are 10 s, and not longer than this */
-    int connections;   /* open at once; 0: 8192. Not more than the process may open files */
-    int waiting_per_address;   /* long polls of one client's address, and streams; 0: 32 */
-    const char *trusted_proxy; /* a numeric address, whose waiting requests are not counted, and
-                                * whose X-Forwarded-For names the client; NULL: none */
-    bool count_loopback;       /* count the requests of loopback addresses too */
-    int heartbeat_ms; /* time after which a silent event stream gets a heartbeat; 0: 10 s */
+    int idle_seconds; /* time after which an idle connection is closed; 0: 30. The times for a head,
+                       * a body and a reader are not longer than this */
+    int connections;  /* open at once; 0: 8192. Not more than the process may open files */
+    const char *trusted_proxy; /* a numeric address, whose X-Forwarded-For and X-Forwarded-Host
+                                * count; NULL: none */
+    int heartbeat_ms;   /* time after which a silent event stream gets a heartbeat; 0: 10 s */
+    const char *tokens; /* a token file; NULL: everybody may do everything */
+    const char *tls_cert, *tls_key; /* PEM files; NULL: plain HTTP */
+    const char *cors; /* origins whose pages may use the API, with spaces between; NULL: none */
 };
 
 struct pen_http;
@@ -32,9 +33,16 @@ struct pen_http;
 /* Whether a text is a numeric IPv4 or IPv6 address. */
 bool pen_http_is_address(const char *text);
 
-/* Starts serving. Owns: stop with pen_http_stop; the strings in options may go after the call.
- * Fails: PEN_STORAGE (store), PEN_UNAVAILABLE (sockets, threads), PEN_NO_MEMORY. */
+/* Starts serving, without the store: until pen_http_open has opened it, what needs the store is
+ * answered 503. Owns: stop with pen_http_stop; the strings in options may go after the call. Fails:
+ * PEN_UNAVAILABLE (sockets, threads), PEN_NO_MEMORY; as pen_tokens_open and pen_tls_check. */
 struct pen_http *pen_http_start(const struct pen_http_options *options, struct pen_status *st);
+
+/* Opens the store, once; may be tried again after a failure, whose reason clients are told.
+ * Threads: the one that has started. Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads),
+ * PEN_NO_MEMORY. */
+bool pen_http_open(struct pen_http *http, const struct pen_http_options *options,
+                   struct pen_status *st);
 
 /* From now on submits are answered 503 with Retry-After; everything else works as before. Threads:
  * any. */
@@ -48,8 +56,8 @@ void pen_http_set_not_ready(struct pen_http *http, const char *reason);
  * at most) and frees everything. NULL is allowed. */
 void pen_http_stop(struct pen_http *http);
 
-/* Reads the route table, for tests: method and path template of entry i. Returns false past the
- * end. */
-bool pen_http_route(int i, const char **method, const char **path);
+/* Reads the route table, for tests: method and path template of entry i, and the scope that it
+ * needs (http/token_file.h). Returns false past the end. */
+bool pen_http_route(int i, const char **method, const char **path, int *scope);
 
 #endif

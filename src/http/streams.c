@@ -5,7 +5,10 @@
  *   2. write_update, without it: each text, from the store;
  *   3. deliver, under the lock: the texts to the streams, without those that closed meanwhile.
  *
- * Order of locks: the streams' lock, then that of a loop (in pen_http_resume). */
+ * A stream that waits for its next text is suspended, and the guard watches its client. Whoever
+ * takes it back from the guard (wake) may resume it; else pen_http_stream_gone does.
+ *
+ * Order of locks: the streams' lock, then the guard's. */
 #include "http/internal/streams.h"
 
 #include <pthread.h>
@@ -14,7 +17,8 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "http/internal/loop.h"
+#include "http/internal/guard.h"
+#include "http/internal/http.h"
 #include "http/internal/request.h"
 #include "http/internal/snapshot_cache.h"
 
@@ -33,6 +37,7 @@ struct stream {
     int64_t last_text_ns;       /* when it was last given a text */
     bool behind;                /* an update came while the stream was sending, or was cut short */
     bool ended;                 /* nothing follows text */
+    bool waiting;               /* suspended */
 };
 
 /* The next text for all streams of one job that are at the same place. */
@@ -137,6 +142,7 @@ static bool finish_text(struct stream *stream)
 ssize_t pen_http_stream_read(struct stream *stream, char *out, size_t bytes, bool *behind)
 {
     struct streams *streams = stream->streams;
+    struct request *request = stream->request;
     *behind = false;
     pthread_mutex_lock(&streams->lock);
     ssize_t count = stream->ended ? -1 : 0;
@@ -148,9 +154,24 @@ ssize_t pen_http_stream_read(struct stream *stream, char *out, size_t bytes, boo
         stream->sent += part;
         count = (ssize_t)part;
         *behind = part == left && finish_text(stream);
+    } else if (!stream->ended) {
+        stream->waiting = true;
+        pen_http_suspend(request);
+        pen_guard_watch(request->http->guard, request->fd, request);
     }
     pthread_mutex_unlock(&streams->lock);
     return count;
+}
+
+void pen_http_stream_gone(struct stream *stream)
+{
+    struct streams *streams = stream->streams;
+    struct request *request = stream->request;
+    pthread_mutex_lock(&streams->lock);
+    stream->ended = true;
+    stream->waiting = false;
+    pthread_mutex_unlock(&streams->lock);
+    pen_http_resume(request);
 }
 
 uint64_t pen_http_stream_close(struct stream *stream)
@@ -168,13 +189,33 @@ uint64_t pen_http_stream_close(struct stream *stream)
     return total;
 }
 
-/* Gives a waiting stream a text. A stream that waits has sent its first text, so its request is
- * no longer with a store thread and may be resumed. Called with the lock held. */
+/* Takes a waiting stream back from the guard. Returns false if its client has gone, or if it does
+ * not wait: it will read by itself. Called with the lock held. */
+static bool wake(struct stream *stream)
+{
+    const struct request *request = stream->request;
+    if (!stream->waiting || !pen_guard_unwatch(request->http->guard, request->fd))
+        return false;
+    stream->waiting = false;
+    return true;
+}
+
+/* Gives a stream without a text one. Called with the lock held. */
 static void send_text(struct stream *stream, struct blob *text, int64_t now_ns)
 {
+    const bool resume = wake(stream);
     stream->text = pen_http_blob_ref(text);
     stream->last_text_ns = now_ns;
-    pen_http_resume(stream->request);
+    if (resume)
+        pen_http_resume(stream->request);
+}
+
+/* Nothing follows what is being sent. Called with the lock held. */
+static void end(struct stream *stream)
+{
+    stream->ended = true;
+    if (!stream->text && wake(stream))
+        pen_http_resume(stream->request);
 }
 
 static struct update *find_update(struct streams *streams, const struct stream *stream)
@@ -256,12 +297,12 @@ static void deliver(struct streams *streams, int64_t now_ns)
         if (!update || (!update->text && !update->over))
             continue;
         stream->cursor = update->to;
-        stream->ended = update->over;
+        stream->ended = stream->ended || update->over;
         stream->behind = update->to.more;
         if (update->text)
             send_text(stream, update->text, now_ns);
         else
-            pen_http_resume(stream->request);
+            end(stream);
     }
 }
 
@@ -296,10 +337,17 @@ void pen_http_streams_end(struct streams *streams)
 {
     pthread_mutex_lock(&streams->lock);
     streams->ended = true;
+    for (struct stream *stream = streams->list; stream; stream = stream->next)
+        end(stream);
+    pthread_mutex_unlock(&streams->lock);
+}
+
+void pen_http_streams_check_tokens(struct streams *streams, struct pen_tokens *tokens)
+{
+    pthread_mutex_lock(&streams->lock);
     for (struct stream *stream = streams->list; stream; stream = stream->next) {
-        stream->ended = true;
-        if (!stream->text)
-            pen_http_resume(stream->request);
+        if (!stream->ended && !pen_tokens_holds(tokens, &stream->request->holder))
+            end(stream);
     }
     pthread_mutex_unlock(&streams->lock);
 }

@@ -5,21 +5,25 @@
  * Why no change is missed: `seen` is raised, under the lock, before the jobs are read.
  *   - A request with a counter older than `seen` may have missed that check: pen_http_watch_add
  *     returns WATCH_CHANGED, and its caller reads the job again.
- *   - A request with the same counter or a newer one is in the list before the next check. */
+ *   - A request with the same counter or a newer one is in the list before the next check.
+ *
+ * The guard watches a request's client from pen_http_watch_add until its wait is over. Whoever ends
+ * the wait owns the request: the thread, if it can take it back from the guard, else
+ * pen_http_watch_gone. Order of locks: the watcher's, then the guard's. */
 #include "http/internal/watch.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 
 #include "base/clock.h"
-#include "http/internal/conn.h"
 #include "http/internal/encoding.h"
 #include "http/internal/executor.h"
+#include "http/internal/guard.h"
 #include "http/internal/http.h"
-#include "http/internal/loop.h"
 #include "http/internal/request.h"
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/streams.h"
+#include "http/internal/tls.h"
 #include "jobs/jobs.h"
 
 enum {
@@ -29,6 +33,7 @@ enum {
 };
 static const int64_t update_interval_ns = UPDATE_MS * INT64_C(1000000);
 static const int64_t check_all_ns = INT64_C(1000000000); /* between checks of all jobs */
+static const int64_t refresh_ns = INT64_C(1000000000);   /* between looks at tokens, certificate */
 
 struct watch {
     struct pen_http *http;
@@ -39,10 +44,8 @@ struct watch {
     struct request *list; /* guarded by lock */
     int count;            /* guarded by lock: long polls, in the list or being checked */
     int streams;          /* guarded by lock: open event streams */
-    int address_max;      /* polls of one address, and streams */
-    struct addresses polling, streaming; /* guarded by lock */
-    uint32_t seen;                       /* guarded by lock: the change counter at the last check */
-    bool closed;                         /* guarded by lock */
+    uint32_t seen;        /* guarded by lock: the change counter at the last check */
+    bool closed;          /* guarded by lock */
 };
 
 uint32_t pen_http_watch_changes(struct watch *watch)
@@ -84,7 +87,7 @@ static struct request *take_requests(struct watch *watch, bool all, int64_t now)
         struct request *request = *link;
         if (all || request->deadline_ns <= now) {
             *link = request->next;
-            request->watched = false;
+            request->watch = WATCHED_CHECKED;
             request->next = taken;
             taken = request;
         } else {
@@ -97,23 +100,16 @@ static struct request *take_requests(struct watch *watch, bool all, int64_t now)
 /* Puts a request into the list. Called with the lock held. */
 static void enlist(struct watch *watch, struct request *request)
 {
-    request->watched = true;
+    request->watch = WATCHED_LISTED;
     request->next = watch->list;
     watch->list = request;
 }
 
-/* Counts a request no more that has left the list. Called with the lock held. */
-static void forget(struct watch *watch, struct request *request)
-{
-    watch->count--;
-    pen_http_addresses_give(&watch->polling, &request->conn->address);
-}
-
-/* Gives a request whose wait is over to the connection, or to its handler. */
+/* Gives a request whose wait is over to its connection, or to its handler. */
 static void pass_on(struct watch *watch, struct request *request)
 {
     if (request->route->handle_again && request->reply.status == 0) {
-        if (pen_http_executor_submit(watch->http->executor, request->route->queue, false, request))
+        if (pen_http_executor_submit(watch->http->executor, request->route->queue, request))
             return;
         pen_http_executor_refuse(watch->http->executor, request);
     }
@@ -122,19 +118,21 @@ static void pass_on(struct watch *watch, struct request *request)
 }
 
 /* Notes what came of a check: puts a request whose wait is not over back to the list. Returns
- * whether its wait is over. That of a client that has gone meanwhile is, and a request of which
- * nothing but an answer comes is unwanted then. */
+ * whether its wait is over, and the request the caller's. */
 static bool settle(struct watch *watch, struct request *request, bool answered)
 {
+    bool over = false;
     pthread_mutex_lock(&watch->lock);
-    const bool over = answered || request->gone;
-    if (over)
-        forget(watch, request);
-    else
+    if (request->gone) {
+        over = true;
+    } else if (!answered) {
         enlist(watch, request);
+    } else {
+        over = pen_guard_unwatch(watch->http->guard, request->fd);
+        request->watch = WATCHED_LEFT; /* to pen_http_watch_gone, unless it is over */
+    }
+    watch->count -= over;
     pthread_mutex_unlock(&watch->lock);
-    if (over && !answered && !request->route->handle_again)
-        atomic_store_explicit(&request->unwanted, true, memory_order_relaxed);
     return over;
 }
 
@@ -150,13 +148,26 @@ static void check_requests(struct watch *watch, struct request *taken, uint32_t 
     }
 }
 
+/* Reads tokens and certificate again if they have changed. The streams of tokens that are no longer
+ * valid end. */
+static void refresh(struct pen_http *http)
+{
+    if (http->tokens) {
+        pen_tokens_refresh(http->tokens);
+        pen_http_streams_check_tokens(http->streams, http->tokens);
+    }
+    if (http->tls)
+        pen_tls_refresh(http->tls);
+}
+
 /* One pass of the thread's loop, and what it keeps from pass to pass. */
 struct pass {
     uint32_t changes; /* the store's change counter */
     int64_t now_ns;
-    int64_t checked_ns; /* when all jobs were last checked */
-    int64_t update_ns;  /* the earliest time of the next update of streams. It lies up to
-                         * UPDATE_BURST intervals in the past, which allows a burst */
+    int64_t checked_ns;   /* when all jobs were last checked */
+    int64_t refreshed_ns; /* when tokens and certificate were */
+    int64_t update_ns;    /* the earliest time of the next update of streams. It lies up to
+                           * UPDATE_BURST intervals in the past, which allows a burst */
     bool closing;
     bool check_all;  /* check every job, and not only requests past their deadline */
     bool update_due; /* streams have had no update since the last check of all jobs */
@@ -165,13 +176,17 @@ struct pass {
 /* Sleeps while no request waits; then until the store has changed, or something else is due. */
 static void sleep_until_due(struct watch *watch, struct pass *pass)
 {
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec++; /* for refresh() */
     pthread_mutex_lock(&watch->lock);
-    while (!watch->list && !watch->streams && !watch->closed)
-        pthread_cond_wait(&watch->filled, &watch->lock);
+    bool late = false;
+    while (!watch->list && !watch->streams && !watch->closed && !late)
+        late = pthread_cond_timedwait(&watch->filled, &watch->lock, &until) != 0;
     pass->changes = watch->seen;
     bool closed = watch->closed;
     pthread_mutex_unlock(&watch->lock);
-    int wait_ms = closed ? 0 : pass->update_due ? UPDATE_MS : POLL_MS;
+    const int wait_ms = closed || late ? 0 : pass->update_due ? UPDATE_MS : POLL_MS;
     pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &pass->changes, wait_ms);
     pass->now_ns = pen_clock_ns();
 }
@@ -215,22 +230,30 @@ static void *run(void *arg)
         sleep_until_due(watch, &pass);
         serve_polls(watch, &pass);
         serve_streams(watch, &pass);
+        if (pass.now_ns - pass.refreshed_ns >= refresh_ns) {
+            pass.refreshed_ns = pass.now_ns;
+            refresh(watch->http);
+        }
     }
     return NULL;
 }
 
-struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs, int address_max,
+struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
                                    struct pen_status *st)
 {
     struct watch *watch = calloc(1, sizeof *watch);
+    pthread_condattr_t monotonic;
     if (!watch) {
         pen_jobs_close(jobs);
         pen_fail(st, PEN_NO_MEMORY, "no memory for the watcher");
         return NULL;
     }
-    *watch = (struct watch){.http = http, .jobs = jobs, .address_max = address_max};
+    *watch = (struct watch){.http = http, .jobs = jobs};
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_mutex_init(&watch->lock, NULL);
-    pthread_cond_init(&watch->filled, NULL);
+    pthread_cond_init(&watch->filled, &monotonic);
+    pthread_condattr_destroy(&monotonic);
     watch->seen = pen_http_watch_changes(watch);
     if (pthread_create(&watch->thread, NULL, run, watch) == 0)
         return watch;
@@ -241,6 +264,8 @@ struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
 
 void pen_http_watch_stop(struct watch *watch)
 {
+    if (!watch)
+        return;
     pthread_mutex_lock(&watch->lock);
     watch->closed = true;
     pthread_cond_signal(&watch->filled);
@@ -258,29 +283,18 @@ void pen_http_watch_free(struct watch *watch)
     free(watch);
 }
 
-bool pen_http_watch_fail(const struct watch *watch, enum watch_result result, struct pen_status *st)
+bool pen_http_watch_fail(enum watch_result result, struct pen_status *st)
 {
-    if (result == WATCH_ADDRESS_FULL)
-        return pen_fail(st, PEN_QUOTA,
-                        "%d requests of your address are waiting already; try again later",
-                        watch->address_max);
     if (result == WATCH_FULL)
         return pen_fail(st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
                         WATCH_MAX);
     return pen_fail(st, PEN_UNAVAILABLE, "the daemon is stopping");
 }
 
-/* Whether one request more may wait, of `count` of its kind; if so, counts its address. Called with
- * the lock held. */
-static enum watch_result take_place(struct watch *watch, int count, struct addresses *addresses,
-                                    const struct pen_address_key *address)
+/* Whether one request more may wait, of `count` of its kind. Called with the lock held. */
+static enum watch_result take_place(const struct watch *watch, int count)
 {
-    if (watch->closed)
-        return WATCH_CLOSED;
-    if (count >= WATCH_MAX)
-        return WATCH_FULL;
-    return pen_http_addresses_take(addresses, address, watch->address_max) ? WATCH_ACCEPTED
-                                                                           : WATCH_ADDRESS_FULL;
+    return watch->closed ? WATCH_CLOSED : count >= WATCH_MAX ? WATCH_FULL : WATCH_ACCEPTED;
 }
 
 enum watch_result pen_http_watch_add(struct watch *watch, struct request *request, uint32_t changes)
@@ -292,9 +306,10 @@ enum watch_result pen_http_watch_add(struct watch *watch, struct request *reques
     if (request->gone)
         result = WATCH_CLOSED;
     else if (watch->closed || (int32_t)(changes - watch->seen) >= 0)
-        result = take_place(watch, watch->count, &watch->polling, &request->conn->address);
+        result = take_place(watch, watch->count);
     if (result == WATCH_ACCEPTED) {
         enlist(watch, request);
+        pen_guard_watch(watch->http->guard, request->fd, request);
         watch->count++;
         pthread_cond_signal(&watch->filled);
     }
@@ -302,49 +317,37 @@ enum watch_result pen_http_watch_add(struct watch *watch, struct request *reques
     return result;
 }
 
-bool pen_http_watch_abandon(struct watch *watch, struct request *request)
+void pen_http_watch_gone(struct watch *watch, struct request *request)
 {
     pthread_mutex_lock(&watch->lock);
+    const bool mine = request->watch != WATCHED_CHECKED; /* else the thread finds it gone */
     request->gone = true;
-    bool taken = request->watched && !request->route->handle_again;
-    if (taken) {
-        struct request **link = &watch->list;
-        while (*link != request)
-            link = &(*link)->next;
-        *link = request->next;
-        request->watched = false;
-        forget(watch, request);
-    } else if (request->watched) {
-        request->deadline_ns = 0; /* its handler is called once more, at the next check */
+    for (struct request **link = &watch->list; mine && *link; link = &(*link)->next) {
+        if (*link == request) {
+            *link = request->next;
+            break;
+        }
     }
+    watch->count -= mine;
     pthread_mutex_unlock(&watch->lock);
-    return taken;
+    if (mine)
+        pass_on(watch, request);
 }
 
-bool pen_http_watch_is_abandoned(struct watch *watch, const struct request *request)
+enum watch_result pen_http_watch_add_stream(struct watch *watch)
 {
     pthread_mutex_lock(&watch->lock);
-    bool gone = request->gone;
-    pthread_mutex_unlock(&watch->lock);
-    return gone;
-}
-
-enum watch_result pen_http_watch_add_stream(struct watch *watch,
-                                            const struct pen_address_key *address)
-{
-    pthread_mutex_lock(&watch->lock);
-    enum watch_result result = take_place(watch, watch->streams, &watch->streaming, address);
+    enum watch_result result = take_place(watch, watch->streams);
     if (result == WATCH_ACCEPTED && watch->streams++ == 0)
         pthread_cond_signal(&watch->filled);
     pthread_mutex_unlock(&watch->lock);
     return result;
 }
 
-void pen_http_watch_remove_stream(struct watch *watch, const struct pen_address_key *address)
+void pen_http_watch_remove_stream(struct watch *watch)
 {
     pthread_mutex_lock(&watch->lock);
     watch->streams--;
-    pen_http_addresses_give(&watch->streaming, address);
     pthread_mutex_unlock(&watch->lock);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Large bodies and large answers beside others: they wait for their like, in an order that is fair
- * to small ones, and share what they can. */
+/* Large bodies and large answers beside others: they wait for their like, and share what they can.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,15 +50,6 @@ static void expect_status(int fd, int status)
     answer_release(&answer);
 }
 
-/* All of these requests succeed; closes their connections. */
-static void expect_all(const int *fd, int count)
-{
-    for (int i = 0; i < count; i++) {
-        expect_status(fd[i], 200);
-        close(fd[i]);
-    }
-}
-
 enum { TRIES = 3 }; /* in one of them nothing is held up between what has to happen together */
 
 /* Waits until bodies of so many bytes have arrived and are not done with. Returns false if they are
@@ -66,7 +57,7 @@ enum { TRIES = 3 }; /* in one of them nothing is held up between what has to hap
 static bool wait_for_bodies(struct server *server, size_t bytes)
 {
     for (int idle = 0; idle < 200; idle++) {
-        if (atomic_load(&server->http->intake_bytes) >= bytes)
+        if (atomic_load(&server->http->body_bytes) >= bytes)
             return true;
         if (atomic_load(&server->http->active) > 0)
             idle = 0;
@@ -74,92 +65,6 @@ static bool wait_for_bodies(struct server *server, size_t bytes)
     }
     return false;
 }
-
-enum { LARGE_BODIES = 8 };
-
-/* While a body is parsed, large ones come, and then a small one. Returns how many large ones are
- * answered when the small one is; all, if they do not come in time. */
-static int count_before_small(struct server *server, const struct pen_buf *before,
-                              const struct pen_buf *large, const struct pen_buf *small)
-{
-    int fd[LARGE_BODIES], done = 0;
-    const int first = send_request(server, before);
-    bool in_time = wait_for_bodies(server, before->bytes - 200);
-    for (int i = 0; i < LARGE_BODIES; i++)
-        fd[i] = send_request(server, large);
-    in_time =
-        in_time && wait_for_bodies(server, before->bytes + LARGE_BODIES * large->bytes - 2000);
-    const int last = send_request(server, small);
-    expect_status(last, 200);
-    for (int i = 0; i < LARGE_BODIES; i++)
-        done += client_sees_answer(fd[i]);
-    expect_status(first, 200);
-    expect_all(fd, LARGE_BODIES);
-    close(first);
-    close(last);
-    return in_time ? done : LARGE_BODIES;
-}
-
-/* A small body waits for few of the large ones that came before it. */
-START_TEST(test_large__bodies_do_not_hold_up_a_small_one)
-{
-    struct server server;
-    struct pen_buf before = scene_request("POST /v1/validate", 60000, 1);
-    struct pen_buf large = scene_request("POST /v1/validate", 12000, 1);
-    struct pen_buf small = scene_request("POST /v1/validate", 1500, 1);
-    int done = LARGE_BODIES;
-    server_start(&server, &(struct server_options){0});
-    for (int i = 0; i < TRIES && done > LARGE_BODIES / 2; i++)
-        done = count_before_small(&server, &before, &large, &small);
-    printf("# %d of %d large bodies were before the small one\n", done, LARGE_BODIES);
-    ck_assert_int_le(done, LARGE_BODIES / 2);
-    pen_buf_release(&before);
-    pen_buf_release(&large);
-    pen_buf_release(&small);
-    server_stop(&server);
-}
-END_TEST
-
-/* While a body is parsed, a large one comes, and then small ones. Returns whether the large one is
- * answered before the last of these. */
-static bool comes_before_last(struct server *server, const struct pen_buf *before,
-                              const struct pen_buf *large, const struct pen_buf *small)
-{
-    enum { SMALL = 40 };
-    int fd[SMALL];
-    const int first = send_request(server, before);
-    bool in_time = wait_for_bodies(server, before->bytes - 200);
-    const int late = send_request(server, large);
-    in_time = in_time && wait_for_bodies(server, before->bytes + large->bytes - 400);
-    for (int i = 0; i < SMALL; i++)
-        fd[i] = send_request(server, small);
-    expect_status(late, 200);
-    const bool comes_before = !client_sees_answer(fd[SMALL - 1]);
-    expect_status(first, 200);
-    expect_all(fd, SMALL);
-    close(first);
-    close(late);
-    return in_time && comes_before;
-}
-
-/* The reverse: while small ones come, a large one gets its turn. */
-START_TEST(test_large__a_large_body_is_not_overtaken_for_ever)
-{
-    struct server server;
-    struct pen_buf before = scene_request("POST /v1/validate", 30000, 1);
-    struct pen_buf large = scene_request("POST /v1/validate", 6000, 1);
-    struct pen_buf small = scene_request("POST /v1/validate", 3000, 1);
-    bool comes_before = false;
-    server_start(&server, &(struct server_options){0});
-    for (int i = 0; i < TRIES && !comes_before; i++)
-        comes_before = comes_before_last(&server, &before, &large, &small);
-    ck_assert(comes_before);
-    pen_buf_release(&before);
-    pen_buf_release(&large);
-    pen_buf_release(&small);
-    server_stop(&server);
-}
-END_TEST
 
 /* While a body is parsed, large ones come whose clients go. Returns whether all those take little
  * time: to parse them would take longer than the first one. */
@@ -219,67 +124,6 @@ START_TEST(test_large__a_client_that_ends_its_side_is_answered)
         ck_assert_int_eq(status, 200);
     close(fd);
     pen_buf_release(&large);
-    server_stop(&server);
-}
-END_TEST
-
-/* Submits a job of one sphere, which no worker renders, and writes its path. */
-static void submit_size(const struct server *server, int size, char path[100])
-{
-    char body[400];
-    struct answer answer;
-    snprintf(body, sizeof body,
-             "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9], \"look_at\":"
-             " [0, 0, 0]}, \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0],"
-             " \"radius\": 1}], \"render\": {\"width\": %d, \"height\": %d}}",
-             size, size);
-    server_ask(server, "POST /v1/jobs HTTP/1.1", body, &answer);
-    ck_assert_msg(answer.status == 202, "%s", answer.body);
-    answer_field(&answer, "Location", path, 100);
-    answer_release(&answer);
-}
-
-static int ask_preview(const struct server *server, const char *path)
-{
-    char head[200];
-    const int fd = server_connect(server);
-    snprintf(head, sizeof head, "GET %s/preview HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
-    ck_assert(client_send(fd, head));
-    return fd;
-}
-
-enum { LARGE_PICTURES = 6 };
-
-/* Asks for large pictures of a new job, and then for a small one. Returns how many large ones are
- * answered when the small one is. */
-static int count_pictures_before_small(const struct server *server)
-{
-    char large[100], small[100];
-    int fd[LARGE_PICTURES], done = 0;
-    submit_size(server, 2500, large);
-    submit_size(server, 16, small);
-    for (int i = 0; i < LARGE_PICTURES; i++)
-        fd[i] = ask_preview(server, large);
-    client_pause(50); /* until they are at work */
-    const int last = ask_preview(server, small);
-    expect_status(last, 200);
-    for (int i = 0; i < LARGE_PICTURES; i++)
-        done += client_sees_answer(fd[i]);
-    expect_all(fd, LARGE_PICTURES);
-    close(last);
-    return done;
-}
-
-/* Large pictures are made one after the other, beside small ones. */
-START_TEST(test_large__pictures_do_not_hold_up_small_ones)
-{
-    struct server server;
-    int done = LARGE_PICTURES;
-    server_start(&server, &(struct server_options){0});
-    for (int i = 0; i < TRIES && done > LARGE_PICTURES / 2; i++)
-        done = count_pictures_before_small(&server);
-    printf("# %d of %d large pictures were before the small one\n", done, LARGE_PICTURES);
-    ck_assert_int_le(done, LARGE_PICTURES / 2);
     server_stop(&server);
 }
 END_TEST
@@ -410,62 +254,6 @@ START_TEST(test_large__readers_of_a_scene_share_one_copy)
 }
 END_TEST
 
-static void expect_validated(const struct server *server, const struct pen_buf *request, int status)
-{
-    const int fd = send_request(server, request);
-    expect_status(fd, status);
-    close(fd);
-}
-
-/* When the memory for bodies is used up, small ones are still taken. */
-START_TEST(test_large__small_bodies_have_memory_of_their_own)
-{
-    const size_t all = 256 << 20;
-    struct server server;
-    struct pen_buf large = scene_request("POST /v1/validate", 2000, 1);
-    struct pen_buf small = scene_request("POST /v1/validate", 20, 1);
-    server_start(&server, &(struct server_options){0});
-    atomic_fetch_add(&server.http->intake_bytes, all);
-    expect_validated(&server, &small, 200);
-    expect_validated(&server, &large, 503);
-    atomic_fetch_sub(&server.http->intake_bytes, all);
-    expect_validated(&server, &large, 200);
-    pen_buf_release(&large);
-    pen_buf_release(&small);
-    server_stop(&server);
-}
-END_TEST
-
-static size_t add_complete(struct server *server, size_t bytes)
-{
-    pthread_mutex_lock(&server->http->intake_lock);
-    const size_t sum = server->http->intake_complete_bytes += bytes;
-    pthread_mutex_unlock(&server->http->intake_lock);
-    return sum;
-}
-
-/* Large bodies that are complete take half of the memory at most. */
-START_TEST(test_large__complete_bodies_leave_memory_to_others)
-{
-    const size_t half = 128 << 20;
-    struct server server;
-    struct pen_buf large = scene_request("POST /v1/validate", 2000, 1);
-    struct pen_buf small = scene_request("POST /v1/validate", 20, 1);
-    server_start(&server, &(struct server_options){0});
-    add_complete(&server, half - large.bytes / 2);
-    expect_validated(&server, &large, 503);
-    expect_validated(&server, &small, 200);
-    add_complete(&server, large.bytes / 2 - half);
-    ck_assert_uint_eq(add_complete(&server, 0), 0);
-    expect_validated(&server, &large, 200);
-    ck_assert_uint_eq(add_complete(&server, 0), 0);
-    ck_assert_uint_eq(atomic_load(&server.http->intake_bytes), 0);
-    pen_buf_release(&large);
-    pen_buf_release(&small);
-    server_stop(&server);
-}
-END_TEST
-
 /* Submits a job with a scene of so many bytes, compressed, and writes its path. */
 static void submit_packed(const struct server *server, int bytes, char path[100])
 {
@@ -538,13 +326,8 @@ START_TEST(test_large__scenes_do_not_hold_up_short_reads)
 }
 END_TEST
 
-PEN_SUITE("large", test_large__bodies_do_not_hold_up_a_small_one,
-          test_large__a_large_body_is_not_overtaken_for_ever,
-          test_large__a_client_that_ends_its_side_is_answered,
-          test_large__pictures_do_not_hold_up_small_ones,
+PEN_SUITE("large", test_large__a_client_that_ends_its_side_is_answered,
           test_large__readers_of_a_scene_share_one_copy,
-          test_large__scenes_do_not_hold_up_short_reads,
-          test_large__small_bodies_have_memory_of_their_own,
-          test_large__complete_bodies_leave_memory_to_others, PEN_TIMED,
+          test_large__scenes_do_not_hold_up_short_reads, PEN_TIMED,
           test_large__bodies_of_clients_that_have_gone_are_dropped,
           test_large__labels_of_jobs_that_are_waited_for_cost_little)

@@ -213,11 +213,17 @@ END_TEST
 
 START_TEST(test_message__origin_must_be_the_host)
 {
-    ck_assert(pen_origin_is_host("http://localhost:8080", "localhost:8080"));
-    ck_assert(!pen_origin_is_host("http://evil.com", "localhost:8080"));
-    ck_assert(!pen_origin_is_host("http://localhost:9090", "localhost:8080"));
-    ck_assert(!pen_origin_is_host("null", "localhost:8080"));
-    ck_assert(!pen_origin_is_host("http://localhost", NULL));
+    ck_assert(pen_origin_is_host("http://localhost:8080", "http", "localhost:8080"));
+    ck_assert(pen_origin_is_host("https://a.example", NULL, "A.example"));
+    ck_assert(!pen_origin_is_host("https://localhost:8080", "http", "localhost:8080"));
+    ck_assert(!pen_origin_is_host("http://evil.com", "http", "localhost:8080"));
+    ck_assert(!pen_origin_is_host("http://localhost:9090", "http", "localhost:8080"));
+    ck_assert(!pen_origin_is_host("null", NULL, "localhost:8080"));
+    ck_assert(!pen_origin_is_host("http://localhost", NULL, NULL));
+    ck_assert(pen_origin_listed("https://a.example http://b:1", "http://b:1"));
+    ck_assert(!pen_origin_listed("https://a.example http://b:1", "http://b"));
+    ck_assert(!pen_origin_listed("https://a.example", "null"));
+    ck_assert(!pen_origin_listed("", "http://b"));
 }
 END_TEST
 

@@ -64,7 +64,8 @@ START_TEST(test_routes__every_route_is_documented)
     struct operation operations[OPERATIONS_MAX];
     int count = read_definition(operations);
     const char *method, *path;
-    for (int i = 0; pen_http_route(i, &method, &path); i++) {
+    int scope;
+    for (int i = 0; pen_http_route(i, &method, &path, &scope); i++) {
         bool found = false;
         for (int k = 0; k < count; k++)
             found = found || (strcmp(operations[k].method, method) == 0 &&
@@ -82,7 +83,8 @@ START_TEST(test_routes__everything_documented_is_a_route)
     for (int k = 0; k < count; k++) {
         bool found = false;
         const char *method, *path;
-        for (int i = 0; pen_http_route(i, &method, &path); i++)
+        int scope;
+        for (int i = 0; pen_http_route(i, &method, &path, &scope); i++)
             found = found || (strcmp(operations[k].method, method) == 0 &&
                               strcmp(operations[k].path, path) == 0);
         ck_assert_msg(found, "%s %s is in openapi.yaml only", operations[k].method,
@@ -94,14 +96,15 @@ END_TEST
 START_TEST(test_routes__no_route_twice)
 {
     const char *method, *path, *other_method, *other_path;
+    int scope;
     int count = 0;
-    while (pen_http_route(count, &method, &path))
+    while (pen_http_route(count, &method, &path, &scope))
         count++;
-    ck_assert(!pen_http_route(-1, &method, &path));
+    ck_assert(!pen_http_route(-1, &method, &path, &scope));
     for (int i = 0; i < count; i++) {
-        pen_http_route(i, &method, &path);
+        pen_http_route(i, &method, &path, &scope);
         for (int k = 0; k < i; k++) {
-            pen_http_route(k, &other_method, &other_path);
+            pen_http_route(k, &other_method, &other_path, &scope);
             ck_assert_msg(strcmp(method, other_method) != 0 || strcmp(path, other_path) != 0,
                           "%s %s", method, path);
         }

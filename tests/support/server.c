@@ -58,13 +58,12 @@ void server_start(struct server *server, const struct server_options *options)
                                     .idle_seconds = options->idle_seconds,
                                     .heartbeat_ms = options->heartbeat_ms,
                                     .connections = options->connections,
-                                    .waiting_per_address = options->waiting_per_address,
-                                    .trusted_proxy = options->trusted_proxy,
-                                    .count_loopback = options->waiting_per_address > 0};
+                                    .trusted_proxy = options->trusted_proxy};
     if (options->body_bytes)
         http.limits.body_bytes = options->body_bytes;
     server->http = pen_http_start(&http, &st);
     ck_assert_msg(server->http != NULL, "%s", st.msg);
+    ck_assert_msg(pen_http_open(server->http, &http, &st), "%s", st.msg);
     if (options->worker)
         ck_assert_int_eq(pthread_create(&server->worker, NULL, work, server), 0);
 }

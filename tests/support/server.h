@@ -25,8 +25,6 @@ struct server_options {
     int idle_seconds;          /* as pen_http_options */
     int heartbeat_ms;          /* as pen_http_options */
     int connections;           /* as pen_http_options */
-    int waiting_per_address;   /* as pen_http_options; loopback addresses are counted unless it is 0
-                                */
     const char *trusted_proxy; /* as pen_http_options */
     size_t body_bytes;         /* the limit; 0: the default */
 };

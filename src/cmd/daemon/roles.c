@@ -17,7 +17,6 @@
 #include "cmd/daemon/control.h"
 #include "cmd/daemon/crash_record.h"
 #include "cmd/daemon/fault_injection.h"
-#include "cmd/daemon/stand_in.h"
 #include "http/server.h"
 #include "jobs/worker.h"
 #include "jobs/worker_report.h"
@@ -29,9 +28,8 @@ static const char api_process[] = "penumbrad-api", worker_process[] = "penumbrad
 /* How long the api may take for its last answers before SIGALRM ends it. */
 enum { STOP_API_S = 3 };
 
-/* How long an api process that cannot open the store answers in its place, before the supervisor
- * starts the next one, which tries again. */
-enum { STAND_IN_MS = 2000 };
+/* The pause before an api process tries again to open a store that could not be opened. */
+enum { OPEN_AGAIN_MS = 500 };
 
 /* Opens the log anew. text: "LEVEL FORMAT FILE" from the supervisor; after SIGHUP it is empty, and
  * the configuration's values stay. */
@@ -65,13 +63,33 @@ static void end_within(unsigned seconds)
     alarm(seconds);
 }
 
-/* Handles the api's events until it has to stop. */
-static void handle_api_events(const struct pen_config *config, struct pen_event_source *events,
-                              struct pen_http *http)
+/* Opens the store, if it is not open yet. Says so when the reason for a failure is another one than
+ * `last`. */
+static bool open_store(struct pen_http *http, const struct pen_http_options *options,
+                       struct pen_status *last, int control_fd)
 {
+    struct pen_status st;
+    if (pen_http_open(http, options, &st)) {
+        pen_log(PEN_LOG_INFO, "serving");
+        pen_control_send(control_fd, "ready");
+        return true;
+    }
+    if (strcmp(st.msg, last->msg) != 0)
+        pen_log(PEN_LOG_ERROR, "%s", st.msg);
+    *last = st;
+    return false;
+}
+
+/* Opens the store, and handles the api's events until it has to stop. */
+static void handle_api_events(const struct pen_config *config, struct pen_event_source *events,
+                              struct pen_http *http, const struct pen_http_options *options)
+{
+    struct pen_status last = {.code = PEN_OK};
+    bool opened = false;
     for (;;) {
         struct pen_event event;
-        pen_event_source_next(events, -1, &event);
+        opened = opened || open_store(http, options, &last, events->control_fd);
+        pen_event_source_next(events, opened ? -1 : OPEN_AGAIN_MS, &event);
         switch (event.kind) {
         case PEN_EVENT_DRAIN:
             pen_http_drain(http);
@@ -142,15 +160,10 @@ static int serve(const struct pen_config *config, int listen_fd)
                                        .trusted_proxy = config->trusted_proxy};
     struct pen_http *http = pen_http_start(&options, &st);
     if (!http) {
-        int code = fail(&st);
-        if (events.supervised)
-            pen_stand_in(listen_fd, &events, &st, STAND_IN_MS);
         pen_event_source_close(&events);
-        return code;
+        return fail(&st);
     }
-    pen_log(PEN_LOG_INFO, "serving");
-    pen_control_send(events.control_fd, "ready");
-    handle_api_events(config, &events, http);
+    handle_api_events(config, &events, http, &options);
     pen_http_stop(http);
     pen_event_source_close(&events);
     pen_log(PEN_LOG_INFO, "ended");

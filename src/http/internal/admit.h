@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The first two phases of a request (see request.h): checking its head, and receiving its body.
  *
- * Threads: that of the connection's loop. */
+ * Threads: that of the connection. */
 #ifndef PEN_HTTP_INTERNAL_ADMIT_H
 #define PEN_HTTP_INTERNAL_ADMIT_H
 
@@ -10,15 +10,13 @@
 
 struct request;
 
-/* Checks request line and header fields. Afterwards the request is in PHASE_BODY; or, if it is
- * refused, in PHASE_DISCARD (the body is read before the answer is sent) or in PHASE_ANSWERED. */
-void pen_http_request_admit(struct request *request);
+/* Checks request line, header fields and token. Afterwards the request is in PHASE_BODY; or, if it
+ * is answered, in PHASE_DISCARD (the body is read before the answer is sent) or in PHASE_ANSWERED.
+ * `head_bytes`: the length of the head. */
+void pen_http_request_admit(struct request *request, size_t head_bytes);
 
 /* Receives a part of the body. Returns false if the body is longer than allowed; the request is
  * answered then, and nothing more of the body may be read. */
 bool pen_http_request_receive(struct request *request, const char *data, size_t bytes);
-
-/* Whether the client waits for `100 Continue` before it sends the body. */
-bool pen_http_request_waits(const struct request *request);
 
 #endif

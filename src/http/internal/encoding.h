@@ -20,10 +20,6 @@ bool pen_http_gunzip(const void *data, size_t bytes, size_t limit, struct pen_bu
 /* Compresses. Returns false when out of memory; *out is empty then. */
 bool pen_http_gzip(const void *data, size_t bytes, struct pen_buf *out);
 
-/* The length of the body of a request once it is decompressed, as far as its last bytes tell (RFC
- * 1952, ISIZE: that of the last member); at least that which was received. */
-size_t pen_http_request_work(const struct request *request);
-
 /* Decompresses the body of a request, if it is compressed. Returns false if it cannot be; the
  * request is then answered. */
 bool pen_http_request_decode(struct request *request);

@@ -11,49 +11,35 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "http/internal/answers.h"
 #include "http/server.h"
-
-struct request;
-
-enum { RESERVED_SLOTS = 64 }; /* kept for health and short reads when all connections are at work */
 
 struct pen_http {
     struct pen_limits limits;
+    struct guard *guard;
     struct listener *listener;
-    struct access_log *access_log;
+    struct pen_tokens *tokens; /* NULL: everybody may do everything */
+    struct pen_tls *tls;       /* NULL: plain HTTP */
     struct executor *executor;
     struct watch *watch;
     struct snapshot_cache *snapshot_cache;
     struct streams *streams;
     struct static_files *static_files;
     struct pictures *pictures;
-    struct trim *trim;
+    char *cors; /* origins with spaces between them; NULL: none */
+    bool has_proxy;
+    unsigned char proxy[16]; /* the trusted proxy's address as IPv6 */
 
-    int connection_max;  /* beyond it new connections replace idle ones */
-    atomic_int arriving; /* accepted and not yet with their loops. atomic: relaxed, a bound */
-    /* New connections come fast, since and until then (listener.c). atomic: relaxed, they only
-     * spare work */
-    _Atomic int64_t rush_since_ns, rush_until_ns;
-    atomic_int connections;   /* with the loops and not yet closed. atomic: relaxed, a bound */
-    atomic_int reserved;      /* connections in reserved slots. atomic: relaxed, a bound */
-    atomic_size_t head_bytes; /* heads of requests that are not answered, and what was read
-                               * and has to wait. atomic: relaxed, a sum */
-
+    /* The store is open, and executor and watcher are there. atomic: release, after they are. */
+    atomic_bool opened;
     atomic_bool draining, stopping; /* atomic: relaxed, one request more may still be served */
     atomic_int active;              /* requests whose head was seen and that have not ended.
                                      * atomic: relaxed, read only in a loop that waits for 0 */
-    atomic_size_t intake_bytes;     /* bodies in memory. atomic: relaxed, a sum */
+    atomic_size_t body_bytes;       /* bodies in memory. atomic: relaxed, a sum */
     atomic_uint request_count;      /* atomic: relaxed, values only have to differ */
     uint32_t id_prefix;             /* distinguishes this process's request ids from others' */
 
-    pthread_mutex_t intake_lock;                /* see intake.h */
-    struct request *intake_first, *intake_last; /* guarded by intake_lock: bodies that are being
-                                                 * received, the slowest first */
-    size_t intake_leaving_bytes;  /* guarded by intake_lock: of bodies that were told to give way */
-    size_t intake_complete_bytes; /* guarded by intake_lock: of large bodies that are complete */
-
-    struct answer_memory answers; /* of large answers but pictures, which have their own */
+    /* Requests that were refused for load, and that failed. atomic: relaxed, sums */
+    atomic_uint_least64_t refused_429, refused_503, failed;
 
     pthread_mutex_t ready_lock;
     int64_t ready_ns;        /* guarded by ready_lock: when the store was last probed, or took a
@@ -61,6 +47,10 @@ struct pen_http {
     bool probing;            /* guarded by ready_lock: a thread is probing it */
     struct pen_status ready; /* guarded by ready_lock: the result */
     char not_ready_reason[PEN_MSG_BYTES]; /* guarded by ready_lock: see pen_http_set_not_ready */
+    struct pen_status store_fault;        /* guarded by ready_lock: why the store is not open */
 };
+
+/* Whether the store is open. Fails: PEN_UNAVAILABLE, with the reason. Threads: any. */
+bool pen_http_is_open(struct pen_http *http, struct pen_status *st);
 
 #endif

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* The listening socket and the loops: start, accept, stop. */
+/* The listening socket and libmicrohttpd: start, accept, stop. */
 #ifndef PEN_HTTP_INTERNAL_LISTENER_H
 #define PEN_HTTP_INTERNAL_LISTENER_H
 
 #include <stdbool.h>
 
 #include "base/status.h"
-#include "http/internal/conn.h"
 
 struct listener;
 struct pen_http;
 struct pen_http_options;
 
-/* Starts the loops; no connection is accepted yet. Owns: pen_http_listener_stop
- * frees. Fails: PEN_UNAVAILABLE, PEN_NO_MEMORY. */
+/* Starts the guard (http->guard) and libmicrohttpd; no connection is accepted yet. Owns:
+ * pen_http_listener_stop frees. Fails: PEN_UNAVAILABLE, PEN_NO_MEMORY. */
 struct listener *pen_http_listener_start(struct pen_http *http,
                                          const struct pen_http_options *options,
                                          struct pen_status *st);
@@ -24,11 +23,8 @@ bool pen_http_listener_accept(struct listener *listener, struct pen_status *st);
 /* Ends the acceptor thread. No new connections are accepted; those that exist go on. */
 void pen_http_listener_stop_accepting(struct listener *listener);
 
-/* Counts the open connections by what they wait for. Threads: any. */
-void pen_http_listener_counts(struct listener *listener, int counts[WAITS]);
-
-/* Closes all connections and frees the listener. No request may be with another
- * thread. NULL is allowed. */
+/* Closes all connections and frees the listener and the guard. No connection may be suspended. NULL
+ * is allowed. */
 void pen_http_listener_stop(struct listener *listener);
 
 #endif

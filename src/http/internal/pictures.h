@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The large answers in memory, pictures and scenes: those that are being sent, one copy for all
- * clients that read the same one, and some that were sent lately.
+/* The large answers, pictures and scenes: those that are being sent, one copy for all clients that
+ * read the same one, and some that were sent lately.
  *
- * The budget. All pictures, and what making them takes, have one budget. Memory is reserved before
- * a picture is made; if there is none, nothing is made, and the client is told to come back. Small
- * pictures go on, from a reserve. What is larger than the whole budget has a place of its own
- * beside it, for one at a time: it is taken when the picture is reserved, and free once the picture
- * was made and is small enough for the budget, or all its readers have gone. Slow readers give way
- * when their pictures' memory is needed for another (answers.h).
+ * All answers, and what making pictures takes, have one budget. Memory is reserved before a picture
+ * is made. If there is none, the client is told to come back. A picture that takes more than the
+ * whole budget has a place beside it, for one at a time.
  *
  * Only the pictures of jobs that have succeeded are kept: they never change. The caller looks
  * whether the job is still there.
@@ -46,16 +43,14 @@ bool pen_http_pictures_find(struct pictures *pictures, const struct picture_key 
 
 /* Memory that is set aside for a picture; all zero: none. */
 struct picture_room {
-    size_t bytes;      /* while it is made */
-    size_t file_bytes; /* of these, that will stay as long as it is read, if that is known; or 0 */
-    bool alone;        /* in the place beside the budget */
+    size_t bytes;
+    bool alone; /* in the place beside the budget */
 };
 
-/* Sets memory aside, as much as *room says; if need be, drops pictures that nobody reads, makes
- * slow readers of others give way (answers.h), and waits for the readers of others for wait_ms at
- * most. Owns: give the room to pen_http_pictures_take or pen_http_pictures_give_up. Fails:
+/* Sets memory aside, as much as room->bytes says; if need be, drops pictures that nobody reads.
+ * Owns: give the room to pen_http_pictures_take or pen_http_pictures_give_up. Fails:
  * PEN_UNAVAILABLE (the budget, or the place beside it, is used up); *room is all zero then. */
-bool pen_http_pictures_reserve(struct pictures *pictures, struct picture_room *room, int wait_ms,
+bool pen_http_pictures_reserve(struct pictures *pictures, struct picture_room *room,
                                struct pen_status *st);
 void pen_http_pictures_give_up(struct pictures *pictures, struct picture_room *room);
 
@@ -66,5 +61,9 @@ void pen_http_pictures_give_up(struct pictures *pictures, struct picture_room *r
 bool pen_http_pictures_take(struct pictures *pictures, const struct picture_key *key,
                             struct pen_image *image, struct picture_room *room, struct picture *out,
                             struct pen_status *st);
+
+/* Counts an answer that is no picture, if it is large. Fails: PEN_UNAVAILABLE (the budget is used
+ * up). */
+bool pen_http_pictures_count(struct pictures *pictures, struct blob *blob, struct pen_status *st);
 
 #endif

@@ -15,37 +15,28 @@
 #include "base/buf.h"
 #include "base/status.h"
 
-struct answer_memory;
-struct request;
-
-/* Reference-counted bytes: one cached body may be sent to many clients at once. Threads: any. */
+/* Reference-counted bytes: one cached body may be sent to many clients at once. From
+ * PEN_BLOB_FILE_BYTES on they are in an unlinked file, mapped into memory, so that the system can
+ * write them out when it needs the memory. Threads: any. */
 struct blob {
     atomic_int refs; /* atomic: acquire-release, so that the thread that frees sees all reads */
     struct pen_buf content;
-    struct answer_memory *memory; /* which counts these bytes while the blob exists; NULL: none */
-    bool is_kept; /* one reference is dropped when memory is needed. guarded by pictures' lock */
-    struct blob_readers {
-        struct request *first;        /* the clients that keep these bytes waiting; */
-        int count;                    /* as many */
-        struct blob *slower, *faster; /* in the list of the memory, if there are any */
-        int64_t since_ns;             /* when it came to the end of that list */
-        bool given_up;                /* the readers were told to give way; it is not in the list */
-    } readers;                        /* guarded by the memory's lock: see answers.h */
-    /* Called without a lock when one reference is left, by the thread that gave up the other; more
-     * may come meanwhile. Set before a second thread has the blob. NULL: nobody asks. */
-    void (*idle)(void *user);
-    void *idle_user;
+    bool is_mapped;     /* content.data is a mapping of a file */
+    atomic_size_t *sum; /* in which its bytes are counted while it exists; NULL: none. atomic:
+                         * relaxed, a sum */
     _Atomic(struct blob *) gzip; /* these bytes compressed; NULL: not yet. atomic: acquire-release,
                                   * the thread that finds it reads it */
 };
+
+enum { PEN_BLOB_FILE_BYTES = 64 << 10 };
 
 /* Takes the contents of a buffer, which is empty afterwards, also on failure.
  * Fails: NULL when out of memory, or if the buffer has failed. */
 struct blob *pen_http_blob_take(struct pen_buf *content);
 
-/* Counts the blob's bytes in *memory while the blob exists, and those of its compressed form, once
- * there is one, while that exists. NULL is allowed for both. */
-void pen_http_blob_count(struct blob *blob, struct answer_memory *memory);
+/* Counts the blob's bytes in *sum while the blob exists, and those of its compressed form, once
+ * there is one, while that exists. */
+void pen_http_blob_count(struct blob *blob, atomic_size_t *sum);
 struct blob *pen_http_blob_ref(struct blob *blob);
 void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
 

@@ -1,65 +1,67 @@
 /* SPDX-License-Identifier: MIT */
-/* One request, from its head to the end of its answer.
+/* One request, from its request line to the end of its answer.
  *
- *   HEAD ──admit──► BODY ───────────────────────► dispatch ──► ANSWERED ──► (sent, freed)
- *     │               │ no memory (intake.h)         │            ▲
- *     │               ▼                              ▼            │ resume
+ *   LINE ──admit──► BODY ───────────────────────► dispatch ──► ANSWERED ──► (sent, freed)
+ *     │               │ no memory, too long          │            ▲
+ *     │               ▼                              ▼            │ pen_http_resume
  *     └─refused──► DISCARD (read, not kept) ──►    WORK ──────────┘
  *
- * HEAD, BODY, DISCARD and ANSWERED belong to the thread of the connection's loop. WORK belongs to
- * exactly one other thread: a store or compute thread, which may pass the request to the watcher.
- * The hand-over back is pen_http_resume; the thread that has resumed a request must not touch it
- * any more. */
+ * LINE, BODY, DISCARD and ANSWERED belong to the connection's libmicrohttpd thread. WORK belongs to
+ * exactly one other thread while the connection is suspended: a thread of the executor, which may
+ * pass the request to the watcher. The thread that has resumed a request must not touch it again.
+ */
 #ifndef PEN_HTTP_INTERNAL_REQUEST_H
 #define PEN_HTTP_INTERNAL_REQUEST_H
 
-#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "base/buf.h"
-#include "http/internal/addresses.h"
 #include "http/internal/reply.h"
 #include "http/internal/routes.h"
 #include "http/message.h"
+#include "http/tokens.h"
 #include "store/store.h"
 
-struct conn;
+struct MHD_Connection;
 struct pen_http;
-struct route;
 
-enum phase { PHASE_HEAD, PHASE_BODY, PHASE_DISCARD, PHASE_WORK, PHASE_ANSWERED };
+enum phase { PHASE_LINE, PHASE_BODY, PHASE_DISCARD, PHASE_WORK, PHASE_ANSWERED };
 
-/* The header fields that the server reads; NULL: not sent. They point into the request's head. */
+/* The header fields that the server reads; NULL: not sent. Owns: libmicrohttpd, as long as the
+ * request lives. */
 struct fields {
     const char *host, *origin, *content_type, *content_length, *transfer_encoding;
     const char *if_none_match, *range, *if_range, *idempotency_key, *request_id, *expect;
-    const char *last_event_id, *accept, *connection;
+    const char *last_event_id, *accept, *authorization;
     const char *accept_encoding, *content_encoding;
-    const char *traceparent;   /* NULL also if it is malformed, which W3C says to ignore */
-    const char *forwarded_for; /* X-Forwarded-For; means nothing unless the trusted proxy sent it */
-    bool repeated;             /* a field that must be sent at most once was sent twice */
+    const char *traceparent;    /* NULL also if it is malformed, which W3C says to ignore */
+    const char *forwarded_for;  /* X-Forwarded-For and X-Forwarded-Host mean nothing unless the */
+    const char *forwarded_host; /* trusted proxy sent them */
+    bool repeated;              /* a field that must be sent at most once was sent twice */
+    bool malformed;             /* a name or a value has a character that is not allowed */
 };
 
-enum { REQUEST_ID_BYTES = 65 };
+enum { REQUEST_ID_BYTES = 65, CLIENT_BYTES = 64 };
 
 struct request {
     struct pen_http *http;
-    struct conn *conn;
+    struct MHD_Connection *connection;
+    int fd;
     enum phase phase;
 
     int64_t begun_ns;
     char id[REQUEST_ID_BYTES];
-    char *text;                      /* the head as it was received, in pieces; later what
-                                      * pen_http_request_drop_head keeps of it */
-    size_t head_bytes;               /* counted in pen_http.head_bytes for this head */
-    const char *raw_target, *method; /* "-" if the head could not be read */
-    int minor;                       /* the version is HTTP/1.minor */
-    bool head;                       /* the method is HEAD */
-    bool close;                      /* nothing may follow it on its connection */
-    bool at_once;                    /* it may not wait for a job to change */
-    struct pen_address_key client;   /* its address */
-    bool client_is_shared;           /* many clients can be behind the address */
+    const char *method; /* owned as fields are; "-": not known yet */
+    bool head;          /* the method is HEAD */
+    bool is_http_1_0;
+    bool close;                     /* nothing may follow it on its connection */
+    bool refused_early;             /* it is answered while its client still sends the body */
+    char client[CLIENT_BYTES];      /* "token:NAME" or "address:IP" */
+    bool client_is_shared;          /* many clients can be behind that address */
+    bool is_from_proxy;             /* the connection is the trusted proxy's */
+    bool is_cross_origin;           /* a page of an origin of --cors has sent it */
+    struct pen_token_holder holder; /* all zero: there are no tokens, or it needs none */
     struct fields fields;
     struct pen_target target;
     const struct route *route; /* NULL: refused */
@@ -68,67 +70,63 @@ struct request {
 
     uint64_t declared_bytes; /* Content-Length */
     uint64_t received_bytes; /* of the body, kept or not */
-    size_t work_bytes;       /* what it will take, as far as is known: bytes of the body as it
-                              * will be parsed (pen_http_request_work), of the picture that is to
-                              * be made, or of the answer that is to be compressed */
     struct pen_buf body;
-    struct intake_place {
-        bool entered; /* intake.h counts it; the thread's that has the request */
-        /* Guarded by pen_http.intake_lock, as what follows. */
-        bool listed, gives_way, complete;
-        struct request *slower, *faster; /* in the list */
-        int64_t since_ns;                /* when its window began */
-        size_t bytes;                    /* kept */
-    } intake;
+    size_t counted_bytes; /* of the body, counted in pen_http.body_bytes */
+
     enum queue_id queue; /* in which it waits, or whose thread has it */
+    int64_t queued_ns;   /* when it came into that queue */
     bool is_handled;     /* the reply is complete, but for compressing its body */
     bool changed;        /* it has changed the store */
+    bool gone;           /* its client has gone: there is nobody to answer. guarded by the
+                          * watcher's lock, while the watcher has the request */
     struct reply reply;
-    struct reader_place {                /* see answers.h */
-        bool listed;                     /* the loop's: it is a reader of reply.body */
-        size_t window_bytes;             /* the loop's: of the body, sent when its window began */
-        struct request *previous, *next; /* guarded by the lock of reply.body's memory */
-    } reading;
     struct stream *stream; /* of an event stream; NULL: none */
 
-    bool is_probed;       /* of the loop: see pen_http_exchange_probes */
-    struct request *next; /* link in the queue or list of the thread that holds it */
-    uint64_t last_turn;   /* guarded by the executor's lock: see waiting.c */
+    struct request *next; /* link in the queue or list that holds it */
     int64_t deadline_ns;  /* of a long poll */
-    bool resumed;         /* guarded by the loop's lock: pen_http_resume was called for it */
-    bool watched;         /* guarded by the watcher's lock: it is in the watcher's list */
-    atomic_bool unwanted; /* nobody waits for its answer: its connection is closed, or to be closed.
-                           * atomic: relaxed, it only spares work; where it decides that there is no
-                           * answer, the loop's lock orders it */
-    bool gone;            /* guarded by the watcher's lock: its client has closed the connection */
+    enum {
+        WATCHED_LISTED,  /* in the watcher's list */
+        WATCHED_CHECKED, /* the watcher's thread reads its job */
+        WATCHED_LEFT     /* its wait is over */
+    } watch;             /* guarded by the watcher's lock, while it has the request */
+
+    char raw_target[];
 };
 
-/* A request with this head; one that cannot be parsed is answered already. Without a head (0 bytes)
- * it is for the caller to answer. Fails: NULL when out of memory. */
-struct request *pen_http_request_new(struct pen_http *http, const char *head, size_t bytes);
+/* A request whose line has this target. Fails: NULL when out of memory. */
+struct request *pen_http_request_new(struct pen_http *http, const char *raw_target);
 void pen_http_request_free(struct request *request); /* NULL is allowed */
 
-/* Whether nothing comes of the request but its answer, at least until its handler has made a job.
- */
+/* Takes the client's own request id if it can be written into logs safely, else makes one. */
+void pen_http_request_name(struct request *request);
+
+/* Whether nothing comes of the request but its answer. */
 bool pen_http_request_only_answers(const struct request *request);
 
-/* Frees the head of a request that is answered, but for what the log tells of it: `fields`,
- * `target` and `arg` have nothing else afterwards. Where there is no memory for that, the head
- * stays. Threads: the loop's. */
-void pen_http_request_drop_head(struct request *request);
+/* Suspends the connection, for another thread to answer the request. Threads: libmicrohttpd's. */
+void pen_http_suspend(struct request *request);
 
-/* Frees the body and gives its bytes back to the intake budget. */
+/* The request is answered, or more of its stream is there: libmicrohttpd goes on with it. The
+ * caller must not touch it afterwards. Threads: the one that has the request. */
+void pen_http_resume(struct request *request);
+
+/* Counts bytes of the body in memory. Returns false, and counts nothing, if bodies would have more
+ * than their limit together. */
+bool pen_http_request_count_body(struct request *request, size_t bytes);
+
+/* Frees the body and gives its memory back. */
 void pen_http_request_drop_body(struct request *request);
 
-/* Answers with an HTTP status that no pen_code has, such as 431, and closes the connection. */
+/* Answers with the problem document of a status; `http_status` 0: that of its code. */
 void pen_http_request_refuse(struct request *request, int http_status, const struct pen_status *st);
-
-/* Answers with the problem document of a status. */
 void pen_http_request_fail(struct request *request, const struct pen_status *st);
 
 /* The value of a query parameter, which admission has checked. NULL, or `otherwise`: not given. */
 const char *pen_http_request_param(const struct request *request, const char *name);
 long pen_http_request_number(const struct request *request, const char *name, long otherwise);
+
+/* The client that may change jobs: NULL, for anybody's, or the request's. */
+const char *pen_http_request_owner(const struct request *request);
 
 /* Answers with a representation; takes the blob. A NULL blob is an allocation that failed.
  * If-None-Match is obeyed, and Range if `ranges` is set. */

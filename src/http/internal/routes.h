@@ -9,6 +9,7 @@
 
 #include "base/status.h"
 #include "http/message.h"
+#include "http/tokens.h"
 #include "jobs/jobs.h"
 
 struct request;
@@ -29,15 +30,10 @@ typedef bool route_quick(struct request *request);
 /* Where a handler runs. */
 enum queue_id {
     QUEUE_NONE,    /* in the thread of the connection: it must not block */
-    QUEUE_STORE,   /* on a store thread: short reads of the store */
-    QUEUE_CHANGES, /* on the thread for changes: a write to the store about one job */
-    QUEUE_SUBMIT,  /* on a submit thread: storing a job, which takes the longer, the larger it is */
-    QUEUE_LISTS,   /* on a list thread: reads that take the longer, the more the store has */
-    QUEUE_COMPUTE, /* on a compute thread: encoding pictures, writing reports, checking scenes, and
-                    * reads that take the longer, the more a job has or the larger it is */
-    QUEUE_INTAKE,  /* on an intake thread: whatever has a large body */
-    QUEUE_LARGE    /* on the thread for large work, one after the other: pictures that take much
-                    * memory, and compressing large answers */
+    QUEUE_STORE,   /* on a store thread: reads of the store */
+    QUEUE_CHANGES, /* on a thread for changes: writes, which wait for other writers */
+    QUEUE_COMPUTE  /* on a compute thread: encoding pictures, writing reports, checking scenes,
+                    * whatever has a large body, and compressing large answers */
 };
 
 /* What a query parameter may be: if `allowed` is set, one of these words; else, if high > 0, a
@@ -51,14 +47,14 @@ struct param_rule {
 
 struct route {
     const char *method, *path;
+    enum pen_scope scope; /* what its clients need; PEN_SCOPE_NONE: not even a token */
     route_handler *handle;
     route_quick *quick; /* tried before queueing; NULL: none */
     enum queue_id queue;
-    bool is_short;     /* answered even when all connections are at work, then without waiting */
     bool takes_body;   /* a scene or a job; otherwise a body is discarded */
     bool submits;      /* refused while draining */
     bool only_answers; /* a POST of which nothing comes but its answer, at least until its handler
-                        * has made a job: it is dropped if its client has gone */
+                        * has made a job */
     bool handle_again; /* a request that has waited in the watcher goes to the handler again,
                         * instead of being answered with its job */
     const struct param_rule *params; /* ends with a NULL name; NULL: none */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Event streams: answers that go on until their job has ended. A stream costs its connection and a
  * few hundred bytes. The watcher's thread writes each new text once for all streams that need the
- * same one; the loop of each connection sends it.
+ * same one; the thread of each connection sends it.
  *
  *   open ──► SENDING ──all is sent──► WAITING        at the job's end, or by pen_http_streams_end:
  *               ▲                        │           ENDED
@@ -21,6 +21,7 @@
 #include "http/internal/events.h"
 
 struct pen_jobs;
+struct pen_tokens;
 struct request;
 struct snapshot_cache;
 struct stream;
@@ -35,13 +36,16 @@ void pen_http_streams_free(struct streams *streams); /* NULL is allowed; no stre
 struct stream *pen_http_stream_open(struct streams *streams, struct request *request,
                                     const struct event_cursor *cursor, struct pen_buf *text);
 
-/* Copies the next bytes to send into `out`. Returns their number; 0 if there are none now, -1 at
- * the end. If *behind becomes true, this stream has missed an update: call
- * pen_http_watch_check_soon. Threads: the connection's. */
+/* Copies the next bytes to send into `out`. Returns their number; -1 at the end. If there are none
+ * now, returns 0 and has suspended the connection, which is resumed with the next text. If *behind
+ * becomes true, this stream has missed an update: call pen_http_watch_check_soon. Threads: the
+ * connection's. */
 ssize_t pen_http_stream_read(struct stream *stream, char *out, size_t bytes, bool *behind);
 
-/* Ends and frees a stream. Returns the number of bytes that were read from it. Threads: the
- * loop's. */
+/* The client of a waiting stream has gone (guard.h): the stream ends. */
+void pen_http_stream_gone(struct stream *stream);
+
+/* Frees a stream. Returns the number of bytes that were read from it. Threads: the connection's. */
 uint64_t pen_http_stream_close(struct stream *stream);
 
 /* Gives every waiting stream the events that it has not been sent yet. `changes` is the store's
@@ -51,6 +55,9 @@ void pen_http_streams_update(struct streams *streams, struct pen_jobs *jobs, uin
 /* Gives a heartbeat to every waiting stream that has been silent for the heartbeat interval.
  * Threads: the watcher's. */
 void pen_http_streams_heartbeat(struct streams *streams, int64_t now_ns);
+
+/* Ends the streams of tokens that are no longer valid. */
+void pen_http_streams_check_tokens(struct streams *streams, struct pen_tokens *tokens);
 
 /* Ends all streams, and makes streams that are opened later end after their first text. */
 void pen_http_streams_end(struct streams *streams);

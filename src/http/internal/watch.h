@@ -12,7 +12,6 @@
 
 #include "base/status.h"
 
-struct pen_address_key;
 struct pen_http;
 struct pen_jobs;
 struct request;
@@ -20,14 +19,13 @@ struct watch;
 
 enum { WATCH_MAX = 512 }; /* polls, and as many streams */
 
-/* Starts the thread; takes the jobs handle, after failure too. `address_max` is the number of polls
- * that one client's address may have, and of streams. Owns: stop, then free. Fails:
+/* Starts the thread; takes the jobs handle, after failure too. Owns: stop, then free. Fails:
  * PEN_UNAVAILABLE (threads), PEN_NO_MEMORY. */
-struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs, int address_max,
+struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
                                    struct pen_status *st);
 
 /* Answers all waiting requests with their jobs as they are, ends the streams, and ends the thread.
- * Later calls of pen_http_watch_add return WATCH_CLOSED. */
+ * Later calls of pen_http_watch_add return WATCH_CLOSED. NULL is allowed. */
 void pen_http_watch_stop(struct watch *watch);
 
 /* Frees a stopped watcher that no thread uses any more. NULL is allowed. */
@@ -37,34 +35,26 @@ void pen_http_watch_free(struct watch *watch);
 uint32_t pen_http_watch_changes(struct watch *watch);
 
 enum watch_result {
-    WATCH_ACCEPTED,     /* the request belongs to the watcher now */
-    WATCH_CHANGED,      /* the store has changed meanwhile: read the job again */
-    WATCH_FULL,         /* WATCH_MAX requests are waiting already */
-    WATCH_ADDRESS_FULL, /* as many of this client's address as are allowed are waiting already */
-    WATCH_CLOSED        /* the daemon is stopping, or the client has gone */
+    WATCH_ACCEPTED, /* the request belongs to the watcher now */
+    WATCH_CHANGED,  /* the store has changed meanwhile: read the job again */
+    WATCH_FULL,     /* WATCH_MAX requests are waiting already */
+    WATCH_CLOSED    /* the daemon is stopping, or the client has gone */
 };
 
-/* Fails with what a client is told of WATCH_FULL, WATCH_ADDRESS_FULL or WATCH_CLOSED. */
-bool pen_http_watch_fail(const struct watch *watch, enum watch_result result,
-                         struct pen_status *st);
+/* Fails with what a client is told of WATCH_FULL or WATCH_CLOSED. */
+bool pen_http_watch_fail(enum watch_result result, struct pen_status *st);
 
 /* Gives a request with its deadline to the watcher. `changes` is the change counter from
  * before the caller read the job; thus no change between reading and waiting is missed. */
 enum watch_result pen_http_watch_add(struct watch *watch, struct request *request,
                                      uint32_t changes);
 
-/* The client of a request that another thread has closes the connection. Returns true if the
- * request was in the watcher's list; it is the caller's then. Otherwise it does not wait any more,
- * and will be resumed soon. */
-bool pen_http_watch_abandon(struct watch *watch, struct request *request);
-
-/* Whether pen_http_watch_abandon was called for a request. */
-bool pen_http_watch_is_abandoned(struct watch *watch, const struct request *request);
+/* The client of a request that the watcher has has gone (guard.h): it waits no longer. */
+void pen_http_watch_gone(struct watch *watch, struct request *request);
 
 /* Counts an event stream, and removes it again. WATCH_CHANGED is not returned. */
-enum watch_result pen_http_watch_add_stream(struct watch *watch,
-                                            const struct pen_address_key *address);
-void pen_http_watch_remove_stream(struct watch *watch, const struct pen_address_key *address);
+enum watch_result pen_http_watch_add_stream(struct watch *watch);
+void pen_http_watch_remove_stream(struct watch *watch);
 
 /* How many long polls wait, and how many event streams are open. */
 void pen_http_watch_counts(struct watch *watch, int *polls, int *streams);

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/* Watches the sockets of libmicrohttpd from outside, for what the library lacks: deadlines for
+ * heads, bodies and readers, closing idle connections when there are too many, noticing that the
+ * client of a suspended request has gone, and lingering closes.
+ *
+ * There is one slot per descriptor. The threads of libmicrohttpd store a state and a time in it,
+ * without a lock. The guard's thread looks at all slots four times a second. The lock is taken when
+ * a connection comes or goes, and when a suspended request is watched: libmicrohttpd reports the
+ * end of a connection before it closes the descriptor, so the guard never shuts down a descriptor
+ * that has become somebody else's.
+ *
+ * A suspended connection (PEER_WORK) is in no set of libmicrohttpd, which would not notice a
+ * shutdown. The guard tells the request's owner that its client has gone; the owner resumes it.
+ *
+ * Locks: the guard's lock comes after those of the watcher and the streams.
+ * Threads: any, except start and stop. */
+#ifndef PEN_HTTP_INTERNAL_GUARD_H
+#define PEN_HTTP_INTERNAL_GUARD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+struct request;
+
+/* What a connection waits for. */
+enum peer_state {
+    PEER_FREE,
+    PEER_IDLE, /* its next request, or the rest of a request line */
+    PEER_HEAD, /* the rest of a head */
+    PEER_BODY, /* the rest of a body */
+    PEER_WORK, /* its answer, or the next event of its stream: no deadline */
+    PEER_SEND, /* its client, which reads an answer */
+    PEER_STATES
+};
+
+struct guard_options {
+    int connections; /* beyond this number the connections that are idle longest are closed */
+    int descriptors; /* the table's size: connections with higher descriptors are not allowed */
+    int idle_ms, head_ms, body_ms, send_ms;
+    unsigned body_bytes, send_bytes; /* the least in each window of body_ms and send_ms */
+    /* The client of a watched request has gone. Called once, without a lock. */
+    void (*gone)(struct request *request);
+};
+
+struct guard;
+
+/* Starts the guard's thread. Fails: PEN_UNAVAILABLE, PEN_NO_MEMORY. */
+struct guard *pen_guard_start(const struct guard_options *options, struct pen_status *st);
+/* Ends the thread and frees the guard. No connection may be open. NULL is allowed. */
+void pen_guard_stop(struct guard *guard);
+
+/* A connection has come, or is about to be closed. */
+void pen_guard_opened(struct guard *guard, int fd);
+void pen_guard_closing(struct guard *guard, int fd);
+
+/* A thread of libmicrohttpd notes what the connection waits for, and the bytes of a body. */
+void pen_guard_state(struct guard *guard, int fd, enum peer_state state);
+void pen_guard_received(struct guard *guard, int fd, size_t bytes);
+
+/* Watches for the end of a suspended request's client. Exactly one of two things follows: `gone` is
+ * called, or pen_guard_unwatch returns true. */
+void pen_guard_watch(struct guard *guard, int fd, struct request *request);
+bool pen_guard_unwatch(struct guard *guard, int fd);
+
+/* The number of open connections; with `counts`, by what they wait for. */
+int pen_guard_count(struct guard *guard, int counts[PEER_STATES]);
+
+#endif

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* What libmicrohttpd and the watcher need of the certificate (http/tls.h). */
+#ifndef PEN_HTTP_INTERNAL_TLS_H
+#define PEN_HTTP_INTERNAL_TLS_H
+
+#include <gnutls/abstract.h>
+
+#include "base/status.h"
+
+struct pen_tls;
+
+/* TLS 1.2 and 1.3 with GnuTLS's usual ciphers. */
+extern const char pen_tls_priorities[];
+
+/* Reads certificate and key. Owns: close it once no connection is left. Fails: as pen_tls_check. */
+struct pen_tls *pen_tls_open(const char *cert, const char *key, struct pen_status *st);
+void pen_tls_close(struct pen_tls *tls); /* NULL is allowed */
+
+/* Reads the files again if they have changed. If they cannot be read, or do not fit, the log says
+ * so and the certificate stays. Connections keep the certificate that they have begun with.
+ * Threads: one. */
+void pen_tls_refresh(struct pen_tls *tls);
+
+/* The callback by which GnuTLS gets the certificate of the open struct pen_tls. */
+int pen_tls_certificate(gnutls_session_t session, const gnutls_datum_t *req_ca_dn, int nreqs,
+                        const gnutls_pk_algorithm_t *pk_algos, int pk_algos_length,
+                        gnutls_pcert_st **pcert, unsigned int *pcert_length,
+                        gnutls_privkey_t *privkey);
+
+#endif
