@@ -33,7 +33,7 @@ static struct pen_submission read_submission(const struct request *request)
 {
     struct pen_submission in = {.body = request->body.data ? (const char *)request->body.data : "",
                                 .bytes = request->body.bytes,
-                                .address_is_shared = request->client_is_shared,
+                                .client_is_shared = request->client_is_shared,
                                 .traceparent = request->fields.traceparent,
                                 .idempotency_key = request->fields.idempotency_key};
     enum pen_media media = pen_media_parse(request->fields.content_type);
@@ -71,20 +71,24 @@ static void note_readiness(struct pen_http *http, const struct pen_errors *error
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* The body as a submission of this client, for a job that is to be stored; `address` takes the text
- * of its address. */
-static struct pen_submission read_job(const struct request *request, char address[PEER_BYTES])
+#define ADDRESS "address:"
+enum { CLIENT_BYTES = sizeof ADDRESS - 1 + PEER_BYTES };
+
+/* The body as a submission of this client, for a job that is to be stored; `client` takes the text
+ * of the client. */
+static struct pen_submission read_job(const struct request *request, char client[CLIENT_BYTES])
 {
     struct pen_submission in = read_submission(request);
-    pen_http_address_text(&request->client, address);
-    in.address = address;
+    memcpy(client, ADDRESS, sizeof ADDRESS);
+    pen_http_address_text(&request->client, client + sizeof ADDRESS - 1);
+    in.client = client;
     return in;
 }
 
 enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jobs)
 {
-    char address[PEER_BYTES];
-    struct pen_submission in = read_job(request, address);
+    char client[CLIENT_BYTES];
+    struct pen_submission in = read_job(request, client);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
@@ -246,8 +250,8 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
 /* Makes the job. Returns whether it is there; otherwise the request is answered. */
 static bool submit_explanation(struct request *request, struct pen_jobs *jobs)
 {
-    char address[PEER_BYTES];
-    struct pen_submission in = read_job(request, address);
+    char client[CLIENT_BYTES];
+    struct pen_submission in = read_job(request, client);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     in.explain = true;

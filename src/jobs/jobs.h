@@ -38,10 +38,10 @@ struct pen_submission {
     size_t bytes;
     bool xml;                    /* true: a bare scene in XML; false: JSON */
     bool explain;                /* a job of kind "explain" is to be made */
-    const char *address;         /* of the client, for fair shares; NULL: none */
-    bool address_is_shared;      /* many clients can be behind it */
+    const char *client;          /* `token:NAME` or `address:IP`, the job's owner; NULL: "" */
+    bool client_is_shared;       /* many can be behind its address */
     const char *traceparent;     /* the trace that the job belongs to; NULL: none */
-    const char *idempotency_key; /* NULL: none */
+    const char *idempotency_key; /* of the client; NULL: none */
 };
 
 struct pen_submitted {

@@ -201,13 +201,13 @@ struct pen_job_new {
     const struct pen_view_new *views;
     int batch_count;
     const struct pen_batch_new *batches;
-    const char *address;                  /* of the client, which shares are given to; NULL: none */
-    const char *label;                    /* what divides the share of the address; NULL: none */
-    int64_t queue_max, address_queue_max; /* the most unfinished jobs, this one included: in all,
-                                             and of this address; 0: any number */
-    const char *idempotency_key;          /* NULL: none */
-    const unsigned char *body_sha256;     /* 32 bytes; required with a key */
-    const char *answer;                   /* stored with the key, returned to a repeated submit */
+    const char *client;                  /* the job's owner, who also has its share; NULL: "" */
+    const char *label;                   /* what divides the share of the client; NULL: none */
+    int64_t queue_max, client_queue_max; /* the most unfinished jobs, this one included: in all,
+                                            and of this client; 0: any number */
+    const char *idempotency_key;         /* of the client; NULL: none */
+    const unsigned char *body_sha256;    /* 32 bytes; required with a key */
+    const char *answer;                  /* stored with the key, returned to a repeated submit */
 };
 
 enum pen_submit_result {

@@ -116,14 +116,15 @@ START_TEST(test_jobs__scene_is_given_back_byte_for_byte)
 }
 END_TEST
 
-static enum pen_submit_result submit_with_key(struct pen_store *store, int n, const char *key,
-                                              unsigned char body, struct pen_buf *answer)
+static enum pen_submit_result submit_of(const char *client, struct pen_store *store, int n,
+                                        const char *key, unsigned char body, struct pen_buf *answer)
 {
     struct store_job in;
     unsigned char hash[32] = {body};
     char text[32];
     snprintf(text, sizeof text, "answer %d", n);
     store_job_init(&in, n, 1, 1);
+    in.job.client = client;
     in.job.idempotency_key = key;
     in.job.body_sha256 = hash;
     in.job.answer = text;
@@ -131,6 +132,12 @@ static enum pen_submit_result submit_with_key(struct pen_store *store, int n, co
     enum pen_submit_result result;
     store_must(pen_store_submit(store, &in.job, &result, answer, &st), &st, "submit");
     return result;
+}
+
+static enum pen_submit_result submit_with_key(struct pen_store *store, int n, const char *key,
+                                              unsigned char body, struct pen_buf *answer)
+{
+    return submit_of(NULL, store, n, key, body, answer);
 }
 
 START_TEST(test_jobs__key_gives_the_first_answer_again)
@@ -151,6 +158,22 @@ START_TEST(test_jobs__key_gives_the_first_answer_again)
     store_must(pen_store_jobs(bed.store, &filter, &jobs, &count, &st), &st, "list");
     ck_assert_int_eq(count, 2);
     pen_job_records_free(jobs, count);
+    pen_buf_release(&answer);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_jobs__same_key_of_two_clients_makes_two_jobs)
+{
+    struct store_bed bed = {0};
+    store_bed_open(&bed);
+    struct pen_buf answer = {0};
+    ck_assert_int_eq(submit_of("token:a", bed.store, 1, "k", 9, &answer), PEN_SUBMIT_CREATED);
+    ck_assert_int_eq(submit_of("token:b", bed.store, 2, "k", 9, &answer), PEN_SUBMIT_CREATED);
+    ck_assert_int_eq(submit_of(NULL, bed.store, 3, "k", 8, &answer), PEN_SUBMIT_CREATED);
+    ck_assert_int_eq(submit_of("token:a", bed.store, 4, "k", 8, &answer), PEN_SUBMIT_REUSED);
+    ck_assert_int_eq(submit_of("token:b", bed.store, 5, "k", 9, &answer), PEN_SUBMIT_REPEATED);
+    ck_assert_str_eq((char *)answer.data, "answer 2");
     pen_buf_release(&answer);
     store_bed_close(&bed);
 }
@@ -429,8 +452,9 @@ END_TEST
 
 PEN_SUITE("store jobs", test_jobs__submitted_job_is_there_as_given, test_jobs__counts_are_by_state,
           test_jobs__unknown_job_is_not_found, test_jobs__scene_is_given_back_byte_for_byte,
-          test_jobs__key_gives_the_first_answer_again, test_jobs__key_is_forgotten_when_it_is_old,
-          test_jobs__key_outlives_its_job,
+          test_jobs__key_gives_the_first_answer_again,
+          test_jobs__same_key_of_two_clients_makes_two_jobs,
+          test_jobs__key_is_forgotten_when_it_is_old, test_jobs__key_outlives_its_job,
           test_jobs__list_is_newest_first_and_continues_below_a_number,
           test_jobs__list_filters_by_state_and_kind,
           test_jobs__cancel_ends_a_job_once_and_leaves_ended_ones,
