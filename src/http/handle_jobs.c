@@ -206,10 +206,10 @@ static void drop_job(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_job_snapshot job;
     struct pen_status st;
-    if (!pen_jobs_cancel(jobs, request->job_id, &job, &st))
+    if (!pen_jobs_cancel(jobs, request->job_id, NULL, &job, &st))
         return;
     json_decref(job.json);
-    pen_jobs_delete(jobs, request->job_id, false, &st);
+    pen_jobs_delete(jobs, request->job_id, NULL, false, &st);
 }
 
 /* Answers with the explanation, the error that took its place, or the job if it takes long. The job
@@ -243,7 +243,7 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
         pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", request->job_id);
     if ((request->reply.status == 200 && !request->reply.failed) ||
         snapshot->state == PEN_JOB_CANCELLED)
-        pen_jobs_delete(jobs, request->job_id, false,
+        pen_jobs_delete(jobs, request->job_id, NULL, false,
                         &st); /* if it fails, the list has one job more */
 }
 
@@ -344,7 +344,7 @@ enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jo
 {
     struct pen_job_snapshot job;
     struct pen_status st;
-    if (!pen_jobs_cancel(jobs, request->job_id, &job, &st))
+    if (!pen_jobs_cancel(jobs, request->job_id, NULL, &job, &st))
         return answer_status(request, &st);
     request->changed = job.cancelled_now;
     pen_http_reply_json(&request->reply, 202, job.json);
@@ -356,7 +356,7 @@ enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jo
     struct pen_status st;
     const char *stats = pen_http_request_param(request, "stats");
     bool keep_stats = !stats || strcmp(stats, "true") != 0;
-    if (!pen_jobs_delete(jobs, request->job_id, keep_stats, &st))
+    if (!pen_jobs_delete(jobs, request->job_id, NULL, keep_stats, &st))
         return answer_status(request, &st);
     request->changed = true;
     request->reply.status = 204;

@@ -307,15 +307,22 @@ bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *sc
 bool pen_store_scene_bytes(struct pen_store *store, const char *id, size_t *bytes,
                            struct pen_status *st);
 
+/* Returns true if a client may change a job, which may have been removed; the two calls below check
+ * it too. NULL as `client` is the operator. Fails: PEN_FORBIDDEN (it belongs to another client). */
+bool pen_store_check_client(struct pen_store *store, const char *id, const char *client,
+                            struct pen_status *st);
+
 /* Cancels a job, and ends its open and leased batches, in one transaction. A job that has ended
- * stays as it is. Fails: PEN_NOT_FOUND. */
-bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st);
+ * stays as it is. Fails: PEN_NOT_FOUND, PEN_FORBIDDEN. */
+bool pen_store_cancel(struct pen_store *store, const char *id, const char *client,
+                      struct pen_status *st);
 
 /* Removes an ended job. Only `stats`, a text, stays readable, by pen_store_removed_stats (NULL:
  * nothing; on a job that was removed before, its text is dropped). Space is freed later, by
- * pen_store_purge_slice. Fails: PEN_NOT_FOUND, PEN_GONE, PEN_CONFLICT (it has not ended). */
-bool pen_store_delete(struct pen_store *store, const char *id, const char *stats,
-                      struct pen_status *st);
+ * pen_store_purge_slice. Fails: PEN_NOT_FOUND, PEN_GONE, PEN_FORBIDDEN, PEN_CONFLICT (it has not
+ * ended). */
+bool pen_store_delete(struct pen_store *store, const char *id, const char *client,
+                      const char *stats, struct pen_status *st);
 
 /* Appends what a removed job left. Fails: PEN_NOT_FOUND (no such job, or not removed), PEN_GONE (it
  * left nothing). */

@@ -658,7 +658,7 @@ START_TEST(test_submit__first_answer_is_made_again_from_the_job)
     ck_assert_msg(submit(body, "key-1", &first, &errors), "%s: %s", errors.item[0].at,
                   errors.item[0].msg);
     ck_assert_uint_gt(first.answer.bytes, 32 * 200);
-    ck_assert(pen_store_cancel(bed.bed.store, first.id, &st));
+    ck_assert(pen_store_cancel(bed.bed.store, first.id, NULL, &st));
     ck_assert(submit(body, "key-1", &again, &errors));
     ck_assert_str_eq(again.id, first.id);
     ck_assert_uint_eq(again.answer.bytes, first.answer.bytes);
@@ -666,7 +666,7 @@ START_TEST(test_submit__first_answer_is_made_again_from_the_job)
     pen_buf_release(&again.answer);
     pen_buf_release(&first.answer);
     store_run_sql(&bed.bed, "SELECT key FROM idempotency WHERE length(answer) > 100", NULL, 0);
-    ck_assert(pen_jobs_delete(bed.jobs, first.id, true, &st));
+    ck_assert(pen_jobs_delete(bed.jobs, first.id, NULL, true, &st));
     ck_assert(!submit(body, "key-1", &again, &errors));
     ck_assert_int_eq(errors.item[0].code, PEN_GONE);
     jobs_bed_close(&bed);

@@ -46,7 +46,7 @@ START_TEST(test_jobs__counts_are_by_state)
     store_job_submit(bed.store, &first);
     store_job_submit(bed.store, &second);
     struct pen_status st;
-    ck_assert(pen_store_cancel(bed.store, second.id, &st));
+    ck_assert(pen_store_cancel(bed.store, second.id, NULL, &st));
     store_claim(bed.store, "w");
     struct pen_counts counts;
     store_must(pen_store_counts(bed.store, &counts, &st), &st, "counts");
@@ -71,9 +71,9 @@ START_TEST(test_jobs__unknown_job_is_not_found)
     ck_assert(!pen_store_scene(bed.store, "nobody", &buf, &st));
     ck_assert(!pen_store_scene_bytes(bed.store, "nobody", &bytes, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
-    ck_assert(!pen_store_cancel(bed.store, "nobody", &st));
+    ck_assert(!pen_store_cancel(bed.store, "nobody", NULL, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
-    ck_assert(!pen_store_delete(bed.store, "nobody", NULL, &st));
+    ck_assert(!pen_store_delete(bed.store, "nobody", NULL, NULL, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
     ck_assert(!pen_store_artefact(bed.store, "nobody", 0, "beauty", "png", &buf, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
@@ -204,8 +204,8 @@ START_TEST(test_jobs__key_outlives_its_job)
     struct store_job in;
     store_job_init(&in, 1, 1, 1);
     submit_with_key(bed.store, 1, "k", 9, &answer);
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     ck_assert_int_eq(submit_with_key(bed.store, 2, "k", 9, &answer), PEN_SUBMIT_REPEATED);
     ck_assert_str_eq((char *)answer.data, "answer 1");
     pen_buf_release(&answer);
@@ -267,7 +267,7 @@ START_TEST(test_jobs__list_filters_by_state_and_kind)
         in.job.kind = n % 2 ? "render" : "effects";
         store_job_submit(bed.store, &in);
         if (n >= 3)
-            store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+            store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
     }
     char text[16];
     int64_t last;
@@ -298,16 +298,16 @@ START_TEST(test_jobs__cancel_ends_a_job_once_and_leaves_ended_ones)
     store_work_off(bed.store, "w");
     store_job_init(&in, 1, 1, 3);
     store_job_submit(bed.store, &in);
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
     struct pen_job_record first = store_job_get(bed.store, in.id);
     ck_assert_int_eq(first.state, PEN_JOB_CANCELLED);
     ck_assert_int_eq(first.revision, 2);
     ck_assert_int_gt(first.finished_ms, 0);
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel again");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel again");
     struct pen_job_record again = store_job_get(bed.store, in.id);
     ck_assert_int_eq(again.revision, first.revision);
     ck_assert_int_eq(again.finished_ms, first.finished_ms);
-    store_must(pen_store_cancel(bed.store, done.id, &st), &st, "cancel an ended one");
+    store_must(pen_store_cancel(bed.store, done.id, NULL, &st), &st, "cancel an ended one");
     ck_assert_int_eq(store_job_state(bed.store, done.id), PEN_JOB_SUCCEEDED);
     ck_assert_int_eq(store_work_off(bed.store, "w"), 0);
     pen_job_record_release(&first);
@@ -324,16 +324,16 @@ START_TEST(test_jobs__delete_needs_an_ended_job_and_leaves_nothing)
     struct store_job in;
     store_job_init(&in, 1, 2, 3);
     store_job_submit(bed.store, &in);
-    ck_assert(!pen_store_delete(bed.store, in.id, NULL, &st));
+    ck_assert(!pen_store_delete(bed.store, in.id, NULL, NULL, &st));
     ck_assert_int_eq(st.code, PEN_CONFLICT);
     struct pen_claim claim = store_claim(bed.store, "w");
-    ck_assert(!pen_store_delete(bed.store, in.id, NULL, &st));
+    ck_assert(!pen_store_delete(bed.store, in.id, NULL, NULL, &st));
     ck_assert_int_eq(st.code, PEN_CONFLICT);
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     store_work_off(bed.store, "w");
     store_must(pen_store_cache_put(bed.store, in.id, -1, "beauty", "png", "all", 3, &st), &st,
                "contact sheet");
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     struct pen_job_record job;
     ck_assert(!pen_store_job(bed.store, in.id, &job, &st));
     ck_assert_int_eq(st.code, PEN_GONE);
@@ -355,7 +355,7 @@ START_TEST(test_jobs__delete_keeps_a_scene_that_another_job_names)
     store_job_submit(bed.store, &one);
     store_job_submit(bed.store, &two);
     store_work_off(bed.store, "w");
-    store_must(pen_store_delete(bed.store, one.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, one.id, NULL, NULL, &st), &st, "delete");
     struct pen_buf scene = {0};
     store_must(pen_store_scene(bed.store, two.id, &scene, &st), &st, "scene");
     ck_assert_str_eq((char *)scene.data, two.scene);

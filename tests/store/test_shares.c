@@ -128,7 +128,7 @@ START_TEST(test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_no
         }
         const struct timespec pause = {.tv_nsec = EACH_MS * 1000000L};
         nanosleep(&pause, NULL);
-        store_must(pen_store_cancel(bed.store, claim.job_id, &st), &st, "cancel");
+        store_must(pen_store_cancel(bed.store, claim.job_id, NULL, &st), &st, "cancel");
         if (++cancelled < CANCELLED) /* the last one's time has not been made up for */
             got_us[0] += (pen_clock_ns() - begun_ns) / 1000;
     }

@@ -313,6 +313,9 @@ struct pen_driver_ops {
     /* Locks the job. PostgreSQL: FOR UPDATE in a write transaction. */
     bool (*job_find)(struct pen_driver *driver, const char *id, struct pen_job_key *job,
                      bool *found, struct pen_status *st);
+    /* Whether a job, or one of which removed_get finds what stays, is of a client. */
+    bool (*job_is_of)(struct pen_driver *driver, const char *id, const char *client, bool *is,
+                      struct pen_status *st);
     bool (*job_counts)(struct pen_driver *driver, struct pen_counts *counts, struct pen_status *st);
     /* Makes a queued job running, with a new revision; *changed = false: it was not queued. */
     bool (*job_start)(struct pen_driver *driver, int64_t job, int64_t now_ms, bool *changed,
@@ -355,7 +358,8 @@ struct pen_driver_ops {
      * all if an unfinished job names it. */
     bool (*ended_bytes)(struct pen_driver *driver, int64_t enough, int64_t *bytes,
                         struct pen_status *st);
-    /* What stays of a removed job: its id, when it was removed, and its statistics (NULL: none).
+    /* What stays of a removed job: its id, its client, when it was removed, and its statistics
+     * (NULL: none).
      * removed_get appends the statistics to `stats`, unless that is NULL. */
     bool (*removed_add)(struct pen_driver *driver, const char *id, int64_t now_ms,
                         const char *stats, struct pen_status *st);

@@ -236,6 +236,18 @@ bool pen_sqlite_job_find(struct pen_driver *driver, const char *id, struct pen_j
     return pen_sqlite_next_job_key(&query, job, found, st);
 }
 
+bool pen_sqlite_job_is_of(struct pen_driver *driver, const char *id, const char *client, bool *is,
+                          struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_IS_OF);
+    int64_t same = 0;
+    pen_sqlite_text(&query, id);
+    pen_sqlite_text(&query, client);
+    const bool ok = pen_sqlite_value(&query, &same, st);
+    *is = same != 0;
+    return ok;
+}
+
 static bool count_batches(struct pen_sqlite_store *store, struct pen_counts *counts,
                           struct pen_status *st)
 {

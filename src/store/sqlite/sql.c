@@ -163,6 +163,8 @@ static const char *const sql_text[] = {
                            " SELECT 'label:' || l.key, l.value, ?1 FROM json_each(?2, '$.labels') l"
                            " WHERE l.type = 'text'",
     [SQL_JOB_FIND] = "SELECT number, state, scene FROM job WHERE id = ? AND removed_ms = 0",
+    [SQL_JOB_IS_OF] = "SELECT coalesce((SELECT client FROM job WHERE id = ?1),"
+                      " (SELECT client FROM removed WHERE id = ?1)) = ?2",
     [SQL_JOB_COUNTS] = "SELECT state, count(*) - (SELECT count(*) FROM job r WHERE r.removed_ms > 0"
                        " AND r.state = job.state) FROM job GROUP BY state",
     [SQL_BATCH_COUNTS] = "SELECT (SELECT count(*) FROM batch WHERE state = 0),"
@@ -214,7 +216,8 @@ static const char *const sql_text[] = {
         " ORDER BY j.finished_ms, j.number",
     [SQL_BYTES_OF_STATS] = "SELECT length(CAST(stats AS BLOB)) FROM removed"
                            " WHERE stats IS NOT NULL ORDER BY removed_ms",
-    [SQL_REMOVED_ADD] = "INSERT INTO removed (id, removed_ms, stats) VALUES (?, ?, ?)",
+    [SQL_REMOVED_ADD] = "INSERT INTO removed (id, removed_ms, stats, client) VALUES (?1, ?2, ?3,"
+                        " coalesce((SELECT client FROM job WHERE id = ?1), ''))",
     [SQL_REMOVED_GET] = "SELECT stats FROM removed WHERE id = ?",
     [SQL_REMOVED_DROP_STATS] = "UPDATE removed SET stats = NULL WHERE id = ?",
     [SQL_REMOVED_PURGE] = "DELETE FROM removed" PURGED,
