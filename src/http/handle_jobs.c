@@ -33,7 +33,7 @@ static struct pen_submission read_submission(const struct request *request)
 {
     struct pen_submission in = {.body = request->body.data ? (const char *)request->body.data : "",
                                 .bytes = request->body.bytes,
-                                .address_is_shared = request->client_is_shared,
+                                .client_is_shared = request->client_is_shared,
                                 .traceparent = request->fields.traceparent,
                                 .idempotency_key = request->fields.idempotency_key};
     enum pen_media media = pen_media_parse(request->fields.content_type);
@@ -75,7 +75,7 @@ static void note_readiness(struct pen_http *http, const struct pen_errors *error
 static struct pen_submission read_job(const struct request *request)
 {
     struct pen_submission in = read_submission(request);
-    in.address = request->client;
+    in.client = request->client;
     return in;
 }
 
@@ -193,10 +193,10 @@ static void drop_job(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_job_snapshot job;
     struct pen_status st;
-    if (!pen_jobs_cancel(jobs, request->job_id, &job, &st))
+    if (!pen_jobs_cancel(jobs, request->job_id, NULL, &job, &st))
         return;
     json_decref(job.json);
-    pen_jobs_delete(jobs, request->job_id, false, &st);
+    pen_jobs_delete(jobs, request->job_id, NULL, false, &st);
 }
 
 /* Answers with the explanation, the error that took its place, or the job if it takes long. The job
@@ -230,7 +230,7 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
         pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", request->job_id);
     if ((request->reply.status == 200 && !request->reply.failed) ||
         snapshot->state == PEN_JOB_CANCELLED)
-        pen_jobs_delete(jobs, request->job_id, false,
+        pen_jobs_delete(jobs, request->job_id, NULL, false,
                         &st); /* if it fails, the list has one job more */
 }
 
@@ -330,7 +330,7 @@ enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jo
 {
     struct pen_job_snapshot job;
     struct pen_status st;
-    if (!pen_jobs_cancel(jobs, request->job_id, &job, &st))
+    if (!pen_jobs_cancel(jobs, request->job_id, pen_http_request_owner(request), &job, &st))
         return answer_status(request, &st);
     request->changed = job.cancelled_now;
     pen_http_reply_json(&request->reply, 202, job.json);
@@ -342,7 +342,7 @@ enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jo
     struct pen_status st;
     const char *stats = pen_http_request_param(request, "stats");
     bool keep_stats = !stats || strcmp(stats, "true") != 0;
-    if (!pen_jobs_delete(jobs, request->job_id, keep_stats, &st))
+    if (!pen_jobs_delete(jobs, request->job_id, pen_http_request_owner(request), keep_stats, &st))
         return answer_status(request, &st);
     request->changed = true;
     request->reply.status = 204;

@@ -70,7 +70,7 @@ static bool expire_jobs(struct pen_housekeeper *keeper)
     for (int i = 0; i < EXPIRED_AT_ONCE && found; i++) {
         if (!pen_store_expired(keeper->store, id, &found, &st))
             return note_failure(keeper, &st);
-        if (found && !pen_jobs_delete(keeper->jobs, id, true, &st) && st.code != PEN_GONE)
+        if (found && !pen_jobs_delete(keeper->jobs, id, NULL, true, &st) && st.code != PEN_GONE)
             return note_failure(keeper, &st);
     }
     return found;

@@ -172,27 +172,30 @@ json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
     return answer;
 }
 
-bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
-                     struct pen_status *st)
+bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, const char *client,
+                     struct pen_job_snapshot *out, struct pen_status *st)
 {
     struct pen_job_record job;
     if (!pen_store_job(jobs->store, id, &job, st))
         return false;
-    if (pen_job_state_ended(job.state))
+    const bool ended = pen_job_state_ended(job.state);
+    if (ended && pen_store_check_client(jobs->store, id, client, st))
         return make_snapshot(&job, out, st);
     pen_job_record_release(&job);
-    if (!pen_store_cancel(jobs->store, id, st) || !pen_jobs_get(jobs, id, out, st))
+    if (ended || !pen_store_cancel(jobs->store, id, client, st) || !pen_jobs_get(jobs, id, out, st))
         return false;
     out->cancelled_now = out->state == PEN_JOB_CANCELLED;
     return true;
 }
 
-bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, bool keep_stats, struct pen_status *st)
+bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, const char *client, bool keep_stats,
+                     struct pen_status *st)
 {
     json_t *stats = keep_stats ? pen_jobs_stats(jobs, id, st) : NULL;
     /* A job that had not ended has statistics soon, even if it has ended by now. */
     if (keep_stats && !stats && st->code == PEN_CONFLICT)
-        return pen_fail(st, PEN_CONFLICT, "job %s has not ended; cancel it before deleting it", id);
+        return pen_store_check_client(jobs->store, id, client, st) &&
+               pen_fail(st, PEN_CONFLICT, "job %s has not ended; cancel it before deleting it", id);
     if (keep_stats && !stats && st->code != PEN_STORAGE)
         return false; /* there is no such job, or the next try may read them */
     char *text = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
@@ -201,7 +204,7 @@ bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, bool keep_stats, str
         return pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
     /* Where they cannot be read they are damaged and not worth keeping; where the store cannot be
      * read, it removes nothing either. */
-    bool ok = pen_store_delete(jobs->store, id, keep_stats && !text ? "{}" : text, st);
+    bool ok = pen_store_delete(jobs->store, id, client, keep_stats && !text ? "{}" : text, st);
     free(text);
     return ok;
 }

@@ -38,10 +38,10 @@ struct pen_submission {
     size_t bytes;
     bool xml;                    /* true: a bare scene in XML; false: JSON */
     bool explain;                /* a job of kind "explain" is to be made */
-    const char *address;         /* of the client, for fair shares; NULL: none */
-    bool address_is_shared;      /* many clients can be behind it */
+    const char *client;          /* `token:NAME` or `address:IP`, the job's owner; NULL: "" */
+    bool client_is_shared;       /* many can be behind its address */
     const char *traceparent;     /* the trace that the job belongs to; NULL: none */
-    const char *idempotency_key; /* NULL: none */
+    const char *idempotency_key; /* of the client; NULL: none */
 };
 
 struct pen_submitted {
@@ -98,14 +98,17 @@ struct pen_list_query {
 json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
                       struct pen_status *st);
 
-/* Cancels a job, and reads it; a job that has ended stays as it is. Fails: PEN_NOT_FOUND. */
-bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, struct pen_job_snapshot *out,
-                     struct pen_status *st);
+/* Cancels a job, and reads it; a job that has ended stays as it is. NULL as `client` is the
+ * operator. Fails: PEN_NOT_FOUND, PEN_FORBIDDEN (the job belongs to another client). */
+bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, const char *client,
+                     struct pen_job_snapshot *out, struct pen_status *st);
 
 /* Removes a job that has ended, and its results. With keep_stats its statistics stay readable for
- * years; without it they go, too, also those of a job that was removed before. Fails:
- * PEN_NOT_FOUND; PEN_GONE (nothing is left to remove); PEN_CONFLICT (it has not ended). */
-bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, bool keep_stats, struct pen_status *st);
+ * years; without it they go, too, also those of a job that was removed before. NULL
+ * as `client` is the operator. Fails: PEN_NOT_FOUND; PEN_GONE (nothing is left to remove);
+ * PEN_FORBIDDEN (it belongs to another client); PEN_CONFLICT (it has not ended). */
+bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, const char *client, bool keep_stats,
+                     struct pen_status *st);
 
 /* Sets memory aside for a picture. If it fails, the picture is not made: the call fails with *st.
  */

@@ -199,9 +199,9 @@ static void hash(struct prepared *job, const struct pen_submission *in)
 }
 
 /* Unless the operator says otherwise, one client cannot fill the queue. */
-static int64_t address_queue_max(const struct pen_limits *limits, const struct pen_submission *in)
+static int64_t client_queue_max(const struct pen_limits *limits, const struct pen_submission *in)
 {
-    if (limits->address_queue > 0 || in->address_is_shared)
+    if (limits->address_queue > 0 || in->client_is_shared)
         return limits->address_queue;
     return (limits->queue + 1) / 2;
 }
@@ -225,10 +225,10 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
                                     .priority = request->priority,
                                     .max_attempts = request->max_attempts,
                                     .timeout_ms = request->timeout_ms,
-                                    .address = in->address,
+                                    .client = in->client,
                                     .label = job->label,
                                     .queue_max = jobs->limits.queue,
-                                    .address_queue_max = address_queue_max(&jobs->limits, in),
+                                    .client_queue_max = client_queue_max(&jobs->limits, in),
                                     .idempotency_key = in->idempotency_key};
     pen_id_make(job->new.created_ms, job->id);
     bool ok = (job->request && (job->label || !labelled) && prepare_scene(job, request)) ||

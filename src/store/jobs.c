@@ -12,6 +12,17 @@ bool pen_find_job(struct pen_store *store, const char *id, struct pen_job_key *j
            (found || pen_fail_missing(store, id, st));
 }
 
+bool pen_policy_check_client(struct pen_store *store, const char *id, const char *client,
+                             struct pen_status *st)
+{
+    bool same = true;
+    if (client && !store->driver->ops->job_is_of(store->driver, id, client, &same, st))
+        return false;
+    return same || pen_fail(st, PEN_FORBIDDEN,
+                            "the job belongs to another client; a token of scope admin may cancel "
+                            "or delete it");
+}
+
 /* Sets the attempt that the job is on: one more than its charges, unless the last one ended it. */
 static void set_attempts(struct pen_job_row *row)
 {
@@ -112,19 +123,28 @@ bool pen_end_job(struct pen_store *store, int64_t job, enum pen_job_state state,
            driver->ops->job_artefacts_drop(driver, job, PEN_KEPT_LAYER, st);
 }
 
+struct cancel {
+    const char *id, *client;
+};
+
 /* The time that workers have spent and not told yet is charged too: else who cancels soon enough
  * would be served for nothing. */
 static bool write_cancel(struct pen_store *store, void *arg, struct pen_status *st)
 {
+    const struct cancel *in = arg;
     struct pen_driver *driver = store->driver;
     struct pen_job_key job;
     int64_t now_ms;
-    return pen_find_job(store, arg, &job, st) && driver->ops->now(driver, &now_ms, st) &&
+    return pen_find_job(store, in->id, &job, st) &&
+           pen_policy_check_client(store, in->id, in->client, st) &&
+           driver->ops->now(driver, &now_ms, st) &&
            driver->ops->job_charge_leases(driver, job.number, now_ms, st) &&
            pen_end_job(store, job.number, PEN_JOB_CANCELLED, NULL, st);
 }
 
-bool pen_policy_cancel(struct pen_store *store, const char *id, struct pen_status *st)
+bool pen_policy_cancel(struct pen_store *store, const char *id, const char *client,
+                       struct pen_status *st)
 {
-    return pen_store_write(store, write_cancel, (void *)(uintptr_t)id, st);
+    struct cancel in = {id, client};
+    return pen_store_write(store, write_cancel, &in, st);
 }

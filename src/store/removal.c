@@ -31,18 +31,21 @@ bool pen_fail_missing(struct pen_store *store, const char *id, struct pen_status
 }
 
 struct removal {
-    const char *id, *stats;
+    const char *id, *client, *stats;
 };
 
 /* Drops the statistics of a job that was removed before. */
-static bool drop_stats(struct pen_store *store, const char *id, struct pen_status *st)
+static bool drop_stats(struct pen_store *store, const char *id, const char *client,
+                       struct pen_status *st)
 {
     struct pen_driver *driver = store->driver;
     bool has_stats, found;
     if (!driver->ops->removed_get(driver, id, NULL, &has_stats, &found, st))
         return false;
-    return found && has_stats ? driver->ops->removed_drop_stats(driver, id, st)
-                              : pen_fail_missing(store, id, st);
+    if (!found || !has_stats)
+        return pen_fail_missing(store, id, st);
+    return pen_policy_check_client(store, id, client, st) &&
+           driver->ops->removed_drop_stats(driver, id, st);
 }
 
 static bool write_delete(struct pen_store *store, void *arg, struct pen_status *st)
@@ -55,7 +58,10 @@ static bool write_delete(struct pen_store *store, void *arg, struct pen_status *
     if (!driver->ops->job_find(driver, in->id, &job, &found, st))
         return false;
     if (!found)
-        return in->stats ? pen_fail_missing(store, in->id, st) : drop_stats(store, in->id, st);
+        return in->stats ? pen_fail_missing(store, in->id, st)
+                         : drop_stats(store, in->id, in->client, st);
+    if (!pen_policy_check_client(store, in->id, in->client, st))
+        return false;
     if (!pen_job_state_ended(job.state))
         return pen_fail(st, PEN_CONFLICT, "job %s is %s; cancel it before deleting it", in->id,
                         pen_job_state_name(job.state));
@@ -65,10 +71,10 @@ static bool write_delete(struct pen_store *store, void *arg, struct pen_status *
            driver->ops->removed_add(driver, in->id, now_ms, in->stats, st);
 }
 
-bool pen_policy_delete(struct pen_store *store, const char *id, const char *stats,
-                       struct pen_status *st)
+bool pen_policy_delete(struct pen_store *store, const char *id, const char *client,
+                       const char *stats, struct pen_status *st)
 {
-    struct removal in = {id, stats};
+    struct removal in = {id, client, stats};
     return pen_store_write(store, write_delete, &in, st);
 }
 

@@ -341,38 +341,47 @@ static bool may_repeat(struct pen_store *store, int *tries, const struct pen_sta
     return leave(store, NULL, again);
 }
 
-static bool cancel(struct pen_store *store, const char *id, struct pen_status *st)
+bool pen_store_check_client(struct pen_store *store, const char *id, const char *client,
+                            struct pen_status *st)
+{
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, pen_policy_check_client(store, id, client, st));
+}
+
+static bool cancel(struct pen_store *store, const char *id, const char *client,
+                   struct pen_status *st)
 {
     struct call_start start = begin(store, "cancel");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &start, pen_policy_cancel(store, id, st));
+           leave(store, &start, pen_policy_cancel(store, id, client, st));
 }
 
-bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st)
-{
-    int tries = 0;
-    bool ok;
-    do
-        ok = cancel(store, id, st);
-    while (!ok && may_repeat(store, &tries, st));
-    return ok;
-}
-
-static bool remove_job(struct pen_store *store, const char *id, const char *stats,
-                       struct pen_status *st)
-{
-    struct call_start start = begin(store, "delete");
-    return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &start, pen_policy_delete(store, id, stats, st));
-}
-
-bool pen_store_delete(struct pen_store *store, const char *id, const char *stats,
+bool pen_store_cancel(struct pen_store *store, const char *id, const char *client,
                       struct pen_status *st)
 {
     int tries = 0;
     bool ok;
     do
-        ok = remove_job(store, id, stats, st);
+        ok = cancel(store, id, client, st);
+    while (!ok && may_repeat(store, &tries, st));
+    return ok;
+}
+
+static bool remove_job(struct pen_store *store, const char *id, const char *client,
+                       const char *stats, struct pen_status *st)
+{
+    struct call_start start = begin(store, "delete");
+    return enter(store, PEN_NEED_WRITE, st) &&
+           leave(store, &start, pen_policy_delete(store, id, client, stats, st));
+}
+
+bool pen_store_delete(struct pen_store *store, const char *id, const char *client,
+                      const char *stats, struct pen_status *st)
+{
+    int tries = 0;
+    bool ok;
+    do
+        ok = remove_job(store, id, client, stats, st);
     while (!ok && may_repeat(store, &tries, st));
     return ok;
 }

@@ -201,13 +201,13 @@ struct pen_job_new {
     const struct pen_view_new *views;
     int batch_count;
     const struct pen_batch_new *batches;
-    const char *address;                  /* of the client, which shares are given to; NULL: none */
-    const char *label;                    /* what divides the share of the address; NULL: none */
-    int64_t queue_max, address_queue_max; /* the most unfinished jobs, this one included: in all,
-                                             and of this address; 0: any number */
-    const char *idempotency_key;          /* NULL: none */
-    const unsigned char *body_sha256;     /* 32 bytes; required with a key */
-    const char *answer;                   /* stored with the key, returned to a repeated submit */
+    const char *client;                  /* the job's owner, who also has its share; NULL: "" */
+    const char *label;                   /* what divides the share of the client; NULL: none */
+    int64_t queue_max, client_queue_max; /* the most unfinished jobs, this one included: in all,
+                                            and of this client; 0: any number */
+    const char *idempotency_key;         /* of the client; NULL: none */
+    const unsigned char *body_sha256;    /* 32 bytes; required with a key */
+    const char *answer;                  /* stored with the key, returned to a repeated submit */
 };
 
 enum pen_submit_result {
@@ -307,15 +307,22 @@ bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *sc
 bool pen_store_scene_bytes(struct pen_store *store, const char *id, size_t *bytes,
                            struct pen_status *st);
 
+/* Returns true if a client may change a job, which may have been removed; the two calls below check
+ * it too. NULL as `client` is the operator. Fails: PEN_FORBIDDEN (it belongs to another client). */
+bool pen_store_check_client(struct pen_store *store, const char *id, const char *client,
+                            struct pen_status *st);
+
 /* Cancels a job, and ends its open and leased batches, in one transaction. A job that has ended
- * stays as it is. Fails: PEN_NOT_FOUND. */
-bool pen_store_cancel(struct pen_store *store, const char *id, struct pen_status *st);
+ * stays as it is. Fails: PEN_NOT_FOUND, PEN_FORBIDDEN. */
+bool pen_store_cancel(struct pen_store *store, const char *id, const char *client,
+                      struct pen_status *st);
 
 /* Removes an ended job. Only `stats`, a text, stays readable, by pen_store_removed_stats (NULL:
  * nothing; on a job that was removed before, its text is dropped). Space is freed later, by
- * pen_store_purge_slice. Fails: PEN_NOT_FOUND, PEN_GONE, PEN_CONFLICT (it has not ended). */
-bool pen_store_delete(struct pen_store *store, const char *id, const char *stats,
-                      struct pen_status *st);
+ * pen_store_purge_slice. Fails: PEN_NOT_FOUND, PEN_GONE, PEN_FORBIDDEN, PEN_CONFLICT (it has not
+ * ended). */
+bool pen_store_delete(struct pen_store *store, const char *id, const char *client,
+                      const char *stats, struct pen_status *st);
 
 /* Appends what a removed job left. Fails: PEN_NOT_FOUND (no such job, or not removed), PEN_GONE (it
  * left nothing). */

@@ -32,8 +32,8 @@ static bool find_key(struct pen_store *store, struct submission *in, bool *found
 {
     unsigned char body[32];
     size_t before = in->first_answer->bytes;
-    if (!store->driver->ops->key_get(store->driver, in->job->idempotency_key, body,
-                                     in->first_answer, found, st))
+    if (!store->driver->ops->key_get(store->driver, pen_job_client(in->job),
+                                     in->job->idempotency_key, body, in->first_answer, found, st))
         return false;
     if (!*found)
         return true;
@@ -46,7 +46,8 @@ static bool find_key(struct pen_store *store, struct submission *in, bool *found
 
 static bool add_key(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
-    struct pen_key_row key = {.key = in->job->idempotency_key,
+    struct pen_key_row key = {.client = pen_job_client(in->job),
+                              .key = in->job->idempotency_key,
                               .body_sha256 = in->job->body_sha256,
                               .answer = in->job->answer};
     bool added, found;
@@ -142,12 +143,12 @@ static bool add_parts(struct pen_store *store, const struct pen_job_new *job, in
     return true;
 }
 
-/* address: of the client whose jobs were counted; NULL: all were. */
-static bool too_many(int64_t jobs, const char *address, int64_t most, struct pen_status *st)
+/* client: whose jobs were counted; NULL: all were. */
+static bool too_many(int64_t jobs, const char *client, int64_t most, struct pen_status *st)
 {
     return pen_fail(st, PEN_QUOTA, "%lld job%s%s%s %s, at most %lld %s allowed; try again later",
-                    (long long)jobs, jobs == 1 ? "" : "s", address ? " of your address " : "",
-                    address ? address : "", jobs == 1 ? "waits or runs" : "wait or run",
+                    (long long)jobs, jobs == 1 ? "" : "s", client ? " of client " : "",
+                    client ? client : "", jobs == 1 ? "waits or runs" : "wait or run",
                     (long long)most, most == 1 ? "is" : "are");
 }
 
@@ -155,17 +156,16 @@ static bool too_many(int64_t jobs, const char *address, int64_t most, struct pen
 static bool check_queue(struct pen_store *store, const struct pen_job_new *job,
                         struct pen_status *st)
 {
-    int64_t all, of_address;
-    if (job->queue_max == 0 && job->address_queue_max == 0)
+    int64_t all, of_client;
+    if (job->queue_max == 0 && job->client_queue_max == 0)
         return true;
-    if (!store->driver->ops->queue_lengths(store->driver, job->address ? job->address : "", &all,
-                                           &of_address, st))
+    if (!store->driver->ops->queue_lengths(store->driver, pen_job_client(job), &all, &of_client,
+                                           st))
         return false;
     if (job->queue_max > 0 && all > job->queue_max)
         return too_many(all - 1, NULL, job->queue_max, st);
-    if (job->address_queue_max > 0 && of_address > job->address_queue_max)
-        return too_many(of_address - 1, job->address ? job->address : "", job->address_queue_max,
-                        st);
+    if (job->client_queue_max > 0 && of_client > job->client_queue_max)
+        return too_many(of_client - 1, pen_job_client(job), job->client_queue_max, st);
     return true;
 }
 

@@ -54,7 +54,7 @@ static void submit(struct pen_store *store, int n, int addresses, int labels)
                                     .batch_count = 1,
                                     .batches = &batch,
 #ifndef BEFORE
-                                    .address = address,
+                                    .client = address,
                                     .label = label
 #endif
     };

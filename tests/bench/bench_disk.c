@@ -118,7 +118,7 @@ static void fill(struct pen_store *store, double gib)
         must(pen_store_artefact_put(store, &claim, layer, "pfm", picture, PICTURE_BYTES, &st), &st,
              "picture");
     }
-    must(pen_store_cancel(store, "01900000-0000-7000-8000-000000000001", &st), &st, "cancel");
+    must(pen_store_cancel(store, "01900000-0000-7000-8000-000000000001", NULL, &st), &st, "cancel");
     free(picture);
 }
 
@@ -130,7 +130,8 @@ static void remove_all(struct pen_store *store)
     int slices = 0;
     double longest_ms = 0;
     int64_t begun_ns = pen_clock_ns();
-    must(pen_store_delete(store, "01900000-0000-7000-8000-000000000001", "{}", &st), &st, "delete");
+    must(pen_store_delete(store, "01900000-0000-7000-8000-000000000001", NULL, "{}", &st), &st,
+         "delete");
     printf("delete answered after %.1f ms\n", seconds_since(begun_ns) * 1e3);
     for (begun_ns = pen_clock_ns(); more; slices++) {
         int64_t slice_ns = pen_clock_ns();

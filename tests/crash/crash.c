@@ -408,7 +408,7 @@ static void run_undisturbed(struct test *t)
         snprintf(job.key, sizeof job.key, "undisturbed-%d", k);
         check(t, submit(t, &job) && wait_for_all(t), "an undisturbed job succeeds", kind_name(k));
         t->wanted[k] = outcome_of(t->jobs, job.id, k);
-        must(pen_store_delete(pen_jobs_store(t->jobs), job.id, NULL, &st), &st, "delete");
+        must(pen_store_delete(pen_jobs_store(t->jobs), job.id, NULL, NULL, &st), &st, "delete");
     }
 }
 

@@ -137,7 +137,7 @@ call /v1/jobs -H 'Content-Type: application/json' -H 'Idempotency-Key: again' -d
 expect second-job "$status" 202
 second=$(body .id)
 submit "$small"
-expect_problem too-many-jobs-of-one-client 429 '*2 jobs of your address 127.0.0.1 wait or run, at most 2*'
+expect_problem too-many-jobs-of-one-client 429 '*2 jobs of client address:127.0.0.1 wait or run, at most 2*'
 expect_match when-to-try-again "$(curl -s -D - -o "$work/ignored" "$url/v1/jobs" -d "$small" | tr -d '\r')" '*Retry-After: *'
 call /v1/jobs -H 'Content-Type: application/json' -H 'Idempotency-Key: again' -d "$long"
 expect known-job-is-answered "$(body .id)" "$second"
@@ -167,7 +167,7 @@ for addresses in 10.0.0.7 10.0.0.9,10.0.0.7 '10.0.0.9 10.0.0.7' 10.0.0.7:80; do
     expect "a-job-of-a-client-$addresses" "$status" 202
 done
 from 10.0.0.7
-expect_problem one-more-of-that-client 429 '*4 jobs of your address 10.0.0.7 wait or run, at most 4*'
+expect_problem one-more-of-that-client 429 '*4 jobs of client address:10.0.0.7 wait or run, at most 4*'
 from 10.0.0.7,10.0.0.8
 expect a-job-of-another-client "$status" 202
 call "/v1/jobs/$(body .id)/cancel" -X POST
@@ -185,7 +185,7 @@ daemon_start --role api --max-queue 4 --trusted-proxy 127.0.0.1
 from 2001:db8::1
 from 2001:db8::2
 from 2001:db8::3
-expect_problem networks-are-one-client 429 '*2 jobs of your address 2001:db8:: wait or run, at most 2*'
+expect_problem networks-are-one-client 429 '*2 jobs of client address:2001:db8:: wait or run, at most 2*'
 daemon_stop
 store=$work/unnamed.db
 daemon_start --role api --max-queue 4 --trusted-proxy 127.0.0.1
@@ -194,7 +194,7 @@ for n in 1 2; do
     expect "a-job-of-nobody-$n" "$status" 202
 done
 from 10.0.0.7,
-expect_problem clients-without-a-name-are-one 429 '*2 jobs of your address 127.0.0.1 wait or run, at most 2*'
+expect_problem clients-without-a-name-are-one 429 '*2 jobs of client address:127.0.0.1 wait or run, at most 2*'
 for n in 3 4; do
     submit "$small"
     expect "the-proxy-itself-may-fill-it-$n" "$status" 202

@@ -74,7 +74,7 @@ static void begin(void)
 static void cancel(void)
 {
     struct pen_status st;
-    store_must(pen_store_cancel(bed.store, job.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, job.id, NULL, &st), &st, "cancel");
     for (int ms = 0; ms < WAIT_MS && !atomic_load(pen_heartbeat_cancel_flag(heart)); ms += STEP_MS)
         pause_ms(STEP_MS);
     ck_assert(atomic_load(pen_heartbeat_cancel_flag(heart)));

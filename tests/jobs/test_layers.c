@@ -194,7 +194,7 @@ START_TEST(test_layers__cancel_drops_the_parts)
     jobs_bed_open(&bed);
     stop_after_batches(all, 2);
     ck_assert(jobs_has_kept(&bed, id, "cost-0"));
-    store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
+    store_must(pen_jobs_cancel(bed.jobs, id, NULL, &snapshot, &st), &st, "cancel");
     json_decref(snapshot.json);
     ck_assert_int_eq(count_of("SELECT count(*) FROM artefact WHERE layer = 'kept'"), 0);
     jobs_bed_close(&bed);

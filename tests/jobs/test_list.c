@@ -117,7 +117,7 @@ START_TEST(test_list__state_filters)
     for (char name = 'a'; name <= 'd'; name++) {
         submit_named(name);
         if (name % 2)
-            store_must(pen_store_cancel(bed.bed.store, id, &st), &st, "cancel");
+            store_must(pen_store_cancel(bed.bed.store, id, NULL, &st), &st, "cancel");
     }
     struct pen_list_query query = {.state = PEN_JOB_CANCELLED, .limit = 500, .kind = "render"};
     json_t *page = list(&query);
@@ -200,20 +200,61 @@ START_TEST(test_list__cancel_and_delete_follow_the_state)
     struct pen_status st;
     jobs_bed_open(&bed);
     submit_named('a');
-    ck_assert(!pen_jobs_delete(bed.jobs, id, true, &st));
+    ck_assert(!pen_jobs_delete(bed.jobs, id, NULL, true, &st));
     ck_assert_int_eq(st.code, PEN_CONFLICT);
     for (int i = 0; i < 2; i++) {
-        store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
+        store_must(pen_jobs_cancel(bed.jobs, id, NULL, &snapshot, &st), &st, "cancel");
         ck_assert_int_eq(snapshot.state, PEN_JOB_CANCELLED);
         ck_assert_int_eq(snapshot.revision, 2);
         ck_assert_ptr_nonnull(json_string_value(json_object_get(snapshot.json, "finished_at")));
         json_decref(snapshot.json);
     }
-    store_must(pen_jobs_delete(bed.jobs, id, true, &st), &st, "delete");
+    store_must(pen_jobs_delete(bed.jobs, id, NULL, true, &st), &st, "delete");
     ck_assert(!pen_jobs_get(bed.jobs, id, &snapshot, &st));
     ck_assert_int_eq(st.code, PEN_GONE);
-    ck_assert(!pen_jobs_cancel(bed.jobs, id, &snapshot, &st));
+    ck_assert(!pen_jobs_cancel(bed.jobs, id, NULL, &snapshot, &st));
     ck_assert_int_eq(st.code, PEN_GONE);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
+static void expect_forbidden(const char *client)
+{
+    struct pen_job_snapshot snapshot;
+    struct pen_status st = {0};
+    ck_assert(!pen_jobs_cancel(bed.jobs, id, client, &snapshot, &st));
+    ck_assert_int_eq(st.code, PEN_FORBIDDEN);
+    ck_assert_ptr_nonnull(strstr(st.msg, "a token of scope admin may"));
+    for (int keep_stats = 0; keep_stats < 2; keep_stats++) {
+        ck_assert(!pen_jobs_delete(bed.jobs, id, client, keep_stats, &st));
+        ck_assert_int_eq(st.code, PEN_FORBIDDEN);
+    }
+}
+
+START_TEST(test_list__only_the_client_of_a_job_changes_it)
+{
+    const char *body = jobs_scene("");
+    const struct pen_submission in = {.body = body, .bytes = strlen(body), .client = "token:a"};
+    struct pen_submitted out;
+    struct pen_errors errors = {0};
+    struct pen_job_snapshot snapshot;
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    ck_assert(pen_jobs_submit(bed.jobs, &in, &out, &errors));
+    memcpy(id, out.id, sizeof id);
+    pen_buf_release(&out.answer);
+    for (int i = 0; i < 2; i++) {
+        expect_forbidden("token:b");
+        store_must(pen_jobs_cancel(bed.jobs, id, "token:a", &snapshot, &st), &st, "cancel");
+        ck_assert_int_eq(snapshot.revision, 2);
+        ck_assert(snapshot.cancelled_now == (i == 0));
+        json_decref(snapshot.json);
+    }
+    expect_forbidden("token:b");
+    store_must(pen_jobs_delete(bed.jobs, id, "token:a", true, &st), &st, "delete");
+    ck_assert(!pen_jobs_delete(bed.jobs, id, "token:b", false, &st));
+    ck_assert_int_eq(st.code, PEN_FORBIDDEN);
+    store_must(pen_jobs_delete(bed.jobs, id, "token:a", false, &st), &st, "drop");
     jobs_bed_close(&bed);
 }
 END_TEST
@@ -238,12 +279,12 @@ START_TEST(test_list__job_that_ends_while_it_is_deleted_stays_with_its_statistic
     jobs_bed_open(&bed);
     submit_named('a');
     pen_store_observe(pen_jobs_store(bed.jobs), &observer);
-    ck_assert(!pen_jobs_delete(bed.jobs, id, true, &st));
+    ck_assert(!pen_jobs_delete(bed.jobs, id, NULL, true, &st));
     pen_store_observe(pen_jobs_store(bed.jobs), NULL);
     ck_assert(ended);
     ck_assert_int_eq(st.code, PEN_CONFLICT);
     ck_assert_ptr_nonnull(strstr(st.msg, "cancel it before"));
-    store_must(pen_jobs_delete(bed.jobs, id, true, &st), &st, "delete");
+    store_must(pen_jobs_delete(bed.jobs, id, NULL, true, &st), &st, "delete");
     json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
     store_must(stats != NULL, &st, "stats");
     ck_assert_uint_gt(json_object_size(stats), 0);
@@ -349,7 +390,7 @@ START_TEST(test_list__only_long_jobs_are_estimated)
         pen_job_record_release(&job);
     }
     struct pen_job_snapshot snapshot;
-    store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
+    store_must(pen_jobs_cancel(bed.jobs, id, NULL, &snapshot, &st), &st, "cancel");
     json_decref(snapshot.json);
     jobs_bed_close(&bed);
 }
@@ -480,6 +521,7 @@ PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps,
           test_list__a_page_ends_at_a_mebibyte, test_list__state_filters,
           test_list__name_and_label_filter, test_list__wrong_cursors_and_limits_are_refused,
           test_list__cancel_and_delete_follow_the_state,
+          test_list__only_the_client_of_a_job_changes_it,
           test_list__job_that_ends_while_it_is_deleted_stays_with_its_statistics,
           test_list__progress_is_frozen_per_revision,
           test_list__first_eta_is_the_estimate_of_the_worker,

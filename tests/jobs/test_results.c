@@ -136,7 +136,7 @@ START_TEST(test_results__only_a_succeeded_job_has_its_picture)
     store_must(pen_store_fail(bed.bed.store, &claim, "{}", &st), &st, "fail");
     refuse(NULL, NULL, "pfm", PEN_CONFLICT);
     jobs_submit(&bed, jobs_scene(small), id);
-    store_must(pen_store_cancel(bed.bed.store, id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.bed.store, id, NULL, &st), &st, "cancel");
     refuse(NULL, NULL, "png16", PEN_CONFLICT);
     jobs_bed_close(&bed);
 }
@@ -227,7 +227,7 @@ START_TEST(test_results__preview_shows_committed_pixels_and_is_transparent_elsew
     struct pen_buf partly = preview();
     expect_png(film, &options, &partly);
     pen_buf_release(&partly);
-    store_must(pen_store_cancel(bed.bed.store, id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.bed.store, id, NULL, &st), &st, "cancel");
     partly = preview();
     expect_png(film, &options, &partly);
     pen_buf_release(&partly);

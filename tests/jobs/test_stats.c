@@ -189,7 +189,7 @@ START_TEST(test_stats__come_only_after_the_end)
     jobs_submit(&bed, jobs_scene(""), id);
     ck_assert_ptr_null(pen_jobs_stats(bed.jobs, id, &st));
     ck_assert_int_eq(st.code, PEN_CONFLICT);
-    store_must(pen_store_cancel(bed.bed.store, id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.bed.store, id, NULL, &st), &st, "cancel");
     json_t *stats = stats_of_job();
     ck_assert(number(json_object_get(stats, "rays"), "total") == 0);
     ck_assert_str_eq(json_string_value(json_object_get(stats, "kernel")), "");

@@ -419,7 +419,7 @@ START_TEST(test_study__cancel_stops_a_run)
     wait_for_runs(1);
     jobs_submit(&bed, jobs_scene(", \"render\": {\"width\": 4, \"height\": 4}"), next);
     ck_assert_int_eq(store_job_state(bed.bed.store, next), PEN_JOB_QUEUED);
-    store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
+    store_must(pen_jobs_cancel(bed.jobs, id, NULL, &snapshot, &st), &st, "cancel");
     int64_t begun_ns = pen_clock_ns();
     json_decref(snapshot.json);
     /* The next job is done only after the worker has left the first one. */

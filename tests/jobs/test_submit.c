@@ -619,6 +619,25 @@ START_TEST(test_submit__key_repeats_the_answer_and_refuses_another_body)
 }
 END_TEST
 
+START_TEST(test_submit__key_is_of_its_client)
+{
+    const char *body = jobs_scene("");
+    struct pen_submission in = {.body = body, .bytes = strlen(body), .idempotency_key = "k"};
+    struct pen_submitted out[3];
+    struct pen_errors errors = {0};
+    jobs_bed_open(&bed);
+    for (int i = 0; i < 3; i++) {
+        in.client = i == 1 ? "address:10.0.0.1" : "token:a";
+        ck_assert(pen_jobs_submit(bed.jobs, &in, &out[i], &errors));
+        pen_buf_release(&out[i].answer);
+    }
+    ck_assert_str_ne(out[0].id, out[1].id);
+    ck_assert(!out[1].repeated && out[2].repeated);
+    ck_assert_str_eq(out[0].id, out[2].id);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 /* Of a job of many kinds of members, after it has ended; and the key costs the store little. */
 START_TEST(test_submit__first_answer_is_made_again_from_the_job)
 {
@@ -639,7 +658,7 @@ START_TEST(test_submit__first_answer_is_made_again_from_the_job)
     ck_assert_msg(submit(body, "key-1", &first, &errors), "%s: %s", errors.item[0].at,
                   errors.item[0].msg);
     ck_assert_uint_gt(first.answer.bytes, 32 * 200);
-    ck_assert(pen_store_cancel(bed.bed.store, first.id, &st));
+    ck_assert(pen_store_cancel(bed.bed.store, first.id, NULL, &st));
     ck_assert(submit(body, "key-1", &again, &errors));
     ck_assert_str_eq(again.id, first.id);
     ck_assert_uint_eq(again.answer.bytes, first.answer.bytes);
@@ -647,7 +666,7 @@ START_TEST(test_submit__first_answer_is_made_again_from_the_job)
     pen_buf_release(&again.answer);
     pen_buf_release(&first.answer);
     store_run_sql(&bed.bed, "SELECT key FROM idempotency WHERE length(answer) > 100", NULL, 0);
-    ck_assert(pen_jobs_delete(bed.jobs, first.id, true, &st));
+    ck_assert(pen_jobs_delete(bed.jobs, first.id, NULL, true, &st));
     ck_assert(!submit(body, "key-1", &again, &errors));
     ck_assert_int_eq(errors.item[0].code, PEN_GONE);
     jobs_bed_close(&bed);
@@ -779,7 +798,7 @@ PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
           test_submit__effective_settings_read_back_as_themselves,
           test_submit__answer_is_the_stored_job, test_submit__scene_is_returned_as_sent,
           test_submit__key_repeats_the_answer_and_refuses_another_body,
-          test_submit__first_answer_is_made_again_from_the_job,
+          test_submit__key_is_of_its_client, test_submit__first_answer_is_made_again_from_the_job,
           test_submit__ids_are_uuids_of_their_time_in_order,
           test_submit__batches_cover_every_tile_once,
           test_submit__validate_gives_the_same_errors_and_stores_nothing,

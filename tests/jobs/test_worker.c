@@ -281,7 +281,7 @@ static void cancel_job(void)
 {
     struct pen_job_snapshot snapshot;
     struct pen_status st;
-    store_must(pen_jobs_cancel(bed.jobs, id, &snapshot, &st), &st, "cancel");
+    store_must(pen_jobs_cancel(bed.jobs, id, NULL, &snapshot, &st), &st, "cancel");
     ck_assert_int_eq(snapshot.state, PEN_JOB_CANCELLED);
     json_decref(snapshot.json);
 }

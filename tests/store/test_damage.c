@@ -403,7 +403,7 @@ START_TEST(test_damage__found_in_use_is_not_served_until_it_is_gone)
     ck_assert(
         !pen_store_job(other, in.id, &job, &st)); /* this handle has not met the damage itself */
     ck_assert_msg(strstr(st.msg, "damaged") != NULL, "%s", st.msg);
-    ck_assert(!pen_store_cancel(other, in.id, &st));
+    ck_assert(!pen_store_cancel(other, in.id, NULL, &st));
     ck_assert(!pen_store_probe(other, &st));
     overwrite(&good, 0);
     bool served = false;

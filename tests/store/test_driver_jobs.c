@@ -166,6 +166,37 @@ START_TEST(test_driver_jobs__key_of_a_job_has_its_state_and_scene)
 }
 END_TEST
 
+static bool is_of(const char *id, const char *client)
+{
+    bool is;
+    DRIVER_DO(bed.driver, job_is_of, id, client, &is);
+    return is;
+}
+
+START_TEST(test_driver_jobs__client_of_a_job_outlives_its_row)
+{
+    struct store_job in;
+    driver_bed_open(&bed, _i);
+    store_job_init(&in, 1, 1, 1);
+    in.job.client = "token:a";
+    struct driver_job job = driver_submit(bed.driver, &in);
+    ck_assert(is_of(in.id, "token:a"));
+    ck_assert(!is_of(in.id, "token:b"));
+    ck_assert(!is_of(in.id, ""));
+    ck_assert(!is_of("nobody", ""));
+    end_job(bed.driver, job.number, PEN_JOB_CANCELLED);
+    DRIVER_RUN(bed.driver, begin_write);
+    DRIVER_DO(bed.driver, job_mark_removed, job.number, 9);
+    DRIVER_DO(bed.driver, removed_add, in.id, 9, NULL);
+    DRIVER_DO(bed.driver, job_remove, job.number);
+    DRIVER_DO(bed.driver, scene_remove_unused, job.scene);
+    DRIVER_RUN(bed.driver, commit);
+    ck_assert(is_of(in.id, "token:a"));
+    ck_assert(!is_of(in.id, ""));
+    driver_bed_close(&bed);
+}
+END_TEST
+
 /* Jobs 1 to 5 in the order of their states, with two batches each; the running one holds one. */
 static void one_job_in_each_state(int64_t numbers[PEN_JOB_STATE_COUNT])
 {
@@ -507,6 +538,7 @@ END_TEST
 DRIVER_SUITE("driver: jobs", test_driver_jobs__job_is_read_as_written,
              test_driver_jobs__pages_are_newest_first_and_filtered,
              test_driver_jobs__a_page_ends_where_its_texts_are_long,
+             test_driver_jobs__client_of_a_job_outlives_its_row,
              test_driver_jobs__key_of_a_job_has_its_state_and_scene,
              test_driver_jobs__counts_are_by_state, test_driver_jobs__only_a_queued_job_is_started,
              test_driver_jobs__only_a_running_job_succeeds,

@@ -14,7 +14,7 @@ static bool add_key(struct pen_driver *driver, const char *key, unsigned char fi
     unsigned char body[32] = {first_of_body, 2, 3};
     char answer[16];
     snprintf(answer, sizeof answer, "answer %d", first_of_body);
-    struct pen_key_row row = {key, body, answer, created_ms};
+    struct pen_key_row row = {"", key, body, answer, created_ms};
     bool added = false;
     DRIVER_DO(driver, key_add, &row, &added);
     return added;
@@ -32,18 +32,43 @@ START_TEST(test_driver_submit__first_with_a_key_stays)
     ck_assert(add_key(bed.driver, "other", 3, 1)); /* the transaction goes on */
     DRIVER_RUN(bed.driver, commit);
     pen_buf_puts(&answer, "> ");
-    DRIVER_DO(bed.driver, key_get, "k", body, &answer, &found);
+    DRIVER_DO(bed.driver, key_get, "", "k", body, &answer, &found);
     ck_assert(found);
     ck_assert_int_eq(body[0], 1);
     ck_assert_int_eq(body[2], 3);
     ck_assert_str_eq((const char *)answer.data, "> answer 1");
-    DRIVER_DO(bed.driver, key_get, "other", body, NULL, &found);
+    DRIVER_DO(bed.driver, key_get, "", "other", body, NULL, &found);
     ck_assert(found);
     ck_assert_int_eq(body[0], 3);
-    DRIVER_DO(bed.driver, key_get, "none", body, &answer, &found);
+    DRIVER_DO(bed.driver, key_get, "", "none", body, &answer, &found);
     ck_assert(!found);
     ck_assert_str_eq((const char *)answer.data, "> answer 1");
     pen_buf_release(&answer);
+    driver_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_driver_submit__each_client_has_keys_of_its_own)
+{
+    unsigned char body[2][32] = {{7}, {8}}, found_body[32];
+    bool added, found, more;
+    driver_bed_open(&bed, _i);
+    DRIVER_RUN(bed.driver, begin_write);
+    for (int i = 0; i < 2; i++) {
+        struct pen_key_row row = {i ? "token:b" : "token:a", "k", body[i], "answer", 10 + i};
+        DRIVER_DO(bed.driver, key_add, &row, &added);
+        ck_assert(added);
+    }
+    DRIVER_DO(bed.driver, key_get, "token:a", "k", found_body, NULL, &found);
+    ck_assert(found && found_body[0] == 7);
+    DRIVER_DO(bed.driver, key_get, "", "k", found_body, NULL, &found);
+    ck_assert(!found);
+    DRIVER_DO(bed.driver, keys_remove, 11, 100, &more);
+    DRIVER_DO(bed.driver, key_get, "token:a", "k", found_body, NULL, &found);
+    ck_assert(!found);
+    DRIVER_DO(bed.driver, key_get, "token:b", "k", found_body, NULL, &found);
+    ck_assert(found && found_body[0] == 8);
+    DRIVER_RUN(bed.driver, commit);
     driver_bed_close(&bed);
 }
 END_TEST
@@ -58,9 +83,9 @@ START_TEST(test_driver_submit__keys_older_than_a_time_are_removed)
     add_key(bed.driver, "young", 2, 1000);
     DRIVER_DO(bed.driver, keys_remove, 1000, 100, &more);
     DRIVER_RUN(bed.driver, commit);
-    DRIVER_DO(bed.driver, key_get, "old", body, NULL, &found);
+    DRIVER_DO(bed.driver, key_get, "", "old", body, NULL, &found);
     ck_assert(!found);
-    DRIVER_DO(bed.driver, key_get, "young", body, NULL, &found);
+    DRIVER_DO(bed.driver, key_get, "", "young", body, NULL, &found);
     ck_assert(found);
     driver_bed_close(&bed);
 }
@@ -83,9 +108,9 @@ static bool insert_key(struct pen_driver *driver, struct insertion *in, struct p
     unsigned char body[32] = {(unsigned char)in->racer};
     snprintf(key, sizeof key, "key %d", in->number);
     snprintf(answer, sizeof answer, "%d", in->racer);
-    struct pen_key_row row = {key, body, answer, 1};
+    struct pen_key_row row = {"", key, body, answer, 1};
     return driver->ops->key_add(driver, &row, &in->added, st) &&
-           driver->ops->key_get(driver, key, body, NULL, &in->found, st) &&
+           driver->ops->key_get(driver, "", key, body, NULL, &in->found, st) &&
            (in->id = body[0], true);
 }
 
@@ -339,6 +364,7 @@ START_TEST(test_driver_submit__unused_scene_documents_are_removed)
 END_TEST
 
 DRIVER_SUITE("driver: submit", test_driver_submit__first_with_a_key_stays,
+             test_driver_submit__each_client_has_keys_of_its_own,
              test_driver_submit__keys_older_than_a_time_are_removed,
              test_driver_submit__race_for_a_key_has_one_winner,
              test_driver_submit__race_for_a_scene_document_has_one_winner,

@@ -26,7 +26,7 @@ static bool has_key(struct pen_driver *driver, const char *key)
 {
     unsigned char body[32];
     bool found;
-    DRIVER_DO(driver, key_get, key, body, NULL, &found);
+    DRIVER_DO(driver, key_get, "", key, body, NULL, &found);
     return found;
 }
 
@@ -35,7 +35,8 @@ static void write_rows(struct pen_driver *driver)
 {
     static const unsigned char body[32];
     struct store_job in;
-    struct pen_key_row key = {.key = "k", .body_sha256 = body, .answer = "a", .created_ms = 1};
+    struct pen_key_row key = {
+        .client = "", .key = "k", .body_sha256 = body, .answer = "a", .created_ms = 1};
     struct pen_worker_new worker = {.id = "w", .host = "h", .pid = 1, .threads = 1};
     int64_t scene, number;
     bool added;

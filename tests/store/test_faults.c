@@ -122,12 +122,12 @@ static bool work_assemble(struct pen_status *st)
 
 static bool work_cancel(struct pen_status *st)
 {
-    return pen_store_cancel(disk.bed.store, fault_bed_id(FAULT_HALF), st);
+    return pen_store_cancel(disk.bed.store, fault_bed_id(FAULT_HALF), NULL, st);
 }
 
 static bool work_delete(struct pen_status *st)
 {
-    return pen_store_delete(disk.bed.store, fault_bed_id(FAULT_ENDED), NULL, st);
+    return pen_store_delete(disk.bed.store, fault_bed_id(FAULT_ENDED), NULL, NULL, st);
 }
 
 static bool work_fail(struct pen_status *st)

@@ -360,8 +360,8 @@ START_TEST(test_file__space_of_deleted_jobs_is_given_back)
     }
     for (int n = 0; n < 8; n++) {
         store_job_init(&in, n, 1, 1);
-        store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-        store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+        store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
+        store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     }
     store_purge_slices(bed.store);
     ck_assert_msg(file_bytes("") < 1 << 20, "the store still has %lld bytes",

@@ -46,7 +46,7 @@ START_TEST(test_jobs__counts_are_by_state)
     store_job_submit(bed.store, &first);
     store_job_submit(bed.store, &second);
     struct pen_status st;
-    ck_assert(pen_store_cancel(bed.store, second.id, &st));
+    ck_assert(pen_store_cancel(bed.store, second.id, NULL, &st));
     store_claim(bed.store, "w");
     struct pen_counts counts;
     store_must(pen_store_counts(bed.store, &counts, &st), &st, "counts");
@@ -71,9 +71,9 @@ START_TEST(test_jobs__unknown_job_is_not_found)
     ck_assert(!pen_store_scene(bed.store, "nobody", &buf, &st));
     ck_assert(!pen_store_scene_bytes(bed.store, "nobody", &bytes, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
-    ck_assert(!pen_store_cancel(bed.store, "nobody", &st));
+    ck_assert(!pen_store_cancel(bed.store, "nobody", NULL, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
-    ck_assert(!pen_store_delete(bed.store, "nobody", NULL, &st));
+    ck_assert(!pen_store_delete(bed.store, "nobody", NULL, NULL, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
     ck_assert(!pen_store_artefact(bed.store, "nobody", 0, "beauty", "png", &buf, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
@@ -116,14 +116,15 @@ START_TEST(test_jobs__scene_is_given_back_byte_for_byte)
 }
 END_TEST
 
-static enum pen_submit_result submit_with_key(struct pen_store *store, int n, const char *key,
-                                              unsigned char body, struct pen_buf *answer)
+static enum pen_submit_result submit_of(const char *client, struct pen_store *store, int n,
+                                        const char *key, unsigned char body, struct pen_buf *answer)
 {
     struct store_job in;
     unsigned char hash[32] = {body};
     char text[32];
     snprintf(text, sizeof text, "answer %d", n);
     store_job_init(&in, n, 1, 1);
+    in.job.client = client;
     in.job.idempotency_key = key;
     in.job.body_sha256 = hash;
     in.job.answer = text;
@@ -131,6 +132,12 @@ static enum pen_submit_result submit_with_key(struct pen_store *store, int n, co
     enum pen_submit_result result;
     store_must(pen_store_submit(store, &in.job, &result, answer, &st), &st, "submit");
     return result;
+}
+
+static enum pen_submit_result submit_with_key(struct pen_store *store, int n, const char *key,
+                                              unsigned char body, struct pen_buf *answer)
+{
+    return submit_of(NULL, store, n, key, body, answer);
 }
 
 START_TEST(test_jobs__key_gives_the_first_answer_again)
@@ -151,6 +158,22 @@ START_TEST(test_jobs__key_gives_the_first_answer_again)
     store_must(pen_store_jobs(bed.store, &filter, &jobs, &count, &st), &st, "list");
     ck_assert_int_eq(count, 2);
     pen_job_records_free(jobs, count);
+    pen_buf_release(&answer);
+    store_bed_close(&bed);
+}
+END_TEST
+
+START_TEST(test_jobs__same_key_of_two_clients_makes_two_jobs)
+{
+    struct store_bed bed = {0};
+    store_bed_open(&bed);
+    struct pen_buf answer = {0};
+    ck_assert_int_eq(submit_of("token:a", bed.store, 1, "k", 9, &answer), PEN_SUBMIT_CREATED);
+    ck_assert_int_eq(submit_of("token:b", bed.store, 2, "k", 9, &answer), PEN_SUBMIT_CREATED);
+    ck_assert_int_eq(submit_of(NULL, bed.store, 3, "k", 8, &answer), PEN_SUBMIT_CREATED);
+    ck_assert_int_eq(submit_of("token:a", bed.store, 4, "k", 8, &answer), PEN_SUBMIT_REUSED);
+    ck_assert_int_eq(submit_of("token:b", bed.store, 5, "k", 9, &answer), PEN_SUBMIT_REPEATED);
+    ck_assert_str_eq((char *)answer.data, "answer 2");
     pen_buf_release(&answer);
     store_bed_close(&bed);
 }
@@ -181,8 +204,8 @@ START_TEST(test_jobs__key_outlives_its_job)
     struct store_job in;
     store_job_init(&in, 1, 1, 1);
     submit_with_key(bed.store, 1, "k", 9, &answer);
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     ck_assert_int_eq(submit_with_key(bed.store, 2, "k", 9, &answer), PEN_SUBMIT_REPEATED);
     ck_assert_str_eq((char *)answer.data, "answer 1");
     pen_buf_release(&answer);
@@ -244,7 +267,7 @@ START_TEST(test_jobs__list_filters_by_state_and_kind)
         in.job.kind = n % 2 ? "render" : "effects";
         store_job_submit(bed.store, &in);
         if (n >= 3)
-            store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+            store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
     }
     char text[16];
     int64_t last;
@@ -275,16 +298,16 @@ START_TEST(test_jobs__cancel_ends_a_job_once_and_leaves_ended_ones)
     store_work_off(bed.store, "w");
     store_job_init(&in, 1, 1, 3);
     store_job_submit(bed.store, &in);
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
     struct pen_job_record first = store_job_get(bed.store, in.id);
     ck_assert_int_eq(first.state, PEN_JOB_CANCELLED);
     ck_assert_int_eq(first.revision, 2);
     ck_assert_int_gt(first.finished_ms, 0);
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel again");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel again");
     struct pen_job_record again = store_job_get(bed.store, in.id);
     ck_assert_int_eq(again.revision, first.revision);
     ck_assert_int_eq(again.finished_ms, first.finished_ms);
-    store_must(pen_store_cancel(bed.store, done.id, &st), &st, "cancel an ended one");
+    store_must(pen_store_cancel(bed.store, done.id, NULL, &st), &st, "cancel an ended one");
     ck_assert_int_eq(store_job_state(bed.store, done.id), PEN_JOB_SUCCEEDED);
     ck_assert_int_eq(store_work_off(bed.store, "w"), 0);
     pen_job_record_release(&first);
@@ -301,16 +324,16 @@ START_TEST(test_jobs__delete_needs_an_ended_job_and_leaves_nothing)
     struct store_job in;
     store_job_init(&in, 1, 2, 3);
     store_job_submit(bed.store, &in);
-    ck_assert(!pen_store_delete(bed.store, in.id, NULL, &st));
+    ck_assert(!pen_store_delete(bed.store, in.id, NULL, NULL, &st));
     ck_assert_int_eq(st.code, PEN_CONFLICT);
     struct pen_claim claim = store_claim(bed.store, "w");
-    ck_assert(!pen_store_delete(bed.store, in.id, NULL, &st));
+    ck_assert(!pen_store_delete(bed.store, in.id, NULL, NULL, &st));
     ck_assert_int_eq(st.code, PEN_CONFLICT);
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     store_work_off(bed.store, "w");
     store_must(pen_store_cache_put(bed.store, in.id, -1, "beauty", "png", "all", 3, &st), &st,
                "contact sheet");
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     struct pen_job_record job;
     ck_assert(!pen_store_job(bed.store, in.id, &job, &st));
     ck_assert_int_eq(st.code, PEN_GONE);
@@ -332,7 +355,7 @@ START_TEST(test_jobs__delete_keeps_a_scene_that_another_job_names)
     store_job_submit(bed.store, &one);
     store_job_submit(bed.store, &two);
     store_work_off(bed.store, "w");
-    store_must(pen_store_delete(bed.store, one.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, one.id, NULL, NULL, &st), &st, "delete");
     struct pen_buf scene = {0};
     store_must(pen_store_scene(bed.store, two.id, &scene, &st), &st, "scene");
     ck_assert_str_eq((char *)scene.data, two.scene);
@@ -429,8 +452,9 @@ END_TEST
 
 PEN_SUITE("store jobs", test_jobs__submitted_job_is_there_as_given, test_jobs__counts_are_by_state,
           test_jobs__unknown_job_is_not_found, test_jobs__scene_is_given_back_byte_for_byte,
-          test_jobs__key_gives_the_first_answer_again, test_jobs__key_is_forgotten_when_it_is_old,
-          test_jobs__key_outlives_its_job,
+          test_jobs__key_gives_the_first_answer_again,
+          test_jobs__same_key_of_two_clients_makes_two_jobs,
+          test_jobs__key_is_forgotten_when_it_is_old, test_jobs__key_outlives_its_job,
           test_jobs__list_is_newest_first_and_continues_below_a_number,
           test_jobs__list_filters_by_state_and_kind,
           test_jobs__cancel_ends_a_job_once_and_leaves_ended_ones,

@@ -17,10 +17,11 @@
 #include "support/suite.h"
 
 enum {
-    SCHEMAS = 14,
+    SCHEMAS = 15,
     FIRST_WITH_BENCHMARKS = 6,
     FIRST_WITH_LOCK_FILES = 9,
     FIRST_WITH_SHARES = 12,
+    LAST_WITH_ADDRESSES = 15,
     FILE_BYTES = 1 << 20
 };
 
@@ -38,7 +39,7 @@ static const struct {
     {"cancelled", PEN_JOB_CANCELLED, PEN_JOB_CANCELLED, {NULL}},
     {"benchmark", PEN_JOB_QUEUED, PEN_JOB_SUCCEEDED, {NULL}},
 };
-enum { JOBS = (int)(sizeof kept_jobs / sizeof kept_jobs[0]), HALF = 2 };
+enum { JOBS = (int)(sizeof kept_jobs / sizeof kept_jobs[0]), HALF = 2, QUEUED = 3 };
 
 static const char *const formats[] = {"png", "pfm"};
 enum { FORMATS = 2 };
@@ -276,6 +277,41 @@ START_TEST(test_kept__live_jobs_finish_with_the_pictures_of_a_fresh_render)
 }
 END_TEST
 
+static enum pen_submit_result submit_again(struct pen_store *store, int n, const char *client)
+{
+    static const unsigned char other_body[32];
+    struct store_job in;
+    struct pen_buf answer = {0};
+    enum pen_submit_result result;
+    struct pen_status st;
+    store_job_init(&in, n, 1, 1);
+    in.job.client = client;
+    in.job.idempotency_key = kept_jobs[0].name;
+    in.job.body_sha256 = other_body;
+    in.job.answer = "{}";
+    store_must(pen_store_submit(store, &in.job, &result, &answer, &st), &st, "submit");
+    pen_buf_release(&answer);
+    return result;
+}
+
+/* Jobs were submitted from 127.0.0.1, each with its name for a key. */
+START_TEST(test_kept__addresses_become_clients_of_jobs_and_keys)
+{
+    struct store_bed bed = {0};
+    struct pen_status st = {0};
+    char id[JOBS][PEN_ID_BYTES];
+    decompress(&bed, LAST_WITH_ADDRESSES);
+    store_bed_open(&bed);
+    list(bed.store, LAST_WITH_ADDRESSES, false, id);
+    ck_assert(!pen_store_cancel(bed.store, id[QUEUED], "address:127.0.0.2", &st));
+    ck_assert_int_eq(st.code, PEN_FORBIDDEN);
+    store_must(pen_store_cancel(bed.store, id[QUEUED], "address:127.0.0.1", &st), &st, "cancel");
+    ck_assert_int_eq(submit_again(bed.store, 1, "address:127.0.0.1"), PEN_SUBMIT_REUSED);
+    ck_assert_int_eq(submit_again(bed.store, 2, "address:127.0.0.2"), PEN_SUBMIT_CREATED);
+    store_bed_close(&bed);
+}
+END_TEST
+
 /* An earlier schema without a kept store would be one that no test has seen migrate. */
 START_TEST(test_kept__there_is_a_store_of_every_earlier_schema)
 {
@@ -288,4 +324,5 @@ END_TEST
 
 PEN_SUITE("stores of earlier schemas", test_kept__expired_lease_is_claimed_again,
           test_kept__live_jobs_finish_with_the_pictures_of_a_fresh_render,
+          test_kept__addresses_become_clients_of_jobs_and_keys,
           test_kept__there_is_a_store_of_every_earlier_schema)

@@ -266,7 +266,7 @@ START_TEST(test_leases__cancelled_while_leased_refuses_the_commit)
     struct pen_status st;
     struct pen_claim one = store_claim(bed.store, "w"), two = store_claim(bed.store, "w");
     ck_assert_int_eq(store_commit(bed.store, &one), PEN_OK);
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
     ck_assert(!held(&two));
     ck_assert_int_eq(store_commit(bed.store, &two), PEN_STALE);
     ck_assert_int_eq(expire("w"), 0);
@@ -302,8 +302,8 @@ START_TEST(test_leases__deleted_job_leaves_its_worker_stale)
     open_with_job(&in, 1, 1);
     struct pen_status st;
     struct pen_claim claim = store_claim(bed.store, "w");
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     ck_assert(!held(&claim));
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_STALE);
     /* Numbers are never used twice, so the old claim does not fit the next job's batch. */
@@ -404,7 +404,7 @@ START_TEST(test_leases__stale_commit_claims_nothing)
     float rgb[48] = {0};
     struct pen_result result = {.rgb = rgb, .pixels = 16, .stats = "{}"};
     struct pen_claim claim = store_claim(bed.store, "w");
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
     store_job_init(&other, 2, 1, 1);
     store_job_submit(bed.store, &other);
     struct pen_next next = {.worker = "w", .lease_ms = 60000};

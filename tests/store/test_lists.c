@@ -37,7 +37,7 @@ static void submit_all(void)
     for (int i = 0; i < 6; i++)
         submit(i + 1, requests[i]);
     store_job_init(&last, 6, 1, 1);
-    ck_assert(pen_store_cancel(bed.store, last.id, &st));
+    ck_assert(pen_store_cancel(bed.store, last.id, NULL, &st));
 }
 
 /* Checks that a list has the jobs with these numbers, one digit each. */
@@ -183,7 +183,7 @@ START_TEST(test_lists__forget_a_job_that_is_deleted)
     store_bed_open(&bed);
     submit_all();
     store_job_init(&last, 6, 1, 1);
-    store_must(pen_store_delete(bed.store, last.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, last.id, NULL, NULL, &st), &st, "delete");
     struct pen_job_filter filter = {.state = -1, .name = "a", .limit = 9};
     expect_list(&filter, "21");
     store_bed_close(&bed);

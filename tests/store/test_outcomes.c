@@ -57,9 +57,9 @@ START_TEST(test_outcomes__counts_follow_every_change_of_state)
     expect_counts((const int64_t[]){1, 1, 1, 0, 0}, 3, 1);
     store_must(pen_store_fail(bed.store, &first, "{}", &st), &st, "fail");
     expect_counts((const int64_t[]){1, 0, 1, 1, 0}, 2, 0);
-    store_must(pen_store_cancel(bed.store, in[2].id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, in[2].id, NULL, &st), &st, "cancel");
     expect_counts((const int64_t[]){0, 0, 1, 1, 1}, 0, 0);
-    store_must(pen_store_delete(bed.store, in[0].id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in[0].id, NULL, NULL, &st), &st, "delete");
     expect_counts((const int64_t[]){0, 0, 0, 1, 1}, 0, 0);
     store_bed_close(&bed);
 }
@@ -161,10 +161,10 @@ START_TEST(test_outcomes__refused_calls_have_done_nothing_and_will_not)
     store_bed_open(&bed);
     store_job_init(&in, 1, 1, 2);
     store_job_submit(bed.store, &in);
-    ck_assert(!pen_store_cancel(bed.store, "nobody", &st));
+    ck_assert(!pen_store_cancel(bed.store, "nobody", NULL, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
     ck_assert_int_eq(pen_store_failure(bed.store, &st), PEN_FAILURE_REFUSED);
-    ck_assert(!pen_store_delete(bed.store, in.id, NULL, &st));
+    ck_assert(!pen_store_delete(bed.store, in.id, NULL, NULL, &st));
     ck_assert_int_eq(st.code, PEN_CONFLICT);
     ck_assert_int_eq(pen_store_failure(bed.store, &st), PEN_FAILURE_REFUSED);
     struct pen_claim claim = store_claim(bed.store, "w");

@@ -51,16 +51,16 @@ START_TEST(test_removal__every_call_about_a_removed_job_says_gone)
     int calls = 0;
     store_bed_open(&bed);
     finish_job(&in, 1, 1000);
-    store_must(pen_store_delete(bed.store, in.id, "{\"rays\": 7}", &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, "{\"rays\": 7}", &st), &st, "delete");
     for (int purged = 0; purged < 2; purged++) {
         struct pen_store *s = bed.store;
         expect_code(pen_store_job(s, in.id, &job, &st), &st, PEN_GONE, "job");
         expect_code(pen_store_scene(s, in.id, &out, &st), &st, PEN_GONE, "scene");
-        expect_code(pen_store_cancel(s, in.id, &st), &st, PEN_GONE, "cancel");
+        expect_code(pen_store_cancel(s, in.id, NULL, &st), &st, PEN_GONE, "cancel");
         expect_code(pen_store_stats(s, in.id, read_nothing, &calls, &st), &st, PEN_GONE, "stats");
         expect_code(pen_store_artefact(s, in.id, 0, "beauty", "png", &out, &st), &st, PEN_GONE,
                     "picture");
-        expect_code(pen_store_delete(s, in.id, "{}", &st), &st, PEN_GONE, "delete again");
+        expect_code(pen_store_delete(s, in.id, NULL, "{}", &st), &st, PEN_GONE, "delete again");
         ck_assert(strstr(st.msg, "only its statistics are left") != NULL);
         store_purge_slices(s);
     }
@@ -83,13 +83,13 @@ START_TEST(test_removal__statistics_are_dropped_on_demand_and_forgotten_with_age
     finish_job(&first, 1, 0);
     finish_job(&second, 2, 0);
     finish_job(&third, 3, 0);
-    store_must(pen_store_delete(bed.store, first.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, first.id, NULL, NULL, &st), &st, "delete");
     expect_code(pen_store_removed_stats(bed.store, first.id, &out, &st), &st, PEN_GONE, "none");
-    expect_code(pen_store_delete(bed.store, first.id, NULL, &st), &st, PEN_GONE, "again");
-    store_must(pen_store_delete(bed.store, second.id, "{}", &st), &st, "delete");
-    store_must(pen_store_delete(bed.store, second.id, NULL, &st), &st, "drop");
+    expect_code(pen_store_delete(bed.store, first.id, NULL, NULL, &st), &st, PEN_GONE, "again");
+    store_must(pen_store_delete(bed.store, second.id, NULL, "{}", &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, second.id, NULL, NULL, &st), &st, "drop");
     expect_code(pen_store_removed_stats(bed.store, second.id, &out, &st), &st, PEN_GONE, "dropped");
-    store_must(pen_store_delete(bed.store, third.id, "{}", &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, third.id, NULL, "{}", &st), &st, "delete");
     store_must(pen_store_purge(bed.store, -1000, -1000, &st), &st, "purge");
     expect_code(pen_store_removed_stats(bed.store, first.id, &out, &st), &st, PEN_GONE, "whole");
     store_purge_slices(bed.store);
@@ -105,6 +105,26 @@ START_TEST(test_removal__statistics_are_dropped_on_demand_and_forgotten_with_age
 }
 END_TEST
 
+/* Schema 15 has no clients of removed jobs. */
+START_TEST(test_removal__statistics_of_an_earlier_schema_are_of_no_client)
+{
+    struct store_job in;
+    struct pen_status st = {0};
+    store_bed_open(&bed);
+    finish_job(&in, 1, 0);
+    store_must(pen_store_delete(bed.store, in.id, NULL, "{}", &st), &st, "delete");
+    store_purge_slices(bed.store);
+    pen_store_close(bed.store);
+    store_downgrade(bed.url, 15);
+    store_run_sql(&bed, "UPDATE meta SET value = 0 WHERE name = 'log'", NULL, 0); /* it is gone */
+    bed.store = store_bed_handle(&bed);
+    expect_code(pen_store_delete(bed.store, in.id, "address:10.0.0.1", NULL, &st), &st,
+                PEN_FORBIDDEN, "drop");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "drop");
+    store_bed_close(&bed);
+}
+END_TEST
+
 START_TEST(test_removal__a_removed_job_is_neither_listed_nor_counted)
 {
     struct store_job in[3];
@@ -116,7 +136,7 @@ START_TEST(test_removal__a_removed_job_is_neither_listed_nor_counted)
     store_bed_open(&bed);
     for (int n = 0; n < 3; n++)
         finish_job(&in[n], n, 0);
-    store_must(pen_store_delete(bed.store, in[1].id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in[1].id, NULL, NULL, &st), &st, "delete");
     for (int by_state = 0; by_state < 2; by_state++) {
         filter.state = by_state ? PEN_JOB_SUCCEEDED : -1;
         store_must(pen_store_jobs(bed.store, &filter, &jobs, &count, &st), &st, "list");
@@ -143,7 +163,7 @@ static bool remove_now(void *user, int first_tile, int tile_count, const float *
 {
     struct pen_status st;
     (void)first_tile, (void)tile_count, (void)rgb, (void)pixels;
-    store_must(pen_store_delete(bed.store, user, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, user, NULL, NULL, &st), &st, "delete");
     store_purge_slices(bed.store);
     return true;
 }
@@ -177,7 +197,7 @@ START_TEST(test_removal__a_large_job_goes_in_many_slices_and_its_space_returns)
     }
     store_must(pen_store_checkpoint(bed.store, &st), &st, "checkpoint");
     ck_assert_int_gt(file_bytes(), PICTURES * 3 * MIB);
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     ck_assert_int_gt(store_purge_slices(bed.store), PICTURES / 2);
     ck_assert_int_lt(file_bytes(), 2 * MIB);
     ck_assert_int_eq(store_job_state(bed.store, other.id), PEN_JOB_SUCCEEDED);
@@ -202,7 +222,7 @@ START_TEST(test_removal__space_returns_while_more_is_removed)
     free(picture);
     const int all = store_number(bed.url, "PRAGMA page_count");
     int most = 0;
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     while (more) {
         store_must(pen_store_purge_slice(bed.store, &more, &st), &st, "slice");
         const int free_pages = store_number(bed.url, "PRAGMA freelist_count");
@@ -224,7 +244,7 @@ static void die_in_between(const char *id, int slices)
         struct pen_status st;
         bool more, ok;
         struct pen_store *store = store_bed_handle(&bed);
-        ok = pen_store_delete(store, id, "{}", &st);
+        ok = pen_store_delete(store, id, NULL, "{}", &st);
         for (int i = 0; ok && i < slices; i++)
             ok = pen_store_purge_slice(store, &more, &st);
         raise(ok ? SIGKILL : SIGTERM);
@@ -260,6 +280,7 @@ END_TEST
 
 PEN_SUITE("removed jobs", test_removal__every_call_about_a_removed_job_says_gone,
           test_removal__statistics_are_dropped_on_demand_and_forgotten_with_age,
+          test_removal__statistics_of_an_earlier_schema_are_of_no_client,
           test_removal__a_removed_job_is_neither_listed_nor_counted,
           test_removal__a_large_job_goes_in_many_slices_and_its_space_returns,
           test_removal__space_returns_while_more_is_removed,

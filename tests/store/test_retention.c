@@ -73,7 +73,7 @@ static int keep_house(void)
     for (;;) {
         store_must(pen_store_expired(bed.store, id, &found, &st), &st, "expired");
         if (found)
-            store_must(pen_store_delete(bed.store, id, "{\"rays\": 1}", &st), &st, "delete");
+            store_must(pen_store_delete(bed.store, id, NULL, "{\"rays\": 1}", &st), &st, "delete");
         removed += found;
         if (store_purge_slices(bed.store) == 0 && !found)
             return removed;
@@ -294,7 +294,7 @@ START_TEST(test_retention__job_that_alone_takes_more_than_the_bytes_is_too_large
     /* What a job was expected to take is given back when it ends in any way. */
     struct store_job in;
     store_job_init(&in, 3, 1, 1);
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
     store_must(try_submit_large(4, FITS, &st), &st, "submit");
     /* A start counts anew; without a limit nothing is counted. */
     store_must(pen_store_set_retention(bed.store, &(struct pen_retention){0}, &st), &st, "none");
@@ -443,7 +443,7 @@ START_TEST(test_retention__statistics_are_within_the_bytes_too)
         store_must(try_submit(n, &st) || st.code == PEN_STORAGE_FULL, &st, "submit");
         store_work_off(bed.store, "w");
         store_job_init(&in, n, 1, 1);
-        pen_store_delete(bed.store, in.id, stats, &st);
+        pen_store_delete(bed.store, in.id, NULL, stats, &st);
         store_purge_slices(bed.store);
         if (n % 10 == 9)
             keep_house();
@@ -483,7 +483,7 @@ START_TEST(test_retention__old_statistics_go_before_fresh_results)
     for (int n = 0; n < JOBS; n++, time_ms += hour_ms) {
         add_job(n, 0);
         store_job_init(&in, n, 1, 1);
-        store_must(pen_store_delete(bed.store, in.id, stats, &st), &st, "delete");
+        store_must(pen_store_delete(bed.store, in.id, NULL, stats, &st), &st, "delete");
         store_purge_slices(bed.store);
     }
     add_job(JOBS, 0);
@@ -493,12 +493,12 @@ START_TEST(test_retention__old_statistics_go_before_fresh_results)
     for (int n = 0; n < JOBS; n++)
         ck_assert_int_eq(has_stats(n), n >= JOBS - KEPT);
     /* Some that are dropped make space for others; a start counts anew. */
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "drop");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "drop");
     store_audit_clean(bed.store);
     store_must(pen_store_set_retention(bed.store, &none, &st), &st, "none");
     add_job(JOBS + 1, 0);
     store_job_init(&in, JOBS + 1, 1, 1);
-    store_must(pen_store_delete(bed.store, in.id, stats, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, stats, &st), &st, "delete");
     store_must(pen_store_set_retention(bed.store, &keep, &st), &st, "again");
     ck_assert_int_eq(keep_house(), 0);
     ck_assert(has_stats(JOBS - KEPT) && has_stats(JOBS + 1));
@@ -521,7 +521,7 @@ START_TEST(test_retention__nothing_goes_for_nothing)
     add_job(1, 1 << 16);
     add_job(2, 0);
     store_job_init(&in, 2, 1, 1);
-    store_must(pen_store_delete(bed.store, in.id, "{}", &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, "{}", &st), &st, "delete");
     memset(answer, 'x', sizeof answer - 1);
     for (; n < KEYS; n++) {
         char key[20];
@@ -534,8 +534,8 @@ START_TEST(test_retention__nothing_goes_for_nothing)
             ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
             break;
         }
-        store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-        store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+        store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
+        store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     }
     time_ms += 2 * 60000;
     ck_assert_int_eq(keep_house(), 0);

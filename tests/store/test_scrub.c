@@ -105,7 +105,7 @@ START_TEST(test_scrub__goes_on_while_jobs_are_removed)
     fill();
     store_must(pen_store_scrub(bed.store, &scrub, &more, &st), &st, "scrub");
     store_job_init(&job, 0, 1, 2);
-    store_must(pen_store_delete(bed.store, job.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, job.id, NULL, NULL, &st), &st, "delete");
     store_must(pen_store_scrub(bed.store, &scrub, &more, &st), &st, "scrub");
     store_purge_slices(bed.store);
     for (int i = 0; i < 1000 && more; i++)
@@ -144,7 +144,7 @@ START_TEST(test_scrub__tells_what_cannot_be_read_and_goes_on)
     store_run_sql(&bed, "UPDATE artefact SET data = x'00' WHERE layer = 'normal'", NULL, 0);
     ck_assert_int_eq(pass(&damaged), count);
     ck_assert_int_eq(damaged, 2);
-    store_must(pen_store_delete(bed.store, job.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, job.id, NULL, NULL, &st), &st, "delete");
     store_purge_slices(bed.store);
     pen_buf_release(&out);
     store_bed_close(&bed);

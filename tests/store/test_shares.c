@@ -19,19 +19,19 @@ static int next_job;
 static int of[JOBS_MAX];
 static int64_t got_us[4];
 
-static bool submit_job(int kind, const char *address, const char *label, int batches, int priority,
-                       int64_t queue_max, int64_t address_max, struct pen_status *st)
+static bool submit_job(int kind, const char *client, const char *label, int batches, int priority,
+                       int64_t queue_max, int64_t client_max, struct pen_status *st)
 {
     struct store_job in;
     struct pen_buf answer = {0};
     enum pen_submit_result result;
     ck_assert_int_lt(next_job, JOBS_MAX);
     store_job_init(&in, next_job, 1, batches);
-    in.job.address = address;
+    in.job.client = client;
     in.job.label = label;
     in.job.priority = priority;
     in.job.queue_max = queue_max;
-    in.job.address_queue_max = address_max;
+    in.job.client_queue_max = client_max;
     of[next_job] = kind;
     bool ok = pen_store_submit(bed.store, &in.job, &result, &answer, st);
     next_job += ok;
@@ -39,16 +39,16 @@ static bool submit_job(int kind, const char *address, const char *label, int bat
     return ok;
 }
 
-static void submit(int kind, const char *address, const char *label, int batches)
+static void submit(int kind, const char *client, const char *label, int batches)
 {
     struct pen_status st;
-    store_must(submit_job(kind, address, label, batches, 0, 0, 0, &st), &st, "submit");
+    store_must(submit_job(kind, client, label, batches, 0, 0, 0, &st), &st, "submit");
 }
 
-static void submit_many(int count, int kind, const char *address, const char *label)
+static void submit_many(int count, int kind, const char *client, const char *label)
 {
     for (int i = 0; i < count; i++)
-        submit(kind, address, label, 1);
+        submit(kind, client, label, 1);
 }
 
 static void open_bed(void)
@@ -96,7 +96,7 @@ static void expect_about(int64_t got, int64_t wanted, int64_t off)
                   (long long)got, (long long)wanted, (long long)off);
 }
 
-START_TEST(test_shares__addresses_get_the_same_time_whatever_they_queue)
+START_TEST(test_shares__clients_get_the_same_time_whatever_they_queue)
 {
     open_bed();
     submit_many(200, 0, "10.0.0.1", NULL);
@@ -107,7 +107,7 @@ START_TEST(test_shares__addresses_get_the_same_time_whatever_they_queue)
 }
 END_TEST
 
-/* One address cancels its jobs as soon as a worker has had them for 0.2 s, before the worker has
+/* One client cancels its jobs as soon as a worker has had them for 0.2 s, before the worker has
  * told what they take; the other one's take 0.1 s. They get the same time all the same. */
 START_TEST(test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_not_told_yet)
 {
@@ -128,7 +128,7 @@ START_TEST(test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_no
         }
         const struct timespec pause = {.tv_nsec = EACH_MS * 1000000L};
         nanosleep(&pause, NULL);
-        store_must(pen_store_cancel(bed.store, claim.job_id, &st), &st, "cancel");
+        store_must(pen_store_cancel(bed.store, claim.job_id, NULL, &st), &st, "cancel");
         if (++cancelled < CANCELLED) /* the last one's time has not been made up for */
             got_us[0] += (pen_clock_ns() - begun_ns) / 1000;
     }
@@ -152,7 +152,7 @@ START_TEST(test_shares__it_is_time_that_is_shared_not_batches)
 }
 END_TEST
 
-START_TEST(test_shares__labels_divide_the_share_of_their_address)
+START_TEST(test_shares__labels_divide_the_share_of_their_client)
 {
     open_bed();
     submit_many(60, 0, "10.0.0.1", "x");
@@ -166,7 +166,7 @@ START_TEST(test_shares__labels_divide_the_share_of_their_address)
 }
 END_TEST
 
-START_TEST(test_shares__new_labels_take_nothing_from_other_addresses)
+START_TEST(test_shares__new_labels_take_nothing_from_other_clients)
 {
     char label[24];
     open_bed();
@@ -181,7 +181,7 @@ START_TEST(test_shares__new_labels_take_nothing_from_other_addresses)
 }
 END_TEST
 
-/* An address is not owed what it did not ask for while it was away. */
+/* A client is not owed what it did not ask for while it was away. */
 START_TEST(test_shares__time_that_was_not_asked_for_is_not_owed)
 {
     open_bed();
@@ -298,7 +298,7 @@ static bool outranked(const struct pen_claim *claim)
     return yes;
 }
 
-/* Of two addresses that have waited for two minutes, each gets a batch while a long one goes on:
+/* Of two clients that have waited for two minutes, each gets a batch while a long one goes on:
  * which has five seconds between them. */
 START_TEST(test_shares__long_batch_gives_way_to_what_has_waited_long)
 {
@@ -331,13 +331,13 @@ END_TEST
 START_TEST(test_shares__many_that_wait_long_take_every_other_batch)
 {
     struct pen_status st;
-    char address[24];
+    char client[24];
     open_bed();
     for (int i = 0; i < 8; i++)
         store_must(submit_job(1, "10.0.0.1", NULL, 1, 1, 0, 0, &st), &st, "submit");
     for (int i = 0; i < 8; i++) {
-        snprintf(address, sizeof address, "10.0.1.%d", i);
-        submit(0, address, NULL, 1);
+        snprintf(client, sizeof client, "10.0.1.%d", i);
+        submit(0, client, NULL, 1);
     }
     store_run_sql(&bed, "UPDATE peer SET waiting_since_ms = 0 WHERE priority = 0", NULL, 0);
     for (int i = 0; i < 8; i++)
@@ -347,7 +347,7 @@ START_TEST(test_shares__many_that_wait_long_take_every_other_batch)
 END_TEST
 
 /* Beside a job, two newcomers wait at any time, of one batch each: it gets a third. */
-static void check_newcomers(bool addresses)
+static void check_newcomers(bool clients)
 {
     const int64_t us[4] = {5 * SECOND_US, SECOND_US};
     char name[40];
@@ -356,8 +356,8 @@ static void check_newcomers(bool addresses)
     int missing = 2;
     for (int i = 0; i < 400 && got_us[0] < 50 * SECOND_US; i++) {
         for (; missing > 0; missing--) {
-            snprintf(name, sizeof name, addresses ? "10.1.%d.%d" : "label %d %d", i, missing);
-            submit(1, addresses ? name : "10.0.0.1", addresses ? NULL : name, 1);
+            snprintf(name, sizeof name, clients ? "10.1.%d.%d" : "label %d %d", i, missing);
+            submit(1, clients ? name : "10.0.0.1", clients ? NULL : name, 1);
         }
         missing = serve(us);
     }
@@ -372,31 +372,31 @@ START_TEST(test_shares__new_labels_that_keep_coming_starve_nobody)
 }
 END_TEST
 
-START_TEST(test_shares__new_addresses_that_keep_coming_starve_nobody)
+START_TEST(test_shares__new_clients_that_keep_coming_starve_nobody)
 {
     check_newcomers(true);
 }
 END_TEST
 
-static void expect_refused(const char *address, int64_t queue_max, int64_t address_max,
+static void expect_refused(const char *client, int64_t queue_max, int64_t client_max,
                            const char *words)
 {
     struct pen_status st = {0};
-    ck_assert(!submit_job(0, address, NULL, 1, 0, queue_max, address_max, &st));
+    ck_assert(!submit_job(0, client, NULL, 1, 0, queue_max, client_max, &st));
     ck_assert_int_eq(st.code, PEN_QUOTA);
     ck_assert_msg(strstr(st.msg, words) != NULL, "%s", st.msg);
 }
 
-START_TEST(test_shares__queue_is_bounded_in_all_and_for_each_address)
+START_TEST(test_shares__queue_is_bounded_in_all_and_for_each_client)
 {
     struct pen_status st;
     open_bed();
     submit_many(1, 0, "10.0.0.1", NULL);
     expect_refused("10.0.0.2", 1, 0, "1 job waits or runs, at most 1 is allowed");
-    expect_refused("10.0.0.1", 0, 1, "1 job of your address 10.0.0.1 waits or runs, at most 1 is");
+    expect_refused("10.0.0.1", 0, 1, "1 job of client 10.0.0.1 waits or runs, at most 1 is");
     submit_many(2, 0, "10.0.0.1", NULL);
     submit_many(2, 0, "10.0.0.2", NULL);
-    expect_refused("10.0.0.1", 0, 3, "3 jobs of your address 10.0.0.1 wait or run, at most 3");
+    expect_refused("10.0.0.1", 0, 3, "3 jobs of client 10.0.0.1 wait or run, at most 3");
     expect_refused("10.0.0.3", 5, 3, "5 jobs wait or run, at most 5");
     store_must(submit_job(0, "10.0.0.2", NULL, 1, 0, 6, 3, &st), &st, "one more");
     serve_many(1, seconds);
@@ -419,7 +419,7 @@ static int read_queue(int number[JOBS_MAX])
     return count;
 }
 
-/* Jobs of one batch, of three addresses, one with two labels, and of two priorities. */
+/* Jobs of one batch, of three clients, one with two labels, and of two priorities. */
 static int submit_mixture(void)
 {
     struct pen_status st;
@@ -538,11 +538,11 @@ END_TEST
 PEN_SUITE("shares", test_shares__the_queue_tells_what_is_left_of_the_batches_in_hand,
           test_shares__the_queue_tells_what_the_last_50_jobs_took_and_the_workers_of_now,
           test_shares__the_queue_is_in_the_order_in_which_jobs_begin,
-          test_shares__addresses_get_the_same_time_whatever_they_queue,
+          test_shares__clients_get_the_same_time_whatever_they_queue,
           test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_not_told_yet,
           test_shares__it_is_time_that_is_shared_not_batches,
-          test_shares__labels_divide_the_share_of_their_address,
-          test_shares__new_labels_take_nothing_from_other_addresses,
+          test_shares__labels_divide_the_share_of_their_client,
+          test_shares__new_labels_take_nothing_from_other_clients,
           test_shares__time_that_was_not_asked_for_is_not_owed, test_shares__debts_are_bounded,
           test_shares__short_jobs_share_with_the_long_one_before_them,
           test_shares__long_job_is_not_starved_by_short_ones_that_keep_coming,
@@ -551,5 +551,5 @@ PEN_SUITE("shares", test_shares__the_queue_tells_what_is_left_of_the_batches_in_
           test_shares__long_batch_gives_way_to_what_has_waited_long,
           test_shares__many_that_wait_long_take_every_other_batch,
           test_shares__new_labels_that_keep_coming_starve_nobody,
-          test_shares__new_addresses_that_keep_coming_starve_nobody,
-          test_shares__queue_is_bounded_in_all_and_for_each_address)
+          test_shares__new_clients_that_keep_coming_starve_nobody,
+          test_shares__queue_is_bounded_in_all_and_for_each_client)

@@ -80,8 +80,8 @@ static void remove_jobs(int count)
     struct store_job in;
     for (int n = 0; n < count; n++) {
         store_job_init(&in, n, 1, 1);
-        store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
-        store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+        store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
+        store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     }
 }
 
@@ -230,14 +230,14 @@ static void remove_in_time(int n)
     int tries = 0;
     store_job_init(&in, n, 1, 1);
     small_disk_fill(bed.folder, 0);
-    bool cancelled = pen_store_cancel(bed.store, in.id, &st);
+    bool cancelled = pen_store_cancel(bed.store, in.id, NULL, &st);
     while (!cancelled && once_more(&tries, &st))
-        cancelled = pen_store_cancel(bed.store, in.id, &st);
+        cancelled = pen_store_cancel(bed.store, in.id, NULL, &st);
     store_must(cancelled, &st, "cancel");
     small_disk_fill(bed.folder, 0);
-    bool deleted = pen_store_delete(bed.store, in.id, NULL, &st);
+    bool deleted = pen_store_delete(bed.store, in.id, NULL, NULL, &st);
     while (!deleted && once_more(&tries, &st))
-        deleted = pen_store_delete(bed.store, in.id, NULL, &st);
+        deleted = pen_store_delete(bed.store, in.id, NULL, NULL, &st);
     store_must(deleted, &st, "delete");
 }
 
@@ -281,9 +281,9 @@ static void remove_job_of_full_disk(int n)
     struct pen_status st;
     struct store_job in;
     store_job_init(&in, n, 1, 1);
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
     small_disk_fill(bed.folder, 0);
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     small_disk_fill(bed.folder, 0);
 }
 
@@ -479,7 +479,7 @@ START_TEST(test_small_disk__job_that_is_cancelled_waits_for_no_space)
     ck_assert(!commit_large(&claim, &st));
     ck_assert(!submit(1, &st));
     ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
-    store_must(pen_store_cancel(bed.store, claim.job_id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, claim.job_id, NULL, &st), &st, "cancel");
     ck_assert(!commit_large(&claim, &st));
     ck_assert_int_eq(st.code, PEN_STALE);
     submit_in_time(1);
@@ -515,7 +515,7 @@ static void fill_during_removal(bool all_removed)
     for (int view = 0; view < VIEWS; view++)
         store_put(bed.store,
                   &(struct store_artefact){in.id, view, "beauty", "pfm", picture, BYTES});
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     do
         store_must(pen_store_purge_slice(bed.store, &more, &st), &st, "slice");
     while (all_removed ? count_objects() > 0 : count_free_bytes() <= EARLY_BYTES);

@@ -86,7 +86,7 @@ static void bring(struct pen_store *store, const struct store_job *in, const str
     if (to->end == FAILED)
         store_must(pen_store_fail(store, last, "{}", &st), &st, "fail");
     if (to->end == CANCELLED)
-        store_must(pen_store_cancel(store, in->id, &st), &st, "cancel");
+        store_must(pen_store_cancel(store, in->id, NULL, &st), &st, "cancel");
 }
 
 static char *death_error(void *user, const struct pen_claim *claim, int charges)
@@ -131,9 +131,9 @@ static void apply(struct pen_store *store, const char *operation, const struct s
     else if (strcmp(operation, "pen_store_expire_leases") == 0)
         pen_store_expire_leases(store, "w", &opened, &st);
     else if (strcmp(operation, "pen_store_cancel") == 0)
-        pen_store_cancel(store, in->id, &st);
+        pen_store_cancel(store, in->id, NULL, &st);
     else if (strcmp(operation, "pen_store_delete") == 0)
-        pen_store_delete(store, in->id, NULL, &st);
+        pen_store_delete(store, in->id, NULL, NULL, &st);
     else if (strcmp(operation, "pen_store_purge") == 0)
         pen_store_purge(store, 0, 0, &st);
     else if (strcmp(operation, "pen_store_worker_ended") == 0)
@@ -200,9 +200,61 @@ static void try_one(struct pen_store *store, int number, const struct situation 
     struct snapshot after = take_snapshot(store, in.id);
     compare(&before, &after, operation, situation->name);
     store_audit_clean(store);
-    pen_store_cancel(store, in.id, &st);
-    pen_store_delete(store, in.id, NULL, &st);
+    pen_store_cancel(store, in.id, NULL, &st);
+    pen_store_delete(store, in.id, NULL, NULL, &st);
 }
+
+#define expect(code_wanted, call)                                                                  \
+    do {                                                                                           \
+        struct pen_status st = {.code = PEN_OK};                                                   \
+        (void)(call);                                                                              \
+        ck_assert_msg(st.code == (code_wanted), "%s, %s: %s", situation->name, #call,              \
+                      pen_code_name(st.code));                                                     \
+    } while (0)
+
+/* In one situation a client may do to its job what all may, and another client nothing. */
+static void try_clients(struct pen_store *store, int number, const struct situation *situation)
+{
+    struct store_job in;
+    struct pen_claim last = {0};
+    store_job_init(&in, number, 1, BATCHES);
+    in.job.client = "token:anna";
+    bring(store, &in, situation, &last);
+    struct snapshot before = take_snapshot(store, in.id);
+    expect(PEN_FORBIDDEN, pen_store_cancel(store, in.id, "token:ann", &st));
+    expect(PEN_FORBIDDEN, pen_store_delete(store, in.id, "address:anna", NULL, &st));
+    expect(PEN_FORBIDDEN, pen_store_delete(store, in.id, "", "{}", &st));
+    expect(PEN_FORBIDDEN, pen_store_check_client(store, in.id, "token:ann", &st));
+    struct snapshot after = take_snapshot(store, in.id);
+    ck_assert_int_eq(after.job, before.job);
+    ck_assert_int_eq(after.batch_count, before.batch_count);
+    ck_assert_mem_eq(after.batch, before.batch, sizeof before.batch);
+    if (!pen_job_state_ended(before.job))
+        expect(PEN_CONFLICT, pen_store_delete(store, in.id, "token:anna", "{}", &st));
+    expect(PEN_OK, pen_store_cancel(store, in.id, "token:anna", &st));
+    ck_assert(pen_job_state_ended(store_job_state(store, in.id)));
+    expect(PEN_OK, pen_store_delete(store, in.id, "token:anna", "{}", &st));
+    for (int purged = 0; purged < 2; purged++) {
+        expect(PEN_GONE, pen_store_cancel(store, in.id, "token:ann", &st));
+        expect(PEN_GONE, pen_store_delete(store, in.id, "token:ann", "{}", &st));
+        expect(PEN_FORBIDDEN, pen_store_delete(store, in.id, "token:ann", NULL, &st));
+        store_purge_slices(store);
+    }
+    expect(PEN_OK, pen_store_delete(store, in.id, "token:anna", NULL, &st));
+    expect(PEN_GONE, pen_store_delete(store, in.id, "token:ann", NULL, &st));
+    expect(PEN_NOT_FOUND, pen_store_cancel(store, "nobody", "token:ann", &st));
+    expect(PEN_NOT_FOUND, pen_store_delete(store, "nobody", "token:ann", NULL, &st));
+}
+
+START_TEST(test_states__other_clients_neither_cancel_nor_delete)
+{
+    struct store_bed bed = {0};
+    store_bed_open(&bed);
+    for (int s = 0; s < SITUATIONS; s++)
+        try_clients(bed.store, s, &situations[s]);
+    store_bed_close(&bed);
+}
+END_TEST
 
 START_TEST(test_states__every_change_is_an_arrow_and_every_arrow_is_seen)
 {
@@ -242,5 +294,6 @@ START_TEST(test_states__no_arrow_leads_out_of_an_end)
 }
 END_TEST
 
-PEN_SUITE("store states", test_states__every_change_is_an_arrow_and_every_arrow_is_seen,
+PEN_SUITE("store states", test_states__other_clients_neither_cancel_nor_delete,
+          test_states__every_change_is_an_arrow_and_every_arrow_is_seen,
           test_states__no_arrow_leads_out_of_an_end)

@@ -324,7 +324,7 @@ START_TEST(test_studies__cancel_in_the_middle_leaves_a_sound_store)
     submit_study(1);
     struct pen_claim claim = store_claim(bed.store, "w");
     progress(&claim, 5);
-    store_must(pen_store_cancel(bed.store, study.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, study.id, NULL, &st), &st, "cancel");
     store_must(pen_store_heartbeat(bed.store, &claim, 60000, &held, &st), &st, "heartbeat");
     ck_assert(!held);
     ck_assert(!pen_store_progress(bed.store, &claim, 6, &st));

@@ -20,10 +20,10 @@ static void open_bed(void)
 }
 
 /* Number n is the job's place, too. */
-static void submit(int n, const char *address, int priority)
+static void submit(int n, const char *client, int priority)
 {
     store_job_init(&job[n], n, 1, 1);
-    job[n].job.address = address;
+    job[n].job.client = client;
     job[n].job.priority = priority;
     store_job_submit(bed.store, &job[n]);
 }

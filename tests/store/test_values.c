@@ -135,7 +135,7 @@ END_TEST
 static void end_by_cancel(void)
 {
     struct pen_status st;
-    store_must(pen_store_cancel(bed.store, job.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, job.id, NULL, &st), &st, "cancel");
 }
 
 static void end_by_fail(void)
@@ -298,7 +298,7 @@ START_TEST(test_values__of_a_commit_are_read_back_and_go_with_their_job)
     ck_assert_uint_eq(pen_store_tally(bed.store, PEN_TALLY_DAMAGED), 0);
     store_purge_slices(bed.store); /* what was kept */
     store_audit_clean(bed.store);
-    store_must(pen_store_delete(bed.store, job.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, job.id, NULL, NULL, &st), &st, "delete");
     expect_objects_gone();
     close_bed();
 }

@@ -134,13 +134,13 @@ START_TEST(test_wake__each_call_gives_the_signals_of_what_it_changed)
     expect(&last, true, true, "commit that adds the assemble batch");
     ck_assert_int_eq(store_commit(bed.store, &two), PEN_OK);
     expect(&last, false, false, "duplicate commit");
-    ck_assert(!pen_store_delete(bed.store, in.id, NULL, &st));
+    ck_assert(!pen_store_delete(bed.store, in.id, NULL, NULL, &st));
     expect(&last, false, false, "refused delete");
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
     expect(&last, false, true, "cancel");
-    store_must(pen_store_cancel(bed.store, in.id, &st), &st, "cancel");
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
     expect(&last, false, false, "cancel again");
-    store_must(pen_store_delete(bed.store, in.id, NULL, &st), &st, "delete");
+    store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
     expect(&last, false, true, "delete");
     store_bed_close(&bed);
 }

@@ -48,6 +48,17 @@ static const char *const undo[] = {
     "ALTER TABLE artefact DROP COLUMN object; ALTER TABLE pixels DROP COLUMN object;"
     "DROP TABLE large_object_part; DROP TABLE large_object",
     "ALTER TABLE job DROP COLUMN committed_us; ALTER TABLE job DROP COLUMN committed_ms",
+    "ALTER TABLE removed DROP COLUMN client;"
+    "UPDATE job SET client = substr(client, 9) WHERE client LIKE 'address:%';"
+    "UPDATE peer SET client = substr(client, 9) WHERE client LIKE 'address:%';"
+    "ALTER TABLE job RENAME COLUMN client TO address;"
+    "ALTER TABLE peer RENAME COLUMN client TO address;"
+    "CREATE TABLE old_key (key TEXT PRIMARY KEY, body_sha256 BLOB NOT NULL"
+    " CHECK (length(body_sha256) = 32), answer TEXT NOT NULL, created_ms INTEGER NOT NULL)"
+    " STRICT, WITHOUT ROWID;"
+    "INSERT OR IGNORE INTO old_key SELECT key, body_sha256, answer, created_ms FROM idempotency;"
+    "DROP TABLE idempotency; ALTER TABLE old_key RENAME TO idempotency;"
+    "CREATE INDEX idempotency_by_age ON idempotency(created_ms)",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

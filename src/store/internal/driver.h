@@ -101,8 +101,14 @@ struct pen_blob_start {
     int64_t object; /* above 0: the large object that has it all instead; not of a scene */
 };
 
+/* Whose a new job is. */
+static inline const char *pen_job_client(const struct pen_job_new *job)
+{
+    return job->client ? job->client : "";
+}
+
 struct pen_key_row {
-    const char *key;
+    const char *client, *key;
     const unsigned char *body_sha256; /* 32 bytes */
     const char *answer;
     int64_t created_ms;
@@ -275,14 +281,15 @@ struct pen_driver_ops {
     bool (*key_add)(struct pen_driver *driver, const struct pen_key_row *key, bool *added,
                     struct pen_status *st);
     /* Appends the stored answer; NULL: it is not wanted. */
-    bool (*key_get)(struct pen_driver *driver, const char *key, unsigned char body_sha256[32],
-                    struct pen_buf *answer, bool *found, struct pen_status *st);
+    bool (*key_get)(struct pen_driver *driver, const char *client, const char *key,
+                    unsigned char body_sha256[32], struct pen_buf *answer, bool *found,
+                    struct pen_status *st);
     bool (*scene_find)(struct pen_driver *driver, const unsigned char sha256[32], int64_t *number,
                        bool *found, struct pen_status *st);
     bool (*scene_add)(struct pen_driver *driver, const unsigned char sha256[32],
                       const struct pen_blob_start *document, int64_t *number, bool *added,
                       struct pen_status *st);
-    /* Also counts the job into the peer of its address and priority, and the lane of its label.
+    /* Also counts the job into the peer of its client and priority, and the lane of its label.
      * Numbers of jobs and of batches grow and are never reused. *added = false: there is a job with
      * this id. */
     bool (*job_add)(struct pen_driver *driver, const struct pen_job_new *job, int64_t scene,
@@ -306,6 +313,9 @@ struct pen_driver_ops {
     /* Locks the job. PostgreSQL: FOR UPDATE in a write transaction. */
     bool (*job_find)(struct pen_driver *driver, const char *id, struct pen_job_key *job,
                      bool *found, struct pen_status *st);
+    /* Whether a job, or one of which removed_get finds what stays, is of a client. */
+    bool (*job_is_of)(struct pen_driver *driver, const char *id, const char *client, bool *is,
+                      struct pen_status *st);
     bool (*job_counts)(struct pen_driver *driver, struct pen_counts *counts, struct pen_status *st);
     /* Makes a queued job running, with a new revision; *changed = false: it was not queued. */
     bool (*job_start)(struct pen_driver *driver, int64_t job, int64_t now_ms, bool *changed,
@@ -348,7 +358,8 @@ struct pen_driver_ops {
      * all if an unfinished job names it. */
     bool (*ended_bytes)(struct pen_driver *driver, int64_t enough, int64_t *bytes,
                         struct pen_status *st);
-    /* What stays of a removed job: its id, when it was removed, and its statistics (NULL: none).
+    /* What stays of a removed job: its id, its client, when it was removed, and its statistics
+     * (NULL: none).
      * removed_get appends the statistics to `stats`, unless that is NULL. */
     bool (*removed_add)(struct pen_driver *driver, const char *id, int64_t now_ms,
                         const char *stats, struct pen_status *st);
@@ -436,13 +447,13 @@ struct pen_driver_ops {
     bool (*expected_count)(struct pen_driver *driver, bool counted, struct pen_status *st);
     bool (*expected_enter)(struct pen_driver *driver, int64_t job, int64_t *bytes,
                            struct pen_status *st);
-    /* The number of unfinished jobs, in all and of an address. */
-    bool (*queue_lengths)(struct pen_driver *driver, const char *address, int64_t *all,
-                          int64_t *of_address, struct pen_status *st);
+    /* The number of unfinished jobs, in all and of a client. */
+    bool (*queue_lengths)(struct pen_driver *driver, const char *client, int64_t *all,
+                          int64_t *of_client, struct pen_status *st);
     /* Sets the queue, which is {0}, as pen_store_queue. A worker is there while it was seen within
      * the length of its leases, or has a lease. */
     bool (*queue)(struct pen_driver *driver, struct pen_queue *queue, struct pen_status *st);
-    /* Forgets what addresses were served that have no unfinished jobs and were not served since. */
+    /* Forgets what clients were served that have no unfinished jobs and were not served since. */
     bool (*peers_remove)(struct pen_driver *driver, int64_t before_ms, struct pen_status *st);
     /* Subtracts one from the view's open batches. *batches is the number of its batches, *open the
      * rest. Locks the view: of two concurrent last commits only one gets 0. */

@@ -174,9 +174,12 @@ bool pen_policy_scene(struct pen_store *store, const char *id, struct pen_buf *s
                       struct pen_status *st);
 bool pen_policy_scene_bytes(struct pen_store *store, const char *id, size_t *bytes,
                             struct pen_status *st);
-bool pen_policy_cancel(struct pen_store *store, const char *id, struct pen_status *st);
-bool pen_policy_delete(struct pen_store *store, const char *id, const char *stats,
+bool pen_policy_check_client(struct pen_store *store, const char *id, const char *client,
+                             struct pen_status *st);
+bool pen_policy_cancel(struct pen_store *store, const char *id, const char *client,
                        struct pen_status *st);
+bool pen_policy_delete(struct pen_store *store, const char *id, const char *client,
+                       const char *stats, struct pen_status *st);
 bool pen_policy_removed_stats(struct pen_store *store, const char *id, struct pen_buf *stats,
                               struct pen_status *st);
 bool pen_policy_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats_age_ms,

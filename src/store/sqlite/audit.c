@@ -64,10 +64,10 @@ static const struct rule rules[] = {
     {"what the statistics of removed jobs take is counted wrong, as",
      "SELECT value FROM meta WHERE name = 'stats_bytes' AND value <>"
      " (SELECT coalesce(sum(" PEN_SQLITE_STATS_BYTES "), 0) FROM removed)"},
-    {"an unfinished job without a lane, or of another priority or address than its lane",
+    {"an unfinished job without a lane, or of another priority or client than its lane",
      "SELECT j.id FROM job j WHERE j.state < 2 AND NOT EXISTS (SELECT 1 FROM lane l"
      " JOIN peer p ON p.id = l.peer WHERE l.id = j.lane AND p.priority = j.priority"
-     " AND p.address = j.address)"},
+     " AND p.client = j.client)"},
     {"a batch in another lane than its job",
      "SELECT b.id FROM batch b JOIN job j ON j.number = b.job WHERE b.lane <> j.lane"},
     {"a job whose views' pixels are not those of its batches",

@@ -12,6 +12,7 @@ bool pen_sqlite_key_add(struct pen_driver *driver, const struct pen_key_row *key
                         struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_KEY_ADD);
+    pen_sqlite_text(&query, key->client);
     pen_sqlite_text(&query, key->key);
     pen_sqlite_blob(&query, key->body_sha256, 32);
     pen_sqlite_text(&query, key->answer);
@@ -19,10 +20,12 @@ bool pen_sqlite_key_add(struct pen_driver *driver, const struct pen_key_row *key
     return pen_sqlite_run_changed(&query, added, st);
 }
 
-bool pen_sqlite_key_get(struct pen_driver *driver, const char *key, unsigned char body_sha256[32],
-                        struct pen_buf *answer, bool *found, struct pen_status *st)
+bool pen_sqlite_key_get(struct pen_driver *driver, const char *client, const char *key,
+                        unsigned char body_sha256[32], struct pen_buf *answer, bool *found,
+                        struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_KEY_GET);
+    pen_sqlite_text(&query, client);
     pen_sqlite_text(&query, key);
     if (!pen_sqlite_next(&query, found, st))
         return false;
@@ -95,7 +98,7 @@ bool pen_sqlite_job_add(struct pen_driver *driver, const struct pen_job_new *job
     pen_sqlite_int(&query, total_pixels);
     pen_sqlite_int(&query, job->view_count);
     pen_sqlite_text(&query, job->request);
-    pen_sqlite_text(&query, job->address ? job->address : "");
+    pen_sqlite_text(&query, pen_job_client(job));
     if (!pen_sqlite_run_changed(&query, added, st))
         return false;
     *number = sqlite3_last_insert_rowid(store->db);
@@ -231,6 +234,18 @@ bool pen_sqlite_job_find(struct pen_driver *driver, const char *id, struct pen_j
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_FIND);
     pen_sqlite_text(&query, id);
     return pen_sqlite_next_job_key(&query, job, found, st);
+}
+
+bool pen_sqlite_job_is_of(struct pen_driver *driver, const char *id, const char *client, bool *is,
+                          struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_IS_OF);
+    int64_t same = 0;
+    pen_sqlite_text(&query, id);
+    pen_sqlite_text(&query, client);
+    const bool ok = pen_sqlite_value(&query, &same, st);
+    *is = same != 0;
+    return ok;
 }
 
 static bool count_batches(struct pen_sqlite_store *store, struct pen_counts *counts,

@@ -7,16 +7,16 @@
  * pixels            the pixels of a render batch; one row for each that is done
  * artefact          pictures and reports; view -1: made from all views. checksum is that of data,
  *                   NULL in rows from before schema 7
- * idempotency       keys of submits, hashes of their bodies, and the answers. They outlive their
+ * idempotency       clients' keys, hashes of their bodies, and the answers. They outlive their
  *                   jobs: deleting a job does not revoke what its client was promised. The row with
  *                   the empty key belongs to the trial writes
  * meta              what the store knows about itself (meta.c)
- * removed           jobs that were removed, with their statistics, which stay
+ * removed           jobs that were removed, with their client and statistics, which stay
  * large_object      a value of an artefact or of pixels that is written in several transactions, in
  *                   parts; its row then has no data of its own
  * cached            artefacts that may be dropped, because they can be made again; when each was
  *                   last used
- * peer, lane        shares: what an address was served at a priority; the labels of its jobs. A
+ * peer, lane        shares: what a client was served at a priority; the labels of its jobs. A
  *                   lane goes with its last unfinished job
  * attribute         what lists of jobs are filtered by: of a job its `name`, and for each label
  *                   `label:` and its key
@@ -36,7 +36,7 @@
  * job.committed_us     what spent_us was at the last commit of a batch
  * job.committed_ms     when that was
  * job.removed_ms       when it was removed; its rows go in slices, the job's own row last
- * job.address          of the client; job.lane, batch.lane: the share that they belong to
+ * job.client           its owner; job.lane, batch.lane: the share that they belong to
  * peer.jobs, lane.jobs the unfinished jobs
  * peer.served_us       the time that workers have worked for it, so far as it is remembered
  * lane.balance_us      how much more of it went to its oldest jobs than to others
@@ -310,9 +310,29 @@ static const char step_14[] =
 static const char step_15[] = "ALTER TABLE job ADD COLUMN committed_us INTEGER NOT NULL DEFAULT 0;"
                               "ALTER TABLE job ADD COLUMN committed_ms INTEGER NOT NULL DEFAULT 0;";
 
-static const char *const steps[] = {step_1,  step_2,  step_3,  step_4,  step_5,
-                                    step_6,  step_7,  step_8,  step_9,  step_10,
-                                    step_11, step_12, step_13, step_14, step_15};
+/* Clients instead of addresses. A key belongs to the client of the job that it made, or to none
+ * if that job was removed. The clients of removed jobs are not known. */
+static const char step_16[] =
+    "ALTER TABLE job RENAME COLUMN address TO client;"
+    "ALTER TABLE peer RENAME COLUMN address TO client;"
+    "UPDATE job SET client = 'address:' || client WHERE client <> '';"
+    "UPDATE peer SET client = 'address:' || client WHERE client <> '';"
+    "ALTER TABLE removed ADD COLUMN client TEXT NOT NULL DEFAULT '';"
+    "CREATE TABLE client_key ("
+    " client TEXT NOT NULL, key TEXT NOT NULL,"
+    " body_sha256 BLOB NOT NULL CHECK (length(body_sha256) = 32),"
+    " answer TEXT NOT NULL, created_ms INTEGER NOT NULL, PRIMARY KEY (client, key)"
+    ") STRICT, WITHOUT ROWID;"
+    "INSERT INTO client_key SELECT coalesce((SELECT client FROM job WHERE id ="
+    " json_extract(iif(json_valid(answer), answer, '{}'), '$.id')), ''), key, body_sha256, answer,"
+    " created_ms FROM idempotency;"
+    "DROP TABLE idempotency;"
+    "ALTER TABLE client_key RENAME TO idempotency;"
+    "CREATE INDEX idempotency_by_age ON idempotency(created_ms);";
+
+static const char *const steps[] = {step_1,  step_2,  step_3,  step_4,  step_5,  step_6,
+                                    step_7,  step_8,  step_9,  step_10, step_11, step_12,
+                                    step_13, step_14, step_15, step_16};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 /* Reads the schema's version by SQL, because the header of the file can be older than its log. */

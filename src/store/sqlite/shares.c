@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Shares: which batch is next, and what its choice is judged by (README.md, "Shares"). A peer is an
- * address with a priority, a lane one of its labels. */
+/* Shares: which batch is next, and what its choice is judged by (README.md, "Shares"). A peer is a
+ * client with a priority, a lane one of its labels. */
 #include <stdio.h>
 
 #include "store/sqlite/sqlite.h"
@@ -14,7 +14,7 @@ static bool enter_peer(struct pen_sqlite_store *store, const struct pen_job_new 
     for (int i = 0; i < 2; i++) {
         struct pen_sqlite_query query = pen_sqlite_query(store, statements[i]);
         pen_sqlite_int(&query, job->priority);
-        pen_sqlite_text(&query, job->address ? job->address : "");
+        pen_sqlite_text(&query, pen_job_client(job));
         pen_sqlite_int(&query, now_ms);
         if (!pen_sqlite_run(&query, st))
             return false;
@@ -29,7 +29,7 @@ static bool enter_lane(struct pen_sqlite_store *store, const struct pen_job_new 
     for (int i = 0; i < 3; i++) {
         struct pen_sqlite_query query = pen_sqlite_query(store, statements[i]);
         pen_sqlite_int(&query, job->priority);
-        pen_sqlite_text(&query, job->address ? job->address : "");
+        pen_sqlite_text(&query, pen_job_client(job));
         pen_sqlite_text(&query, job->label ? job->label : "");
         if (statements[i] == SQL_JOB_LANE)
             pen_sqlite_int(&query, number);
@@ -116,18 +116,18 @@ bool pen_sqlite_queue(struct pen_driver *driver, struct pen_queue *queue, struct
     return ok && read_facts(driver, queue, st);
 }
 
-bool pen_sqlite_queue_lengths(struct pen_driver *driver, const char *address, int64_t *all,
-                              int64_t *of_address, struct pen_status *st)
+bool pen_sqlite_queue_lengths(struct pen_driver *driver, const char *client, int64_t *all,
+                              int64_t *of_client, struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_QUEUE_LENGTHS);
     bool row;
-    *all = *of_address = 0;
-    pen_sqlite_text(&query, address);
+    *all = *of_client = 0;
+    pen_sqlite_text(&query, client);
     if (!pen_sqlite_next(&query, &row, st))
         return false;
     if (row) {
         *all = pen_sqlite_column_int(&query, 0);
-        *of_address = pen_sqlite_column_int(&query, 1);
+        *of_client = pen_sqlite_column_int(&query, 1);
         pen_sqlite_end(&query);
     }
     return true;

@@ -92,9 +92,9 @@ _Static_assert(PEN_PAUSE_MAX_MS == 60000, "as GOES_ON has it");
 #define OWN "(SELECT priority FROM batch WHERE id = ?2)"
 #define AGED_ABOVE_OWN AGED(OWN, "?1")
 
-/* The lane of a priority, an address and a label. */
+/* The lane of a priority, a client and a label. */
 #define LANE_OF                                                                                    \
-    " WHERE label = ?3 AND peer = (SELECT id FROM peer WHERE priority = ?1 AND address = ?2)"
+    " WHERE label = ?3 AND peer = (SELECT id FROM peer WHERE priority = ?1 AND client = ?2)"
 
 /* Whether the document of job j goes with the ended jobs: no unfinished job names it. It counts
  * once, for the newest that names it. */
@@ -122,14 +122,14 @@ static const char *const sql_text[] = {
     [SQL_META_PUT] = "INSERT INTO meta (name, value) VALUES (?1, ?2) ON CONFLICT (name)"
                      " DO UPDATE SET value = ?2",
     /* Any change will do that is written and synced; no caller's key is empty. */
-    [SQL_PROBE] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
-                  " VALUES ('', zeroblob(32), '', ?) ON CONFLICT (key)"
+    [SQL_PROBE] = "INSERT INTO idempotency (client, key, body_sha256, answer, created_ms)"
+                  " VALUES ('', '', zeroblob(32), '', ?) ON CONFLICT (client, key)"
                   " DO UPDATE SET answer = '', created_ms = excluded.created_ms",
-    [SQL_KEY_ADD] = "INSERT INTO idempotency (key, body_sha256, answer, created_ms)"
-                    " VALUES (?, ?, ?, ?) ON CONFLICT (key) DO NOTHING",
-    [SQL_KEY_GET] = "SELECT body_sha256, answer FROM idempotency WHERE key = ?",
-    [SQL_KEYS_REMOVE] = "DELETE FROM idempotency WHERE key IN (SELECT key FROM idempotency"
-                        " WHERE created_ms < ? LIMIT ?)",
+    [SQL_KEY_ADD] = "INSERT INTO idempotency (client, key, body_sha256, answer, created_ms)"
+                    " VALUES (?, ?, ?, ?, ?) ON CONFLICT (client, key) DO NOTHING",
+    [SQL_KEY_GET] = "SELECT body_sha256, answer FROM idempotency WHERE client = ? AND key = ?",
+    [SQL_KEYS_REMOVE] = "DELETE FROM idempotency WHERE (client, key) IN"
+                        " (SELECT client, key FROM idempotency WHERE created_ms < ? LIMIT ?)",
     [SQL_SCENE_FIND] = "SELECT id FROM scene WHERE sha256 = ?",
     [SQL_SCENE_ADD] = "INSERT INTO scene (sha256, document) VALUES (?, ?)"
                       " ON CONFLICT (sha256) DO NOTHING",
@@ -140,7 +140,7 @@ static const char *const sql_text[] = {
     [SQL_SCENES_REMOVE_UNUSED] = "DELETE FROM scene WHERE NOT EXISTS"
                                  " (SELECT 1 FROM job WHERE job.scene = scene.id)",
     [SQL_JOB_ADD] = "INSERT INTO job (id, kind, scene, priority, max_attempts, timeout_ms,"
-                    " created_ms, updated_ms, total_pixels, open_views, request, address)"
+                    " created_ms, updated_ms, total_pixels, open_views, request, client)"
                     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?7, ?8, ?9, ?10, ?11)"
                     " ON CONFLICT (id) DO NOTHING",
     [SQL_VIEW_ADD] = "INSERT INTO view (job, view, name, width, height, batches, open_batches)"
@@ -163,6 +163,8 @@ static const char *const sql_text[] = {
                            " SELECT 'label:' || l.key, l.value, ?1 FROM json_each(?2, '$.labels') l"
                            " WHERE l.type = 'text'",
     [SQL_JOB_FIND] = "SELECT number, state, scene FROM job WHERE id = ? AND removed_ms = 0",
+    [SQL_JOB_IS_OF] = "SELECT coalesce((SELECT client FROM job WHERE id = ?1),"
+                      " (SELECT client FROM removed WHERE id = ?1)) = ?2",
     [SQL_JOB_COUNTS] = "SELECT state, count(*) - (SELECT count(*) FROM job r WHERE r.removed_ms > 0"
                        " AND r.state = job.state) FROM job GROUP BY state",
     [SQL_BATCH_COUNTS] = "SELECT (SELECT count(*) FROM batch WHERE state = 0),"
@@ -214,7 +216,8 @@ static const char *const sql_text[] = {
         " ORDER BY j.finished_ms, j.number",
     [SQL_BYTES_OF_STATS] = "SELECT length(CAST(stats AS BLOB)) FROM removed"
                            " WHERE stats IS NOT NULL ORDER BY removed_ms",
-    [SQL_REMOVED_ADD] = "INSERT INTO removed (id, removed_ms, stats) VALUES (?, ?, ?)",
+    [SQL_REMOVED_ADD] = "INSERT INTO removed (id, removed_ms, stats, client) VALUES (?1, ?2, ?3,"
+                        " coalesce((SELECT client FROM job WHERE id = ?1), ''))",
     [SQL_REMOVED_GET] = "SELECT stats FROM removed WHERE id = ?",
     [SQL_REMOVED_DROP_STATS] = "UPDATE removed SET stats = NULL WHERE id = ?",
     [SQL_REMOVED_PURGE] = "DELETE FROM removed" PURGED,
@@ -314,15 +317,15 @@ static const char *const sql_text[] = {
                           " FROM batch b INDEXED BY batch_leased JOIN worker w ON w.id = b.worker"
                           " WHERE b.state = 1 AND b.job = ?1 LIMIT ?3",
 
-    [SQL_PEER_ADD] = "INSERT INTO peer (priority, address, waiting_since_ms) VALUES (?1, ?2, ?3)"
-                     " ON CONFLICT (priority, address) DO NOTHING",
+    [SQL_PEER_ADD] = "INSERT INTO peer (priority, client, waiting_since_ms) VALUES (?1, ?2, ?3)"
+                     " ON CONFLICT (priority, client) DO NOTHING",
     [SQL_LEVEL_ADD] = "INSERT INTO level (priority) VALUES (?1) ON CONFLICT (priority) DO NOTHING",
     [SQL_PEER_ENTER] =
         "UPDATE peer SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us"
         " ELSE max(served_us, " PEER_ENTRY ") END, waiting_since_ms = CASE WHEN EXISTS"
         " (SELECT 1 FROM lane l JOIN batch b ON b.lane = l.id AND b.state = 0"
         " WHERE l.peer = peer.id) THEN waiting_since_ms ELSE ?3 END"
-        " WHERE priority = ?1 AND address = ?2",
+        " WHERE priority = ?1 AND client = ?2",
     [SQL_PEER_SERVED] =
         "UPDATE peer SET waiting_since_ms = ?2 WHERE id = (SELECT l.peer FROM lane l"
         " JOIN batch b ON b.lane = l.id WHERE b.id = ?1)",
@@ -330,7 +333,7 @@ static const char *const sql_text[] = {
                        " JOIN job j ON j.lane = l.id WHERE j.number = ?1)",
     [SQL_PEERS_REMOVE] = "DELETE FROM peer WHERE jobs = 0 AND waiting_since_ms < ?1",
     [SQL_LANE_ADD] = "INSERT INTO lane (peer, label) SELECT id, ?3 FROM peer"
-                     " WHERE priority = ?1 AND address = ?2 ON CONFLICT (peer, label) DO NOTHING",
+                     " WHERE priority = ?1 AND client = ?2 ON CONFLICT (peer, label) DO NOTHING",
     [SQL_LANE_ENTER] =
         "UPDATE lane SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us"
         " ELSE max(served_us, " LANE_ENTRY ") END" LANE_OF,
@@ -339,7 +342,7 @@ static const char *const sql_text[] = {
     [SQL_LANE_DROP] = "DELETE FROM lane WHERE jobs = 0 AND id = (SELECT lane FROM job"
                       " WHERE number = ?1)",
     [SQL_JOB_LANE] = "UPDATE job SET lane = (SELECT id FROM lane" LANE_OF ") WHERE number = ?4",
-    [SQL_QUEUE_LENGTHS] = "SELECT coalesce(sum(jobs), 0), coalesce(sum(CASE WHEN address = ?1"
+    [SQL_QUEUE_LENGTHS] = "SELECT coalesce(sum(jobs), 0), coalesce(sum(CASE WHEN client = ?1"
                           " THEN jobs END), 0) FROM peer WHERE jobs > 0",
     [SQL_EXPECTED_COUNT] = "INSERT INTO meta (name, value) SELECT 'expected_bytes',"
                            " coalesce(sum(" PEN_SQLITE_EXPECTED_BYTES "), 0) FROM job j"

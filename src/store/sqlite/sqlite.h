@@ -56,6 +56,7 @@ enum pen_sqlite_sql {
     SQL_JOB_LIST_LABEL,
     SQL_JOB_ATTRIBUTES,
     SQL_JOB_FIND,
+    SQL_JOB_IS_OF,
     SQL_JOB_COUNTS,
     SQL_BATCH_COUNTS,
     SQL_OLDEST_QUEUED,
@@ -490,6 +491,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(job_get)                                                                                    \
     OP(job_page)                                                                                   \
     OP(job_find)                                                                                   \
+    OP(job_is_of)                                                                                  \
     OP(job_counts)                                                                                 \
     OP(job_start)                                                                                  \
     OP(job_progress)                                                                               \

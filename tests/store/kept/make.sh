@@ -19,7 +19,7 @@ while [ -z "$url" ]; do
 done
 
 submit() { # NAME: prints the job's id
-    curl -sS -f "$url/v1/jobs" -H 'Content-Type: application/json' -d "@$jobs/$1.json" | jq -r .id
+    curl -sS -f "$url/v1/jobs" -H 'Content-Type: application/json' -H "Idempotency-Key: $1" -d "@$jobs/$1.json" | jq -r .id
 }
 state() { # ID
     curl -sS -f "$url/v1/jobs/$1?wait=60" | jq -r .state
