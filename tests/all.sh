@@ -17,7 +17,9 @@ cases     11 PEN_CASES=all sh tests/run.sh $build
 timed     12 PEN_TIMED=1 sh tests/run.sh $build $timed
 asan      35 $make asan
 tsan      60 $make tsan TESTS="tests/base/ tests/render/ tests/accel/ tests/store/ tests/jobs/ tests/http/ tests/study/"
-load       8 PEN_TIMED=1 $make load
+load      10 PEN_TIMED=1 $make load
+mutate    12 $make mutate MINUTES=10
+front      2 $make front
 soak      11 $make soak MINUTES=10
 crash      5 PEN_TIMED=1 $make crash ROUNDS=200
 effects    3 $make effects-proof

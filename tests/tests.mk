@@ -16,9 +16,11 @@ INSTRUCTIONS := $(BUILD)/tests/effects/instructions
 FAULTS := $(BUILD)/tests/faults/preload.so
 FUZZ_NAMES := $(patsubst tests/fuzz/fuzz_%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
 REPLAYS := $(FUZZ_NAMES:%=$(BUILD)/tests/fuzz/replay_%)
-LOAD := $(BUILD)/tests/load/load
+RECORD := $(BUILD)/tests/front/record
+LOAD_NAMES := load strict early deadlines mutate stall
+LOAD := $(LOAD_NAMES:%=$(BUILD)/tests/load/%)
 .PHONY: tests run-tests check-all golden
-tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(LOAD) $(STABILITY) $(FILMS) $(INSTRUCTIONS) $(BENCHES) $(REPLAYS)
+tests: all $(TEST_BIN) $(CRASH_TEST) $(FAULTS) $(LOAD) $(RECORD) $(STABILITY) $(FILMS) $(INSTRUCTIONS) $(BENCHES) $(REPLAYS)
 
 $(BUILD)/tests/support/%.o: EXTRA := $(CHECK_CFLAGS) -Itests
 # A library, so that a test links only the members that it uses.
@@ -128,13 +130,30 @@ crash: all $(CRASH_TEST)
 
 # Clients that hold connections without using them, send bad requests or large ones: some minutes.
 LOAD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/load/*.c)))
+LOAD_SHARED := $(filter-out $(LOAD:%=%.o),$(LOAD_OBJ))
 $(LOAD_OBJ): EXTRA := -Itests
-$(LOAD): $(LOAD_OBJ) $(BUILD)/src/base/clock.o
+$(LOAD): %: %.o $(LOAD_SHARED) $(BUILD)/libservice.a $(BUILD)/librender.a
 	$(call say,LD ,$@)
-	$(Q)$(LINK) -o $@ $^
+	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS)
 .PHONY: load
 load: all $(LOAD)
 	@sh tests/load/load.sh $(BUILD)
+	@sh tests/load/clients.sh $(BUILD)
+	@sh tests/load/tls.sh $(BUILD) || [ $$? -eq 77 ]
+
+# Mutated requests, MINUTES (10) long, against a daemon with sanitizers.
+.PHONY: mutate
+mutate: $(LOAD)
+	$(MAKE) $(CLANG) all
+	@sh tests/load/mutate.sh $(BUILD)-clang-asan $(BUILD)/tests/load/mutate
+
+# deploy/nginx.conf before a daemon; says why if it is skipped.
+$(RECORD): $(RECORD).o
+	$(call say,LD ,$@)
+	$(Q)$(LINK) -o $@ $^
+.PHONY: front
+front: all $(LOAD) $(RECORD)
+	@sh tests/front/nginx.sh $(BUILD) || [ $$? -eq 77 ]
 
 # A daemon that is used for MINUTES (30): jobs of all kinds, readers, cancels, kills, restarts, limits of what is kept.
 .PHONY: soak
@@ -226,5 +245,5 @@ conformance-flip: all
 	sh tests/conformance_flip.sh $(BUILD) $(REF)
 
 
--include $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) $(LOAD_OBJ:.o=.d) $(PROPERTY_OBJ:.o=.d) \
+-include $(TEST_BIN:%=%.d) $(TEST_SUPPORT_OBJ:.o=.d) $(CRASH_OBJ:.o=.d) $(LOAD_OBJ:.o=.d) $(RECORD).d $(PROPERTY_OBJ:.o=.d) \
     $(STABILITY_OBJ:.o=.d) $(BUILD)/tests/property/main_films.d $(STRIPPED_OBJ:.o=.d) $(INSTRUCTIONS).d

@@ -50,15 +50,15 @@ daemon_start() {
         >"$work/out" 2>>"$work/log" &
     daemon=$!
     for _ in $(seq $((hang * 20))); do
-        url=$(sed -n 's/^listening on \(http:.*\)$/\1/p' "$work/out")
-        if [ -n "$url" ] && [ "$(curl -s -o /dev/null -w '%{http_code}' "$url/readyz")" = 200 ]; then
+        url=$(sed -n 's/^listening on \(https*:.*\)$/\1/p' "$work/out")
+        if [ -n "$url" ] && [ "$(curl -sk -o /dev/null -w '%{http_code}' "$url/readyz")" = 200 ]; then
             return 0
         fi
         kill -0 "$daemon" 2>/dev/null || break
         sleep 0.05
     done
     if kill -0 "$daemon" 2>/dev/null; then
-        echo "the daemon does not become ready: $(curl -s -m 9 "$url/readyz")"
+        echo "the daemon does not become ready: $(curl -sk -m 9 "$url/readyz")"
     else
         wait "$daemon"
         echo "the daemon does not start, exit code $?:"

@@ -3,10 +3,8 @@
  * acknowledged, and nothing is sent, as after a cable was pulled. */
 #include "load/crowd.h"
 
-#include <arpa/inet.h>
 #include <errno.h>
 #include <linux/filter.h>
-#include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "load/client.h"
 
 const char *const member_names[MEMBER_KINDS] = {
     [MEMBER_IDLE] = "idle",      [MEMBER_TRICKLE] = "trickling", [MEMBER_HALF] = "half",
@@ -45,21 +44,6 @@ static void fail(const char *what)
 {
     fprintf(stderr, "load: %s: %s\n", what, strerror(errno));
     exit(2);
-}
-
-int load_connect(int port, int receive_bytes)
-{
-    struct sockaddr_in address = {.sin_family = AF_INET,
-                                  .sin_port = htons((uint16_t)port),
-                                  .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (fd < 0)
-        fail("socket");
-    if (receive_bytes)
-        setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
-    if (connect(fd, (struct sockaddr *)&address, sizeof address) != 0)
-        fail("connect");
-    return fd;
 }
 
 struct crowd *crowd_new(const struct crowd_options *options)

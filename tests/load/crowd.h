@@ -48,7 +48,4 @@ void crowd_leave(struct crowd *crowd);
 int crowd_vanished(const struct crowd *crowd);
 void crowd_free(struct crowd *crowd);
 
-/* A connected socket, with this receive buffer if it is not 0. */
-int load_connect(int port, int receive_bytes);
-
 #endif

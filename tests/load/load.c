@@ -36,6 +36,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "load/client.h"
 #include "load/crowd.h"
 #include "load/probe.h"
 

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "load/crowd.h"
+#include "load/client.h"
 
 enum { TIMES_MAX = 100000, ANSWER_S = 20 };
 

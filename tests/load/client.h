@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/* A connection to a server on the loopback interface, and raw bytes on it. */
+#ifndef TESTS_LOAD_CLIENT_H
+#define TESTS_LOAD_CLIENT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* A connected socket, with this receive buffer if it is not 0. Ends the program if it cannot. */
+int load_connect(int port, int receive_bytes);
+
+/* The same; -1 if the server takes no connection. */
+int load_try(int port, int receive_bytes);
+
+/* Sends all bytes. Returns false if the connection has ended. */
+bool load_send(int fd, const void *bytes, size_t count);
+
+enum load_end {
+    LOAD_OPEN,
+    LOAD_CLOSED, /* by the server */
+    LOAD_RESET
+};
+
+/* Reads until the connection ends, nothing comes for `quiet_ms`, or `until` has come (NULL: never).
+ * The first bytes are kept as a string in `text`, as many as have room. */
+enum load_end load_read(int fd, int quiet_ms, const char *until, char *text, size_t room);
+
+/* The first status in an answer that is final, not 1xx; 0 if there is none. Sets `rest` to the text
+ * behind its status line. */
+int load_status(const char *text, const char **rest);
+
+/* Seconds since an arbitrary start. */
+double load_seconds(void);
+
+#endif
