@@ -22,7 +22,7 @@ struct pen_client {
     struct pen_curl lib;
     CURL *curl;
     char *base; /* without a slash at its end */
-    struct pen_token token;
+    struct pen_client_token token;
     struct pen_transport transport;
     int64_t retry_ns;
     pen_client_pause_fn *on_pause;
@@ -89,7 +89,7 @@ static bool set_up(struct pen_client *client, const struct pen_remote *remote,
 {
     bool direct;
     if (!check_url(&client->lib, remote->server, &direct, &client->transport.tls, st) ||
-        !check_ca(remote->ca, st) || !pen_token_find(&client->token, remote->token, st))
+        !check_ca(remote->ca, st) || !pen_client_token_find(&client->token, remote->token, st))
         return false;
     client->curl = client->lib.easy_init();
     client->base = strdup(remote->server);
@@ -134,7 +134,7 @@ void pen_client_close(struct pen_client *client)
     client->lib.easy_cleanup(client->curl);
     client->lib.global_cleanup();
     free(client->base);
-    pen_token_release(&client->token);
+    pen_client_token_release(&client->token);
     free(client);
 }
 
@@ -453,7 +453,7 @@ bool pen_client_send(struct pen_client *client, const struct pen_request *reques
     if (code == CURLE_OK) {
         read_refusal(client, reply, errors);
         if (reply->status == 401 || reply->status == 403)
-            pen_token_explain(&client->token, &errors->item[0]);
+            pen_client_token_explain(&client->token, &errors->item[0]);
         return false;
     }
     pen_transport_fail(&client->transport, code,

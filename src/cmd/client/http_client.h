@@ -68,7 +68,7 @@ struct pen_client;
 
 /* A client of the daemon at remote->server. Prints a warning if a token goes unencrypted to another
  * machine. Owns: close it. Fails: PEN_USAGE (URL, the file of --ca), PEN_NETWORK (no libcurl),
- * PEN_NO_MEMORY, and as pen_token_find. */
+ * PEN_NO_MEMORY, and as pen_client_token_find. */
 struct pen_client *pen_client_open(const struct pen_remote *remote, struct pen_status *st);
 void pen_client_close(struct pen_client *client);
 

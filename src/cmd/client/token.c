@@ -17,7 +17,7 @@ static const char *text_of(const struct pen_buf *buf)
 
 /* Sets the path of the user's file. A relative XDG_CONFIG_HOME is ignored, as its specification
  * says. */
-static bool find_file(struct pen_token *token, struct pen_status *st)
+static bool find_file(struct pen_client_token *token, struct pen_status *st)
 {
     const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
     bool ok = true;
@@ -43,7 +43,7 @@ static bool check_rights(const char *path, const struct stat *file, struct pen_s
 }
 
 /* Reads the user's file, if there is one, into token->text. */
-static bool read_file(struct pen_token *token, struct pen_status *st)
+static bool read_file(struct pen_client_token *token, struct pen_status *st)
 {
     const char *path = text_of(&token->file);
     struct stat file;
@@ -64,7 +64,7 @@ static bool read_file(struct pen_token *token, struct pen_status *st)
 }
 
 /* A token is sent in a header line: a line feed in it would begin another one. */
-static bool check_text(const struct pen_token *token, struct pen_status *st)
+static bool check_text(const struct pen_client_token *token, struct pen_status *st)
 {
     for (size_t i = 0; i < token->text.bytes; i++) {
         if (token->text.data[i] <= ' ' || token->text.data[i] > '~')
@@ -74,9 +74,9 @@ static bool check_text(const struct pen_token *token, struct pen_status *st)
     return true;
 }
 
-bool pen_token_find(struct pen_token *token, const char *given, struct pen_status *st)
+bool pen_client_token_find(struct pen_client_token *token, const char *given, struct pen_status *st)
 {
-    *token = (struct pen_token){0};
+    *token = (struct pen_client_token){0};
     if (!find_file(token, st))
         return false;
     if (given && !pen_buf_puts(&token->text, given))
@@ -84,13 +84,13 @@ bool pen_token_find(struct pen_token *token, const char *given, struct pen_statu
     return (given || token->file.bytes == 0 || read_file(token, st)) && check_text(token, st);
 }
 
-void pen_token_release(struct pen_token *token)
+void pen_client_token_release(struct pen_client_token *token)
 {
     pen_buf_release(&token->text);
     pen_buf_release(&token->file);
 }
 
-void pen_token_explain(const struct pen_token *token, struct pen_status *st)
+void pen_client_token_explain(const struct pen_client_token *token, struct pen_status *st)
 {
     const char *file = text_of(&token->file);
     if (token->text.bytes == 0)
