@@ -20,6 +20,12 @@ int pen_option_find(const struct pen_option *options, const char *name)
     return -1;
 }
 
+bool pen_option_typed(const struct pen_command *command, const struct pen_parsed *parsed,
+                      const char *name)
+{
+    return parsed->typed >> pen_option_find(command->options, name) & 1;
+}
+
 static int find_letter(const struct pen_option *options, char letter)
 {
     for (int i = 0; options[i].name; i++) {
@@ -188,6 +194,7 @@ static bool take_option(struct scan *scan, int i, const char *where, const char 
         option->kind != PEN_OPTION_FLAG)
         return pen_fail(st, PEN_USAGE, "%s: given twice", where);
     scan->parsed->set |= bit;
+    scan->parsed->typed |= bit;
     if (option->kind == PEN_OPTION_FLAG && !attached)
         attached = "true";
     if (!attached && scan->next < scan->argc && strncmp(scan->argv[scan->next], "--", 2) != 0)

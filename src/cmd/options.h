@@ -63,9 +63,10 @@ struct pen_command {
 /* What a command line has besides the values of options. */
 struct pen_parsed {
     bool help, version;
-    uint64_t set; /* bit i: row i was given */
-    int count;    /* of args */
-    char **args;  /* within argv */
+    uint64_t set;   /* bit i: row i was given */
+    uint64_t typed; /* bit i: on the command line, not by the environment */
+    int count;      /* of args */
+    char **args;    /* within argv */
 };
 _Static_assert(PEN_OPTIONS_MAX <= 64, "pen_parsed.set has a bit for each row");
 
@@ -92,6 +93,10 @@ int pen_option_find(const struct pen_option *options, const char *name);
 
 /* The visible option name nearest to a misspelt one, or NULL. */
 const char *pen_option_nearest(const struct pen_option *options, const char *name);
+
+/* Whether an option was given on the command line. */
+bool pen_option_typed(const struct pen_command *command, const struct pen_parsed *parsed,
+                      const char *name);
 
 /* Prints the help text, made from the table. */
 void pen_options_help(const struct pen_command *command, FILE *out);

@@ -108,17 +108,21 @@ static const char *compiler(void)
 json_t *pen_host_json(void)
 {
     char id[TEXT_BYTES], microcode[TEXT_BYTES], governor[TEXT_BYTES], build[TEXT_BYTES] = "";
+    char machine[TEXT_BYTES] = "";
     struct utsname name;
     hash_machine(id);
     read_cpuinfo("microcode", microcode);
     read_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", governor);
     dl_iterate_phdr(read_program, build);
     const bool named = uname(&name) == 0;
+    if (named)
+        pen_utf8_copy(machine, sizeof machine, name.nodename);
     json_t *host = pen_figure_host();
-    json_t *more = json_pack(
-        "{s:s, s:s, s:s, s:o, s:s, s:s}", "id", id, "microcode", microcode, "governor", governor,
-        "kernel", named ? json_sprintf("%s %s", name.sysname, name.release) : json_string(""),
-        "compiler", compiler(), "build", build);
+    json_t *more =
+        json_pack("{s:s, s:s, s:s, s:s, s:o, s:s, s:s}", "name", machine, "id", id, "microcode",
+                  microcode, "governor", governor, "kernel",
+                  named ? json_sprintf("%s %s", name.sysname, name.release) : json_string(""),
+                  "compiler", compiler(), "build", build);
     if (host && (!more || json_object_update(host, more) != 0)) {
         json_decref(host);
         host = NULL;

@@ -7,6 +7,7 @@
 #include <jansson.h>
 
 /* What a report says of host and build: the members of pen_figure_host, and
+ *   name       of the machine in its network, as uname(2) tells it
  *   id         of the machine: a hash of /etc/machine-id, which is not told
  *   microcode  of the processor
  *   governor   of its clock, such as "performance"

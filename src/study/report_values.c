@@ -205,8 +205,9 @@ static void write_part(const json_t *report, const char *name, const char *path,
 void pen_bench_write_host(const json_t *report, struct pen_buf *out)
 {
     int cores = whole_number(report, "host.cores"), threads = whole_number(report, "pool_threads");
-    pen_buf_printf(out, "%s, %s, %d core%s, %d thread%s in the pool, Penumbra %s",
-                   pen_bench_report_string(report, "host.cpu"),
+    const char *name = pen_bench_report_string(report, "host.name");
+    pen_buf_printf(out, "%s%s%s, %s, %d core%s, %d thread%s in the pool, Penumbra %s", name,
+                   *name ? ": " : "", pen_bench_report_string(report, "host.cpu"),
                    pen_bench_report_string(report, "host.isa"), cores, cores == 1 ? "" : "s",
                    threads, threads == 1 ? "" : "s",
                    pen_bench_report_string(report, "host.version"));

@@ -33,6 +33,57 @@ facts='del(.began_at, .ended_at, .load_average, .notes, .order_seed, .calibratio
     .min_ms, .max_ms, .runs_ms, .speedup, .ratio, .spoiled_runs, .cpu_share, .steal_ms, .build_ms, .render_ms, .cpu_ms,
     .mrays_per_second, .accelerator.build_ms))'
 expect "gives the same report except times" "$(jq -cS "$facts" local.json)" "$(jq -cS "$facts" r.json)"
+# bench on the daemon
+jobs() { "$penumbra" list --limit 1000 --json | jq '.jobs | length'; }
+before=$(jobs)
+set -- builtin:spheres --set width=40 --set height=30 --repeats 2 -m accelerator=none,auto -m threads=1,0
+exits "PENUMBRA_URL alone" 0 "$penumbra" bench "$@" --threads 2 --csv local.csv
+cp stdout local.txt
+expect "sends nothing" "$(jobs)" "$before"
+exits "bench --server" 0 "$penumbra" bench "$@" --server "$url" -o remote.json -o remote.html --csv remote.csv
+cp stdout remote.txt
+expect "sends a job" "$(jobs)" $((before + 1))
+expect_match "and prints its id on standard error" "$(cat stderr)" "penumbra: job ????????-????-7???-????-????????????"
+expect "gives the same report except times" "$(jq -cS "$facts" remote.json)" "$(jq -cS "$facts" local.json)"
+expect "has the name of the host, its processor and load" \
+    "$(jq -c '[.host.name, (.host.cpu | length > 0), (.load_average.before | type)]' remote.json)" "[\"$(uname -n)\",true,\"number\"]"
+expect "prints the same table" "$(grep -c -e '×' -e 'identical to row 0' remote.txt) $(grep 'median ms' remote.txt)" \
+    "$(grep -c -e '×' -e 'identical to row 0' local.txt) $(grep 'median ms' local.txt)"
+prints "below which is the host" stdout "$(uname -n): "
+expect "has the same rows and columns as CSV" "$(head -n 1 remote.csv; cut -d, -f 1-4,12-16 remote.csv)" \
+    "$(head -n 1 local.csv; cut -d, -f 1-4,12-16 local.csv)"
+expect "has a page" "$(head -n 1 remote.html)" "<!doctype html>"
+exits "bench --server --json" 0 "$penumbra" bench "$@" --server "$url" -q --json
+expect "prints the report as a line" "$(wc -l <stdout) $(jq '.rows | length' stdout) $(wc -c <stderr)" "1 4 0"
+id=$("$penumbra" list --limit 1 --json | jq -r '.jobs[0].id')
+exits "bench --server against a job" 0 "$penumbra" bench "$@" --server "$url" --baseline "$id"
+prints "prints the comparison" stdout "after: "
+jq '.rows[1].rays.shadow += 1' remote.json >other.json
+exits "bench --server against other counts" 7 "$penumbra" bench "$@" --server "$url" -q --baseline other.json
+jq '. + {views: [{name: "front"}, {name: "side", camera: {position: [5, 2, 9]}}]}' "$root/scenes/spheres.json" >views.json
+exits "bench --server of a view" 0 "$penumbra" bench views.json --set width=8 --set height=6 --view side --server "$url" -o view.json
+expect "has that view" "$(jq -c .views view.json)" '["side"]'
+echo '<scene><camera position="0 0 9" look-at="0 0 0" image="8 6"/><geometries><sphere center="0 0 0" radius="1"/>
+    </geometries></scene>' >scene.xml
+exits "bench --server of a scene in XML" 0 "$penumbra" bench scene.xml --server "$url" --csv xml.csv
+expect "has its pixels" "$(tail -n 1 xml.csv | cut -d, -f 10)" 48
+exits "bench --server of a wrong matrix" 2 "$penumbra" bench builtin:spheres -m thread=1 --server "$url"
+prints "has the error of a local run" stderr '--matrix thread: unknown key "thread"; did you mean "threads"?'
+exits "bench --server --threads" 2 "$penumbra" bench builtin:spheres --threads 2 --server "$url"
+prints "the error says what to use" stderr "--set threads=N"
+(
+    "$penumbra" bench builtin:spheres ${lengthy#--kind benchmark} --server "$url" -q 2>cancelled
+    echo $? >code
+) &
+latest() { "$penumbra" list --limit 1 --json | jq -r '.jobs[0] | select(.state == "running").id'; }
+running() { [ -n "$(latest)" ]; }
+within running
+"$penumbra" cancel "$(latest)" >stdout
+wait $!
+expect "bench --server of a job that is cancelled" "$(cat code) $(grep -c 'was cancelled' cancelled)" "6 1"
+exits "bench --server without a daemon" 5 "$penumbra" bench builtin:spheres --server http://127.0.0.1:9 --retry 0
+
+# Wait and fetch
 job=$("$penumbra" submit builtin:spheres $small)
 exits "wait for a benchmark" 0 "$penumbra" wait "$job"
 expect "its progress counts all runs" "$(curl -s "$url/v1/jobs/$job" | jq -c '.progress | [.done, .total]')" "[14,14]"
@@ -162,5 +213,11 @@ submit '{"scene": "builtin:spheres", "render": {"width": 16, "height": 12}}'
 "$penumbra" wait "${job##*/}" >/dev/null 2>&1
 call "$job"
 expect "the worker renders the next job" "$(body .state)" succeeded
+if [ -z "$sanitized" ]; then
+    daemon_stop
+    PENUMBRA_TEST_FAULT=alloc@3,5
+    daemon_start
+    exits "bench --server ends in the code of the job's error" 9 "$penumbra" bench builtin:spheres --server "$url" -q
+fi
 
 finish

@@ -635,8 +635,8 @@ START_TEST(test_bench__report_has_the_members_of_the_api)
         "build_ms", "render_ms", "cpu_ms",      "mrays_per_second", "max_difference",
         "ratio",    "verdict",   "reason",      "spoiled_runs",     "cpu_share",
         "steal_ms", "tests",     "picture_hash"};
-    static const char *const hosts[] = {"id",       "microcode", "governor", "kernel",
-                                        "compiler", "build",     "cpu",      "cores"};
+    static const char *const hosts[] = {"name",     "id",    "microcode", "governor", "kernel",
+                                        "compiler", "build", "cpu",       "cores"};
     set_up(2);
     add_none_and_auto();
     run();

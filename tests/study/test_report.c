@@ -27,7 +27,8 @@ static const char sample[] =
     "1},"
     " \"verdict\": \"faster\", \"cpu_share\": 0.5, \"steal_ms\": null, \"picture_hash\": \"00ff\","
     " \"tests\": {\"boxes\": 7, \"primitives\": 8}}],"
-    " \"notes\": [\"NOTE\"], \"host\": {\"cpu\": \"CPU\", \"isa\": \"avx2\", \"cores\": 2,"
+    " \"notes\": [\"NOTE\"], \"host\": {\"name\": \"CPU\", \"cpu\": \"CPU\", \"isa\": \"avx2\", "
+    "\"cores\": 2,"
     " \"version\": \"0.1.0\"}, \"pool_threads\": 2}";
 
 static void replace(char *text, size_t bytes, const char *word, const char *by)
@@ -131,6 +132,7 @@ START_TEST(test_report__markdown_has_rounded_times_and_ratios)
               "0.011) | faster |");
     has(text, "| max 0.125, rmse 0.0312 from row 0 | 00ff |");
     has(text, "1 400 000");
+    has(text, "\nroom: room, avx2, 2 cores, 2 threads in the pool");
     json_decref(report);
 }
 END_TEST

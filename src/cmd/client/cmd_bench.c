@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra bench`: a benchmark in this process, without a daemon. The runs and the report are
- * those of a job of kind benchmark. */
+/* `penumbra bench`: a benchmark in this process or, with --server, as a job of a daemon. Runs and
+ * report are the same: the command line is checked here, the table and all formats are made here.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cmd/client/bench_history.h"
+#include "cmd/client/bench_remote.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
 #include "cmd/client/output.h"
@@ -24,6 +26,7 @@ struct values {
     struct pen_option_list output, set, view;
     int threads;
     bool quiet, json;
+    bool on_daemon; /* --server was given */
 };
 
 static const char *const compared[] = {"nothing", "counters", "time", NULL};
@@ -72,12 +75,17 @@ static const struct pen_option options[] = {
      .help = "write the rows to FILE too, as CSV"},
     PEN_QUIET_OPTION(struct values, "no progress bar and no table"),
     PEN_JSON_OPTION(struct values, "print the report as a line of JSON instead of a table"),
-    PEN_REMOTE_OPTIONS(struct values),
+    PEN_SERVER_OPTION(struct values,
+                      "run the benchmark on this daemon; PENUMBRA_URL alone does not do so, but "
+                      "names the daemon of a --baseline that is a job"),
+    PEN_ACCESS_OPTIONS(struct values),
     {0}};
 
 /* Everything one benchmark holds. release() frees what has been allocated, at any stage. */
 struct benchmark {
     const struct values *values;
+    struct pen_remote remote;
+    struct pen_client *client; /* NULL: runs in this process */
     struct pen_scene_input input;
     struct pen_bench_spec spec;
     struct pen_bench bench;
@@ -100,6 +108,9 @@ static bool check_output(const struct values *v, const char *output, struct pen_
 
 static bool check_values(const struct values *v, struct pen_status *st)
 {
+    if (v->on_daemon && v->threads >= 0)
+        return pen_fail(st, PEN_USAGE,
+                        "--threads: a daemon has its own pool; --set threads=N uses a part of it");
     if (v->format && v->output.count != 1)
         return pen_fail(st, PEN_USAGE, "--format: needs one -o OUT");
     for (int i = 0; i < v->output.count; i++) {
@@ -107,6 +118,18 @@ static bool check_values(const struct values *v, struct pen_status *st)
             return false;
     }
     return !v->csv || pen_file_check(v->csv, st);
+}
+
+/* Opens the client of the daemon that runs the benchmark, if one does. A warning that it prints is
+ * not printed again for the baseline. */
+static int open_daemon(struct benchmark *b)
+{
+    struct pen_status st;
+    if (!b->values->on_daemon)
+        return 0;
+    b->client = pen_client_open(&b->remote, &st);
+    b->remote.quiet = true;
+    return b->client ? 0 : pen_report_json(NULL, b->values->json, &st);
 }
 
 /* Reads the report to compare with, if --baseline names one. */
@@ -122,7 +145,7 @@ static int read_earlier(struct benchmark *b)
         pen_fail(&st, PEN_USAGE, "--compare: needs a report as --baseline");
         return pen_report_json(NULL, v->json, &st);
     }
-    return !name || pen_report_source_read(name, &v->remote, &b->earlier, &errors)
+    return !name || pen_report_source_read(name, &b->remote, &b->earlier, &errors)
                ? 0
                : pen_report_errors_json(name, v->json, &errors);
 }
@@ -187,9 +210,10 @@ static void show_progress(void *user, int done, int total)
     pen_progress_show(user, (double)done / total, -1);
 }
 
-static bool measure(struct benchmark *b, struct pen_status *st)
+static bool run_here(struct benchmark *b, struct pen_status *st)
 {
-    struct pen_thread_pool *pool = pen_thread_pool_new(b->values->threads, st);
+    struct pen_thread_pool *pool =
+        pen_thread_pool_new(b->values->threads < 0 ? 0 : b->values->threads, st);
     if (!pool)
         return false;
     b->bench.pool = pool;
@@ -206,6 +230,44 @@ static bool measure(struct benchmark *b, struct pen_status *st)
     }
     pen_thread_pool_free(pool);
     return ok;
+}
+
+/* The members of the job, but for the scene. NULL after a failure. */
+static json_t *job_members(const struct values *v, struct pen_status *st)
+{
+    json_t *job = json_pack("{s:s}", "kind", "benchmark"), *views = json_array();
+    bool ok = (job && views) || pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    for (int i = 0; ok && i < v->view.count; i++)
+        ok = json_array_append_new(views, json_string(v->view.item[i])) == 0 ||
+             pen_fail(st, PEN_USAGE, "--view: must be text in UTF-8");
+    if (ok && v->view.count > 0)
+        json_object_set(job, "views", views);
+    ok = ok && pen_bench_options_add(job, &v->bench, st) && pen_set_options_add(job, &v->set, st);
+    json_decref(views);
+    if (ok)
+        return job;
+    json_decref(job);
+    return NULL;
+}
+
+/* Makes the report. Returns the exit code. */
+static int measure(struct benchmark *b)
+{
+    const struct values *v = b->values;
+    struct pen_status st;
+    if (!b->client)
+        return run_here(b, &st) ? 0 : pen_report_json(NULL, v->json, &st);
+    json_t *members = job_members(v, &st);
+    if (!members)
+        return pen_report_json(NULL, v->json, &st);
+    const struct pen_bench_remote remote = {.client = b->client,
+                                            .source = &b->input.source,
+                                            .members = members,
+                                            .quiet = v->quiet,
+                                            .json = v->json};
+    const int code = pen_bench_remote_run(&remote, &b->report);
+    json_decref(members);
+    return code;
 }
 
 /* Puts the comparison with the earlier report into the report. */
@@ -273,6 +335,7 @@ static void release(struct benchmark *b)
     pen_bench_spec_release(&b->spec);
     free(b->views);
     pen_scene_input_release(&b->input);
+    pen_client_close(b->client);
 }
 
 static int benchmark(struct benchmark *b, const char *name)
@@ -282,14 +345,18 @@ static int benchmark(struct benchmark *b, const char *name)
     struct pen_status st;
     if (!check_values(b->values, &st))
         return pen_report_json(NULL, json, &st);
-    const int code = read_earlier(b);
+    int code = open_daemon(b);
+    if (code == 0)
+        code = read_earlier(b);
     if (code != 0)
         return code;
     if (!pen_scene_input_read(&b->input, name, &errors))
         return pen_report_errors_json(b->input.source.label, json, &errors);
     if (!prepare(b, &errors))
         return pen_report_errors_json(NULL, json, &errors);
-    if (!measure(b, &st) || !compare(b, &st) || !write_reports(b, &st))
+    if ((code = measure(b)) != 0)
+        return code;
+    if (!compare(b, &st) || !write_reports(b, &st))
         return pen_report_json(NULL, json, &st);
     print_report(b);
     if (judge(b, &st))
@@ -299,7 +366,7 @@ static int benchmark(struct benchmark *b, const char *name)
 
 static int run(int argc, char **argv)
 {
-    struct values values = {.bench = PEN_BENCH_VALUES, .remote = PEN_REMOTE_DEFAULT};
+    struct values values = {.bench = PEN_BENCH_VALUES, .remote = PEN_REMOTE_DEFAULT, .threads = -1};
     struct pen_parsed parsed;
     int code = pen_command_begin(&pen_command_bench, argc, argv, &values, &parsed);
     if (code >= 0)
@@ -317,7 +384,9 @@ static int run(int argc, char **argv)
         pen_fail(&st, PEN_USAGE, "missing argument, usage: penumbra bench SCENE");
         return pen_report_json(NULL, values.json, &st);
     }
-    struct benchmark b = {.values = &values};
+    values.on_daemon = pen_option_typed(&pen_command_bench, &parsed, "server");
+    values.remote.quiet = values.quiet;
+    struct benchmark b = {.values = &values, .remote = values.remote};
     code = benchmark(&b, parsed.args[0]);
     release(&b);
     return code;
@@ -327,15 +396,18 @@ const struct pen_command pen_command_bench = {
     .program = "penumbra",
     .name = "bench",
     .arguments = "SCENE",
-    .summary = "Times a scene under several settings, without a daemon.",
-    .details = "SCENE is a file, - for standard input, or builtin:NAME. A run builds the tree and "
-               "renders all views; the runs of the rows are interleaved, and a row's time is the "
-               "median of its runs. Rows that differ only in accelerator, threads or tile must "
-               "give the same picture, bit for bit; otherwise the command ends with code 7 and "
-               "names the first pixel that differs.",
+    .summary = "Times a scene under several settings, here or on a daemon.",
+    .details =
+        "SCENE is a file, - for standard input, or builtin:NAME. A run builds the tree and "
+        "renders all views; the runs of the rows are interleaved, and a row's time is the "
+        "median of its runs. Rows that differ only in accelerator, threads or tile must "
+        "give the same picture, bit for bit; otherwise the command ends with code 7 and "
+        "names the first pixel that differs. With --server the runs are a job of kind "
+        "benchmark; the report has the daemon's host, and the job goes on if this command is "
+        "ended.",
     .options = options,
     .min_args = 0,
     .max_args = 1,
-    .daemon_optional = true, /* --server is for a --baseline that is a job */
+    .daemon_optional = true,
     .run = run,
 };

@@ -28,6 +28,7 @@ static int run_each(const struct pen_command *command, int argc, char **argv, jo
     int code = pen_command_begin(command, argc, argv, &values, &parsed);
     if (code >= 0)
         return code;
+    values.remote.quiet = values.quiet;
     struct pen_status st;
     struct pen_client *client = pen_client_open(&values.remote, &st);
     if (!client)

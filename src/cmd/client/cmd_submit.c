@@ -10,11 +10,11 @@
  *   job           some      the job, with the options in place of its own members */
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 
 #include "cmd/client/audit_options.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
+#include "cmd/client/job_request.h"
 #include "cmd/client/output.h"
 #include "cmd/client/remote_job.h"
 #include "cmd/client/setting_options.h"
@@ -89,13 +89,6 @@ static const struct pen_option options[] = {
     PEN_REMOTE_OPTIONS(struct values),
     {0}};
 
-/* The body of the request. */
-struct body {
-    struct pen_buf text;
-    bool xml;     /* it is a bare scene in XML */
-    bool wrapped; /* it is a job whose member "scene" is the document, beginning on line 2 */
-};
-
 static bool fail_text(const char *option, struct pen_status *st)
 {
     return pen_fail(st, PEN_USAGE, "--%s: must be text in UTF-8", option);
@@ -148,58 +141,32 @@ static bool add_options(json_t *job, const struct values *values, struct pen_sta
            pen_set_options_add(job, &values->set, st) && add_labels(job, &values->label, st);
 }
 
-static bool dump(const json_t *json, struct pen_buf *out)
-{
-    char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17));
-    bool ok = text && pen_buf_puts(out, text);
-    free(text);
-    return ok;
-}
-
-/* Writes {"scene":⏎DOCUMENT⏎,MEMBERS}: the document begins on line 2. */
-static bool wrap(const struct pen_source *source, const json_t *document, const json_t *members,
-                 struct pen_buf *out)
-{
-    struct pen_buf tail = {0};
-    bool ok = pen_buf_puts(out, "{\"scene\":\n") &&
-              (source->xml ? dump(document, out)
-                           : pen_buf_add(out, source->text.data, source->text.bytes)) &&
-              dump(members, &tail);
-    if (ok && json_object_size(members) > 0)
-        ok = pen_buf_puts(out, "\n,") && pen_buf_add(out, tail.data + 1, tail.bytes - 1);
-    else
-        ok = ok && pen_buf_puts(out, "\n}");
-    pen_buf_release(&tail);
-    return ok;
-}
-
-/* The body for a document that is a job, or for a built-in scene, which has no text here. */
+/* The request for a document that is a job, or for a built-in scene, which has no text here. */
 static bool compose_job(const struct pen_source *source, json_t *job, const struct values *values,
-                        struct body *body, struct pen_status *st)
+                        struct pen_job_request *request, struct pen_status *st)
 {
     json_t *before = json_deep_copy(job);
     bool ok = add_options(job, values, st);
     if (ok && source->text.bytes > 0 && json_equal(before, job))
-        ok = pen_buf_add(&body->text, source->text.data, source->text.bytes);
+        ok = pen_buf_add(&request->text, source->text.data, source->text.bytes);
     else if (ok)
-        ok = dump(job, &body->text) || pen_fail(st, PEN_NO_MEMORY, "out of memory");
+        ok = pen_job_request_whole(request, job, st);
     json_decref(before);
     return ok;
 }
 
 static bool compose_scene(const struct pen_source *source, const json_t *document,
-                          const struct values *values, struct body *body, struct pen_status *st)
+                          const struct values *values, struct pen_job_request *request,
+                          struct pen_status *st)
 {
     json_t *members = json_object();
     bool ok = add_options(members, values, st);
-    body->wrapped = json_object_size(members) > 0;
-    body->xml = source->xml && !body->wrapped;
-    if (ok && body->wrapped)
-        ok = wrap(source, document, members, &body->text) ||
-             pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    if (ok && json_object_size(members) > 0)
+        ok = pen_job_request_wrap(request, source, document, members, st);
     else if (ok)
-        ok = pen_buf_add(&body->text, source->text.data, source->text.bytes) ||
+        ok = pen_buf_add(&request->text, source->text.data, source->text.bytes) ||
              pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    request->xml = source->xml && !request->wrapped;
     json_decref(members);
     return ok;
 }
@@ -233,8 +200,8 @@ static bool check_format(const struct values *values, const char *kind, struct p
                                      : pen_output_format(values->output, values->format, st));
 }
 
-static bool make_body(const char *scene, struct pen_source *source, const struct values *values,
-                      struct body *body, struct pen_errors *errors)
+static bool make_request(const char *scene, struct pen_source *source, const struct values *values,
+                         struct pen_job_request *request, struct pen_errors *errors)
 {
     struct pen_status st;
     json_t *document = read_document(scene, source, errors);
@@ -242,71 +209,13 @@ static bool make_body(const char *scene, struct pen_source *source, const struct
         return false;
     const char *kind =
         values->kind ? values->kind : json_string_value(json_object_get(document, "kind"));
-    bool ok =
-        check_format(values, kind, &st) &&
-        (json_object_get(document, "scene") ? compose_job(source, document, values, body, &st)
-                                            : compose_scene(source, document, values, body, &st));
+    bool ok = check_format(values, kind, &st) &&
+              (json_object_get(document, "scene")
+                   ? compose_job(source, document, values, request, &st)
+                   : compose_scene(source, document, values, request, &st));
     json_decref(document);
     if (!ok)
         pen_errors_add(errors, &st);
-    return ok;
-}
-
-static bool random_key(char key[40], struct pen_status *st)
-{
-    unsigned char bytes[16];
-    if (getrandom(bytes, sizeof bytes, 0) != (ssize_t)sizeof bytes)
-        return pen_fail(st, PEN_IO, "no random numbers for the idempotency key");
-    for (size_t i = 0; i < sizeof bytes; i++)
-        snprintf(key + 2 * i, 3, "%02x", bytes[i]);
-    return true;
-}
-
-/* Reports the daemon's errors. If the document was wrapped, translates places in "scene" to places
- * in the file; errors of other members are about the command line and are reported without the
- * file's name. */
-static int report(const struct values *values, const struct pen_source *source,
-                  const struct body *body, struct pen_errors *errors)
-{
-    static const char inside[] = "/scene";
-    enum { LENGTH = sizeof inside - 1 };
-    const char *label = source->label;
-    if (!body->wrapped)
-        return pen_report_errors_json(label, values->json, errors);
-    for (size_t i = 0; i < errors->count; i++) {
-        struct pen_status *st = &errors->item[i];
-        if (st->line > 1)
-            st->line--;
-        if (strncmp(st->at, inside, LENGTH) == 0) {
-            memmove(st->at, st->at + LENGTH, sizeof st->at - LENGTH);
-            pen_source_locate(source, st);
-        } else if (st->at[0])
-            label = "the job";
-    }
-    return pen_report_errors_json(label, values->json, errors);
-}
-
-static bool post(struct pen_client *client, const struct body *body, const char *key, json_t **job,
-                 struct pen_errors *errors)
-{
-    struct pen_reply reply = {0};
-    struct pen_request request = {.method = "POST",
-                                  .path = "/v1/jobs",
-                                  .body = (const char *)body->text.data,
-                                  .body_bytes = body->text.bytes,
-                                  .type = body->xml ? "application/xml" : "application/json",
-                                  .idempotency_key = key,
-                                  .repeatable = true, /* because of the key */
-                                  .timeout_s = 60};
-    bool ok = pen_client_json(client, &request, &reply, job, errors);
-    pen_reply_release(&reply);
-    if (ok && !*pen_remote_text(*job, "id")) {
-        struct pen_status st;
-        pen_fail(&st, PEN_NETWORK, "the answer names no job: is that a Penumbra daemon?");
-        pen_errors_add(errors, &st);
-        json_decref(*job);
-        ok = false;
-    }
     return ok;
 }
 
@@ -342,16 +251,12 @@ static int follow(struct pen_client *client, const struct values *values, json_t
 }
 
 static int submit(struct pen_client *client, const struct values *values,
-                  const struct pen_source *source, const struct body *body)
+                  const struct pen_source *source, const struct pen_job_request *request)
 {
     struct pen_errors errors = {0};
-    struct pen_status st;
-    char key[40];
     json_t *job;
-    if (!values->idempotency_key && !random_key(key, &st))
-        return pen_report_json(NULL, values->json, &st);
-    if (!post(client, body, values->idempotency_key ? values->idempotency_key : key, &job, &errors))
-        return report(values, source, body, &errors);
+    if (!pen_job_request_post(client, request, &job, &errors))
+        return pen_job_request_report(request, source, values->json, &errors);
     int code = follow(client, values, job);
     json_decref(job);
     return code;
@@ -381,11 +286,6 @@ static bool check_baseline(const struct values *values, struct pen_status *st)
            pen_fail(st, PEN_USAGE, "--baseline: found \"%s\", allowed is KEY=VALUE,…", report);
 }
 
-static bool is_given(const struct pen_parsed *parsed, const char *option)
-{
-    return parsed->set >> pen_option_find(options, option) & 1;
-}
-
 static int run(int argc, char **argv)
 {
     struct values values = {.remote = PEN_REMOTE_DEFAULT,
@@ -399,21 +299,22 @@ static int run(int argc, char **argv)
         return code;
     struct pen_status st;
     struct pen_source source = {0};
-    struct body body = {0};
+    struct pen_job_request request = {.key = values.idempotency_key};
     struct pen_errors errors = {0};
     struct pen_client *client = NULL;
-    values.has_priority = is_given(&parsed, "priority");
+    values.remote.quiet = values.quiet;
+    values.has_priority = pen_option_typed(&pen_command_submit, &parsed, "priority");
     if (!check_baseline(&values, &st) || !check_output(&values, &st))
         code = pen_report_json(NULL, values.json, &st);
-    else if (!make_body(parsed.args[0], &source, &values, &body, &errors))
+    else if (!make_request(parsed.args[0], &source, &values, &request, &errors))
         code = pen_report_errors_json(errors.item[0].code == PEN_USAGE ? NULL : source.label,
                                       values.json, &errors);
     else if (!(client = pen_client_open(&values.remote, &st)))
         code = pen_report_json(NULL, values.json, &st);
     else
-        code = submit(client, &values, &source, &body);
+        code = submit(client, &values, &source, &request);
     pen_client_close(client);
-    pen_buf_release(&body.text);
+    pen_buf_release(&request.text);
     pen_source_release(&source);
     return code;
 }

@@ -1,13 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 #include "cmd/client/http_client.h"
 
+#include <arpa/inet.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "cmd/client/curl_library.h"
+#include "cmd/client/token.h"
+#include "cmd/client/transport.h"
+#include "cmd/report.h"
 
 /* No answer of a daemon is larger: a PFM of 64 Mpixel is 768 MiB. */
 static const size_t answer_max_bytes = (size_t)1 << 30;
@@ -15,8 +21,9 @@ static const size_t answer_max_bytes = (size_t)1 << 30;
 struct pen_client {
     struct pen_curl lib;
     CURL *curl;
-    char *base;          /* without a slash at its end */
-    char *authorization; /* a header line, NULL: none */
+    char *base; /* without a slash at its end */
+    struct pen_client_token token;
+    struct pen_transport transport;
     int64_t retry_ns;
     pen_client_pause_fn *on_pause;
     void *pause_user;
@@ -25,12 +32,13 @@ struct pen_client {
 
 static bool is_loopback(const char *host)
 {
-    return strcmp(host, "localhost") == 0 || strncmp(host, "127.", 4) == 0 ||
-           strcmp(host, "[::1]") == 0;
+    struct in_addr address;
+    return strcmp(host, "localhost") == 0 || strcmp(host, "[::1]") == 0 ||
+           (inet_pton(AF_INET, host, &address) == 1 && ntohl(address.s_addr) >> 24 == 127);
 }
 
 /* Checks the URL. *direct: it names this machine, so a proxy set in the environment is ignored. */
-static bool check_url(const struct pen_curl *lib, const char *url, bool *direct,
+static bool check_url(const struct pen_curl *lib, const char *url, bool *direct, bool *tls,
                       struct pen_status *st)
 {
     char *host = NULL, *scheme = NULL;
@@ -40,6 +48,7 @@ static bool check_url(const struct pen_curl *lib, const char *url, bool *direct,
               (strcmp(scheme, "http") == 0 || strcmp(scheme, "https") == 0) &&
               lib->url_get(parts, CURLUPART_HOST, &host, 0) == CURLUE_OK;
     *direct = ok && is_loopback(host);
+    *tls = ok && strcmp(scheme, "https") == 0;
     lib->free(host);
     lib->free(scheme);
     lib->url_cleanup(parts);
@@ -56,34 +65,66 @@ static void set_options(const struct pen_client *client, bool direct)
     lib->easy_setopt(client->curl, CURLOPT_USERAGENT, "penumbra/" PEN_VERSION);
     lib->easy_setopt(client->curl, CURLOPT_CONNECTTIMEOUT_MS, 5000L);
     lib->easy_setopt(client->curl, CURLOPT_PROTOCOLS_STR, "http,https");
+    lib->easy_setopt(client->curl, CURLOPT_FOLLOWLOCATION, 0L);
+    lib->easy_setopt(client->curl, CURLOPT_SSL_VERIFYPEER, 1L);
+    lib->easy_setopt(client->curl, CURLOPT_SSL_VERIFYHOST, 2L);
+    if (client->transport.ca) {
+        lib->easy_setopt(client->curl, CURLOPT_CAINFO, client->transport.ca);
+        lib->easy_setopt(client->curl, CURLOPT_CAPATH, NULL);
+    }
     if (direct)
         lib->easy_setopt(client->curl, CURLOPT_NOPROXY, "*");
 }
 
-struct pen_client *pen_client_open(const struct pen_remote *remote, struct pen_status *st)
+static bool check_ca(const char *ca, struct pen_status *st)
+{
+    return !ca || access(ca, R_OK) == 0 ||
+           pen_fail(st, PEN_USAGE, "--ca or PENUMBRA_CA: cannot read \"%s\": %s", ca,
+                    strerror(errno));
+}
+
+/* Fills a new client. */
+static bool set_up(struct pen_client *client, const struct pen_remote *remote,
+                   struct pen_status *st)
 {
     bool direct;
-    struct pen_curl lib;
-    if (!pen_curl_load(&lib, st) || !check_url(&lib, remote->server, &direct, st))
-        return NULL;
-    struct pen_client *client = calloc(1, sizeof *client);
-    if (client)
-        client->lib = lib;
-    bool ok = client && (client->curl = lib.easy_init()) != NULL &&
-              (client->base = strdup(remote->server)) != NULL;
-    if (ok && remote->token && *remote->token)
-        ok = asprintf(&client->authorization, "Authorization: Bearer %s", remote->token) >= 0;
-    if (!ok) {
-        pen_client_close(client);
-        pen_fail(st, PEN_NO_MEMORY, "out of memory");
-        return NULL;
-    }
+    if (!check_url(&client->lib, remote->server, &direct, &client->transport.tls, st) ||
+        !check_ca(remote->ca, st) || !pen_client_token_find(&client->token, remote->token, st))
+        return false;
+    client->curl = client->lib.easy_init();
+    client->base = strdup(remote->server);
+    if (!client->curl || !client->base)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
     size_t length = strlen(client->base);
     while (length > 0 && client->base[length - 1] == '/')
         client->base[--length] = '\0';
+    client->transport.server = client->base;
+    client->transport.ca = remote->ca;
     client->retry_ns = (int64_t)(remote->retry_seconds * 1e9);
     set_options(client, direct);
-    return client;
+    if (client->token.text.bytes > 0 && !direct && !client->transport.tls && !remote->quiet)
+        pen_report_say(stderr,
+                       "penumbra: warning: the token is sent unencrypted to %s; https "
+                       "keeps it secret",
+                       client->base);
+    return true;
+}
+
+struct pen_client *pen_client_open(const struct pen_remote *remote, struct pen_status *st)
+{
+    struct pen_curl lib;
+    if (!pen_curl_load(&lib, st))
+        return NULL;
+    struct pen_client *client = calloc(1, sizeof *client);
+    if (!client) {
+        pen_fail(st, PEN_NO_MEMORY, "out of memory");
+        return NULL;
+    }
+    client->lib = lib;
+    if (set_up(client, remote, st))
+        return client;
+    pen_client_close(client);
+    return NULL;
 }
 
 void pen_client_close(struct pen_client *client)
@@ -93,7 +134,7 @@ void pen_client_close(struct pen_client *client)
     client->lib.easy_cleanup(client->curl);
     client->lib.global_cleanup();
     free(client->base);
-    free(client->authorization);
+    pen_client_token_release(&client->token);
     free(client);
 }
 
@@ -181,8 +222,9 @@ static bool make_headers(const struct pen_client *client, const struct pen_reque
         ok = ok && add_header(client, list, "Accept: %s", request->accept);
     if (request->if_none_match)
         ok = ok && add_header(client, list, "If-None-Match: %s", request->if_none_match);
-    if (client->authorization)
-        ok = ok && add_header(client, list, "%s", client->authorization);
+    if (client->token.text.bytes > 0)
+        ok = ok && add_header(client, list, "Authorization: Bearer %s",
+                              (const char *)client->token.text.data);
     return ok;
 }
 
@@ -231,6 +273,7 @@ static CURLcode attempt(struct pen_client *client, const struct pen_request *req
         client->lib.easy_setopt(client->curl, CURLOPT_HTTPHEADER, headers);
         code = client->lib.easy_perform(client->curl);
         client->lib.easy_getinfo(client->curl, CURLINFO_RESPONSE_CODE, &reply->status);
+        client->transport.answered |= code == CURLE_OK;
         client->lib.easy_setopt(client->curl, CURLOPT_HTTPHEADER, NULL);
     }
     client->lib.slist_free_all(headers);
@@ -239,14 +282,14 @@ static CURLcode attempt(struct pen_client *client, const struct pen_request *req
 }
 
 /* Whether another attempt may succeed and does no harm. */
-static bool worth_repeating(CURLcode code, const struct pen_request *request,
-                            const struct pen_reply *reply)
+static bool worth_repeating(const struct pen_client *client, CURLcode code,
+                            const struct pen_request *request, const struct pen_reply *reply)
 {
     if (code == CURLE_OK)
         return reply->status == 503 || reply->status == 429;
     if (code == CURLE_COULDNT_CONNECT || code == CURLE_COULDNT_RESOLVE_HOST)
         return true;
-    return request->repeatable && code != CURLE_OUT_OF_MEMORY && code != CURLE_WRITE_ERROR;
+    return request->repeatable && pen_transport_may_pass(&client->transport, code);
 }
 
 static void sleep_ns(int64_t ns)
@@ -263,7 +306,7 @@ static CURLcode attempt_until(struct pen_client *client, const struct pen_reques
     int64_t give_up = pen_clock_ns() + client->retry_ns, pause = second / 20;
     for (;;) {
         CURLcode code = attempt(client, request, reply);
-        if (!worth_repeating(code, request, reply))
+        if (!worth_repeating(client, code, request, reply))
             return code;
         int64_t wait =
             code == CURLE_OK && reply->retry_after_s > 0 ? reply->retry_after_s * second : pause;
@@ -347,9 +390,7 @@ static enum pen_code code_of_http(long status)
     return PEN_NETWORK;
 }
 
-/* The error code of a problem document, whose type ends in the code's name:
- * "…/problems/invalid-scene". */
-static enum pen_code code_of_problem(const json_t *problem, long status)
+enum pen_code pen_problem_code(const json_t *problem, long status)
 {
     const char *type = json_string_value(json_object_get(problem, "type"));
     const char *name = type && strrchr(type, '/') ? strrchr(type, '/') + 1 : type;
@@ -364,7 +405,7 @@ static enum pen_code code_of_problem(const json_t *problem, long status)
 static void read_problem(const struct pen_reply *reply, struct pen_errors *errors)
 {
     json_t *problem = json_loadb((const char *)reply->body.data, reply->body.bytes, 0, NULL);
-    enum pen_code code = code_of_problem(problem, reply->status);
+    enum pen_code code = pen_problem_code(problem, reply->status);
     const json_t *list = json_object_get(problem, "errors"), *item;
     const char *title = json_string_value(json_object_get(problem, "title"));
     const char *detail = json_string_value(json_object_get(problem, "detail"));
@@ -386,20 +427,37 @@ static void read_problem(const struct pen_reply *reply, struct pen_errors *error
     json_decref(problem);
 }
 
+/* Makes *errors of an answer that is no success. */
+static void read_refusal(const struct pen_client *client, const struct pen_reply *reply,
+                         struct pen_errors *errors)
+{
+    struct pen_status st;
+    if (reply->status >= 400) {
+        read_problem(reply, errors);
+        return;
+    }
+    pen_fail(&st, PEN_NETWORK,
+             "%s: the server redirects to \"%s\"; if the daemon is there, give that as --server",
+             client->base, reply->location);
+    pen_errors_add(errors, &st);
+}
+
 bool pen_client_send(struct pen_client *client, const struct pen_request *request,
                      struct pen_reply *reply, struct pen_errors *errors)
 {
     struct pen_status st;
     *errors = (struct pen_errors){0};
     CURLcode code = attempt_until(client, request, reply);
-    if (code == CURLE_OK && (reply->status < 400 && reply->status >= 200))
+    if (code == CURLE_OK && (reply->status == 304 || reply->status / 100 == 2))
         return true;
     if (code == CURLE_OK) {
-        read_problem(reply, errors);
+        read_refusal(client, reply, errors);
+        if (reply->status == 401 || reply->status == 403)
+            pen_client_token_explain(&client->token, &errors->item[0]);
         return false;
     }
-    pen_fail(&st, code == CURLE_OUT_OF_MEMORY ? PEN_NO_MEMORY : PEN_NETWORK, "%s: %s", client->base,
-             client->error[0] ? client->error : client->lib.easy_strerror(code));
+    pen_transport_fail(&client->transport, code,
+                       client->error[0] ? client->error : client->lib.easy_strerror(code), &st);
     pen_errors_add(errors, &st);
     return false;
 }

@@ -4,6 +4,7 @@
  *  - after a refused connection;
  *  - after 429 and 503, at the time that Retry-After names;
  *  - if sending it twice does no harm (pen_request.repeatable), after a broken connection.
+ * A certificate is always verified. A redirect is an error, so a token goes to one server only.
  * Only http_client.c calls libcurl, see curl_library.h. */
 #ifndef PEN_CMD_CLIENT_HTTP_CLIENT_H
 #define PEN_CMD_CLIENT_HTTP_CLIENT_H
@@ -20,8 +21,11 @@
 /* The options of all commands that talk to a daemon. PEN_REMOTE_OPTIONS expects a member `remote`
  * of this type among the command's values. */
 struct pen_remote {
-    const char *server, *token;
+    const char *server;
+    const char *token; /* NULL: that of the user's file; "": none (token.h) */
+    const char *ca;    /* NULL: the system's authorities */
     double retry_seconds;
+    bool quiet; /* no warning if the token is sent unencrypted */
 };
 
 #define PEN_REMOTE_DEFAULT                                                                         \
@@ -30,19 +34,30 @@ struct pen_remote {
     }
 
 #define PEN_REMOTE_OPTIONS(values)                                                                 \
-    {.name = "server",                                                                             \
+    PEN_SERVER_OPTION(values, "the daemon, http://HOST:PORT or https://HOST:PORT; "                \
+                              "http://127.0.0.1:8080 by default"),                                 \
+        PEN_ACCESS_OPTIONS(values)
+
+#define PEN_SERVER_OPTION(values, text)                                                            \
+    {                                                                                              \
+        .name = "server", .kind = PEN_OPTION_TEXT, .offset = offsetof(values, remote.server),      \
+        .value = "URL", .env = "PENUMBRA_URL", .help = text                                        \
+    }
+
+#define PEN_ACCESS_OPTIONS(values)                                                                 \
+    {.name = "token",                                                                              \
      .kind = PEN_OPTION_TEXT,                                                                      \
-     .offset = offsetof(values, remote.server),                                                    \
-     .value = "URL",                                                                               \
-     .env = "PENUMBRA_URL",                                                                        \
-     .help = "the daemon, http://127.0.0.1:8080 by default"},                                      \
-        {.name = "token",                                                                          \
+     .offset = offsetof(values, remote.token),                                                     \
+     .value = "TOKEN",                                                                             \
+     .env = "PENUMBRA_TOKEN",                                                                      \
+     .help = "what the daemon knows this user by; better in the environment, since other users "   \
+             "see command lines, or in ~/.config/penumbra/token, a file of mode 0600"},            \
+        {.name = "ca",                                                                             \
          .kind = PEN_OPTION_TEXT,                                                                  \
-         .offset = offsetof(values, remote.token),                                                 \
-         .value = "TOKEN",                                                                         \
-         .env = "PENUMBRA_TOKEN",                                                                  \
-         .help = "sent as a bearer token; better set in the environment, since other users see "   \
-                 "command lines"},                                                                 \
+         .offset = offsetof(values, remote.ca),                                                    \
+         .value = "FILE",                                                                          \
+         .env = "PENUMBRA_CA",                                                                     \
+         .help = "the certificate authority of https, in PEM, instead of the system's"},           \
     {                                                                                              \
         .name = "retry", .kind = PEN_OPTION_NUMBER,                                                \
         .offset = offsetof(values, remote.retry_seconds), .value = "SECONDS", .max = 86400,        \
@@ -51,8 +66,9 @@ struct pen_remote {
 
 struct pen_client;
 
-/* A client of the daemon at remote->server. Owns: close it. Fails: PEN_USAGE (URL),
- * PEN_NETWORK (no libcurl), PEN_NO_MEMORY. */
+/* A client of the daemon at remote->server. Prints a warning if a token goes unencrypted to another
+ * machine. Owns: close it. Fails: PEN_USAGE (URL, the file of --ca), PEN_NETWORK (no libcurl),
+ * PEN_NO_MEMORY, and as pen_client_token_find. */
 struct pen_client *pen_client_open(const struct pen_remote *remote, struct pen_status *st);
 void pen_client_close(struct pen_client *client);
 
@@ -76,9 +92,13 @@ struct pen_reply {
 
 void pen_reply_release(struct pen_reply *reply);
 
+/* The error code of a problem document, whose type ends in the code's name:
+ * "…/problems/invalid-scene"; of an unknown one that of the HTTP status. */
+enum pen_code pen_problem_code(const json_t *problem, long status);
+
 /* Sends a request and receives the answer. A status of 400 or more is an error: its problem
- * document becomes *errors. Owns: release *reply in any case. Fails: PEN_NETWORK, PEN_NO_MEMORY, or
- * the code of the problem document. */
+ * document becomes *errors. So is a redirect. Owns: release *reply in any case. Fails: PEN_NETWORK,
+ * PEN_NO_MEMORY, or the code of the problem document. */
 bool pen_client_send(struct pen_client *client, const struct pen_request *request,
                      struct pen_reply *reply, struct pen_errors *errors);
 

@@ -227,6 +227,26 @@ bool pen_remote_wait(struct pen_client *client, const char *id, bool quiet, json
     return ok && check_end(*job, errors);
 }
 
+bool pen_remote_report(struct pen_client *client, const char *id, json_t **report,
+                       struct pen_errors *errors)
+{
+    struct pen_buf path = {0};
+    struct pen_reply reply = {0};
+    *report = NULL;
+    bool ok = job_path(client, id, "/report", &path) || out_of_memory(errors);
+    if (ok) {
+        const struct pen_request request = {.method = "GET",
+                                            .path = (const char *)path.data,
+                                            .accept = "application/json",
+                                            .repeatable = true,
+                                            .timeout_s = ANSWER_S};
+        ok = pen_client_json(client, &request, &reply, report, errors);
+    }
+    pen_reply_release(&reply);
+    pen_buf_release(&path);
+    return ok;
+}
+
 static bool add_query(struct pen_client *client, struct pen_buf *path, const char *key,
                       const char *value, char separator)
 {

@@ -25,6 +25,11 @@ bool pen_remote_job(struct pen_client *client, const char *method, const char *i
 bool pen_remote_wait(struct pen_client *client, const char *id, bool quiet, json_t **job,
                      struct pen_errors *errors);
 
+/* GETs the report of a job as JSON. Owns: the caller json_decref()s *report. Fails: as
+ * pen_client_json. */
+bool pen_remote_report(struct pen_client *client, const char *id, json_t **report,
+                       struct pen_errors *errors);
+
 struct pen_fetch {
     const char *output, *format; /* format NULL: the one that output ends in */
     const char *view, *layer;    /* NULL: the daemon's defaults */

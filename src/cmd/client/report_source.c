@@ -5,11 +5,12 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "cmd/client/remote_job.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
 #include "study/comparison.h"
 
-enum { REPORT_BYTES_MAX = 64 << 20, ID_LENGTH = 36, ANSWER_S = 30 };
+enum { REPORT_BYTES_MAX = 64 << 20, ID_LENGTH = 36 };
 
 static const char jobs_path[] = "/v1/jobs/";
 
@@ -36,29 +37,28 @@ static bool add_error(struct pen_errors *errors, const struct pen_status *st)
     return false;
 }
 
-/* GETs the report of the job `id` from the daemon. */
 static bool fetch(const struct pen_remote *remote, const char *id, json_t **report,
                   struct pen_errors *errors)
 {
     struct pen_status st;
-    char path[128];
     struct pen_client *client = pen_client_open(remote, &st);
     if (!client)
         return add_error(errors, &st);
-    snprintf(path, sizeof path, "%s%.36s/report", jobs_path, id);
-    struct pen_reply reply = {0};
-    const struct pen_request request = {.method = "GET",
-                                        .path = path,
-                                        .accept = "application/json",
-                                        .repeatable = true,
-                                        .timeout_s = ANSWER_S};
-    const bool ok = pen_client_json(client, &request, &reply, report, errors);
-    pen_reply_release(&reply);
+    const bool ok = pen_remote_report(client, id, report, errors);
     pen_client_close(client);
     return ok;
 }
 
-/* Splits http://HOST/v1/jobs/ID, which may go on, into daemon and job. */
+/* Whether two URLs of daemons are the same but for slashes at the end. */
+static bool same_server(const char *a, const char *b)
+{
+    while (*a && *a == *b)
+        a++, b++;
+    return !a[strspn(a, "/")] && !b[strspn(b, "/")];
+}
+
+/* Splits http://HOST/v1/jobs/ID, which may go on, into daemon and job. Another daemon than that of
+ * --server gets no token. */
 static bool fetch_url(const char *url, const struct pen_remote *remote, json_t **report,
                       struct pen_errors *errors)
 {
@@ -74,6 +74,8 @@ static bool fetch_url(const char *url, const struct pen_remote *remote, json_t *
     snprintf(server, sizeof server, "%.*s", (int)(jobs - url), url);
     struct pen_remote other = *remote;
     other.server = server;
+    if (!same_server(server, remote->server))
+        other.token = "";
     return fetch(&other, id, report, errors);
 }
 

@@ -10,8 +10,8 @@
 
 /* Reads a report of a benchmark: `name` is a file or -, the URL of a job or of its report
  * (http://HOST/v1/jobs/ID), or a job's id, which is then asked of the daemon `remote` (NULL: an id
- * is a file's name). The token, for either, is remote's. Owns: the caller json_decref()s *report.
- * Fails: as pen_source_read, pen_client_json, pen_comparison_check. */
+ * is a file's name). The token is for remote->server alone. Owns: the caller json_decref()s
+ * *report. Fails: as pen_source_read, pen_client_json, pen_comparison_check. */
 bool pen_report_source_read(const char *name, const struct pen_remote *remote, json_t **report,
                             struct pen_errors *errors);
 
