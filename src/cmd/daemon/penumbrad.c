@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The program `penumbrad`: reads the configuration and runs the role it names: the supervisor of an
- * api and a worker process, or one of these two alone. Or copies the store: `penumbrad backup`. */
+ * api and a worker process, or one of these two alone. Or runs `penumbrad backup` or `penumbrad
+ * token`. */
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "cmd/daemon/cmd_backup.h"
+#include "cmd/daemon/cmd_token.h"
 #include "cmd/daemon/config.h"
 #include "cmd/daemon/roles.h"
 #include "cmd/daemon/signals.h"
@@ -146,6 +148,8 @@ int main(int argc, char **argv)
     struct pen_config config;
     if (argc > 1 && strcmp(argv[1], "backup") == 0)
         return pen_report_finish(program, pen_backup_command(argc - 1, argv + 1));
+    if (argc > 1 && strcmp(argv[1], "token") == 0)
+        return pen_report_finish(program, pen_token_command(argc - 1, argv + 1));
     int code = pen_config_load(&config, argc, argv);
     if (code < 0)
         code = run(&config, argc, argv);
