@@ -23,6 +23,11 @@ struct pen_http_options {
     int waiting_per_address;   /* long polls of one client's address, and streams; 0: 32 */
     const char *trusted_proxy; /* a numeric address, whose waiting requests are not counted, and
                                 * whose X-Forwarded-For names the client; NULL: none */
+    const char *tokens;        /* the token file; NULL: everybody may do everything */
+    const char *tls_cert;      /* a certificate as PEM, for HTTPS; NULL: plain HTTP */
+    const char *tls_key;       /* its private key as PEM; NULL: none */
+    const char *cors;          /* origins of web pages that may use the server, with spaces between
+                                * them; NULL: none */
     bool count_loopback;       /* count the requests of loopback addresses too */
     int heartbeat_ms; /* time after which a silent event stream gets a heartbeat; 0: 10 s */
 };

@@ -93,10 +93,13 @@ static int serve_store(struct pen_config *config, struct pen_store *store, int a
     int port, fd = pen_address_listen(&config->address, &port, &st);
     if (fd < 0)
         return pen_report(program, NULL, &st);
+    const char *scheme = config->access.tls_cert ? "https" : "http";
     pen_signals_hold();
-    printf("listening on http://%s:%d\n", config->address.host, port);
-    pen_log(PEN_LOG_INFO, "listening on http://%s:%d, store %s", config->address.host, port,
+    printf("listening on %s://%s:%d\n", scheme, config->address.host, port);
+    pen_log(PEN_LOG_INFO, "listening on %s://%s:%d, store %s", scheme, config->address.host, port,
             config->store);
+    if (pen_access_is_open(&config->access, &config->address))
+        pen_log(PEN_LOG_WARN, "plain-http: tokens and pictures travel unencrypted");
     int code = pen_report_finish(program, 0);
     if (code == 0)
         code = is_supervisor(config) ? supervise(config, store, argc, argv, fd)
@@ -108,6 +111,8 @@ static int serve_store(struct pen_config *config, struct pen_store *store, int a
 static int serve(struct pen_config *config, int argc, char **argv)
 {
     struct pen_status st;
+    if (!pen_access_check_files(&config->access, &st))
+        return pen_report(program, NULL, &st);
     struct pen_store *store = open_store(config, &st);
     if (!store)
         return pen_report(program, config->store, &st);
