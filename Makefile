@@ -41,9 +41,10 @@ COMPILE = $(CC) $(CPP) $(OPT) $(ROOM_OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(P
 # The build id is in the reports of benchmarks (src/study/host.c).
 LINK = $(CC) $(SAN) -pthread -Wl,--build-id=sha1 $(LDFLAGS)
 
-PKGS := jansson expat libpng zlib sqlite3 libzstd libsodium libcurl libmicrohttpd gnutls
+PKGS := jansson expat libpng zlib sqlite3 libzstd libsodium libmicrohttpd gnutls libcurl
 PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
 # libcurl is loaded by the commands that need it, see src/cmd/client/curl_library.h.
+# A program links only the libraries that it uses.
 PKG_LIBS := -Wl,--as-needed $(shell pkg-config --libs $(filter-out libcurl,$(PKGS)) 2>/dev/null) -lm
 LIBRARY_PKGS := jansson expat libpng
 LIBRARY_LIBS := $(shell pkg-config --libs $(LIBRARY_PKGS) 2>/dev/null) -lm

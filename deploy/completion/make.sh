@@ -41,8 +41,13 @@ case $template in
     }
     function argument(word,    many, kind) {
         many = sub(/…$/, "", word)
-        kind = word ~ /^SCENE/ ? "_penumbra_scene" : word == "[NAME]" ? "_penumbra_builtin" : \
-            word == "ID" ? " " : "_files"
+        kind = word ~ /^SCENE/ ? "_penumbra_scene" : word == "[NAME]" && $2 == "penumbra" ? "_penumbra_builtin" : \
+            word == "ID" || word == "[NAME]" ? " " : "_files"
+        if (word ~ /\|/) {
+            kind = word
+            gsub(/\|/, " ", kind)
+            kind = "(" kind ")"
+        }
         gsub(/[][]/, "", word)
         return " \\\n        \047" (many ? "*" : ++count) ":" word ":" kind "\047"
     }

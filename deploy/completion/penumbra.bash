@@ -68,7 +68,8 @@ _penumbra_argument() { # PROGRAM COMMAND COUNT WORD
         printf 'builtin:%s\n' $(_penumbra_rows scene)
         _penumbra_files "$4"
         ;;
-    '[NAME]') _penumbra_rows scene ;;
+    *'|'*) printf '%s\n' ${name//|/ } ;;
+    '[NAME]') [[ $1 == penumbra ]] && _penumbra_rows scene ;;
     esac
 }
 
@@ -104,7 +105,7 @@ _penumbra_list() { # PATH WORD…: the words before; uses variables of the calle
         _penumbra_commands "$program"
         return
     fi
-    if [[ $# -gt 0 && ($program == penumbra || $1 == backup) ]]; then
+    if [[ $# -gt 0 && ($program == penumbra || $1 == backup || $1 == token) ]]; then
         command=$1
         shift
     fi

@@ -97,3 +97,4 @@ for name in $("$build/penumbra" --help | sed -n '/^Exit codes/q; s/^  \([a-z]*\)
 done
 command penumbrad
 command penumbrad backup
+command penumbrad token

@@ -19,7 +19,7 @@ enum pen_code {
     PEN_INVALID,       /* well-formed, but not a valid scene or job: JSON Pointer */
     PEN_UNSUPPORTED,   /* known, not supported yet: JSON Pointer */
     PEN_TOO_LARGE,     /* a limit on bytes, pixels or work is exceeded */
-    PEN_UNAUTHORIZED,  /* no token */
+    PEN_UNAUTHORIZED,  /* no valid token */
     PEN_FORBIDDEN,     /* token lacks the scope; Host not allowed */
     PEN_NOT_FOUND,     /* no such job, view, scene, file, route */
     PEN_GONE,          /* the job was removed */

@@ -195,13 +195,25 @@ static int create_beside(char *name, mode_t mode)
     return fd;
 }
 
-static bool replace(const char *path, mode_t mode, const void *data, size_t bytes,
+/* Creates the file that replaces `old`; NULL: there is none. If the owner cannot be kept, it is the
+ * user: only root can give files away. */
+static int create_like(char *name, const struct stat *old)
+{
+    mode_t mask = umask(0);
+    umask(mask);
+    int fd = create_beside(name, old ? old->st_mode & 07777 : 0666 & ~mask);
+    if (fd >= 0 && old && geteuid() == 0 && fchown(fd, old->st_uid, old->st_gid) != 0)
+        errno = 0;
+    return fd;
+}
+
+static bool replace(const char *path, const struct stat *old, const void *data, size_t bytes,
                     struct pen_status *st)
 {
     char *name = NULL;
     if (asprintf(&name, "%s.XXXXXX", path) < 0)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory");
-    int fd = create_beside(name, mode);
+    int fd = create_like(name, old);
     bool ok = fd >= 0 && write_all(fd, data, bytes) && fsync(fd) == 0;
     int cause = errno;
     if (fd >= 0 && close(fd) != 0 && ok) {
@@ -265,11 +277,9 @@ bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen
         if (!S_ISREG(info.st_mode))
             return write_directly(path, data, bytes, st);
         char *target = realpath(path, NULL); /* replaces the target of a link, not the link */
-        bool ok = replace(target ? target : path, info.st_mode & 07777, data, bytes, st);
+        bool ok = replace(target ? target : path, &info, data, bytes, st);
         free(target);
         return ok;
     }
-    mode_t mask = umask(0);
-    umask(mask);
-    return replace(path, 0666 & ~mask, data, bytes, st);
+    return replace(path, NULL, data, bytes, st);
 }

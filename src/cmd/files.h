@@ -50,7 +50,8 @@ bool pen_file_read(const char *path, size_t max_bytes, struct pen_buf *out, stru
 
 /* Replaces a file as a whole:
  *  1. writes a new file in the same folder and flushes it to disk;
- *  2. renames it over the old one, whose mode it has;
+ *  2. renames it over the old one, whose mode it has, and whose owner where the
+ *     system allows it;
  *  3. flushes the folder.
  * `-` is standard output. A path that is not a regular file (a pipe, /dev/null) is written to
  * directly. Fails: PEN_IO, PEN_NO_MEMORY. */

@@ -2,11 +2,14 @@
 /* A certificate that has been replaced is kept until the end: a handshake may still use it. */
 #include "http/tls.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <gnutls/gnutls.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/log.h"
 #include "http/internal/tls.h"
@@ -49,11 +52,16 @@ static void identity_free(struct identity *identity)
     free(identity);
 }
 
+/* GnuTLS does not tell why it cannot open a file. */
 static bool load_file(const char *path, gnutls_datum_t *data, struct pen_status *st)
 {
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (fd < 0)
+        return pen_fail(st, errno == ENOENT ? PEN_NOT_FOUND : PEN_IO, "%s: cannot open: %s", path,
+                        strerror(errno));
+    close(fd);
     const int code = gnutls_load_file(path, data);
-    return code == 0 ||
-           pen_fail(st, PEN_USAGE, "%s cannot be read: %s", path, gnutls_strerror(code));
+    return code == 0 || pen_fail(st, PEN_IO, "%s: cannot read: %s", path, gnutls_strerror(code));
 }
 
 static bool read_chain(const char *path, struct identity *identity, struct pen_status *st)
@@ -66,8 +74,8 @@ static bool read_chain(const char *path, struct identity *identity, struct pen_s
         gnutls_pcert_list_import_x509_raw(identity->chain, &length, &data, GNUTLS_X509_FMT_PEM, 0);
     gnutls_free(data.data);
     identity->length = code < 0 ? 0 : length;
-    return (code >= 0 && length > 0) ||
-           pen_fail(st, PEN_USAGE, "%s is no certificate in PEM: %s", path, gnutls_strerror(code));
+    return identity->length > 0 ||
+           pen_fail(st, PEN_SYNTAX, "%s: found no certificate, allowed is PEM", path);
 }
 
 static bool read_key(const char *path, struct identity *identity, struct pen_status *st)
@@ -80,8 +88,9 @@ static bool read_key(const char *path, struct identity *identity, struct pen_sta
         code = gnutls_privkey_import_x509_raw(identity->key, &data, GNUTLS_X509_FMT_PEM, NULL, 0);
     gnutls_memset(data.data, 0, data.size);
     gnutls_free(data.data);
-    return code == 0 || pen_fail(st, PEN_USAGE, "%s is no unencrypted private key in PEM: %s", path,
-                                 gnutls_strerror(code));
+    return code == 0 || pen_fail(st, PEN_SYNTAX,
+                                 "%s: found no private key, allowed is PEM without a password (%s)",
+                                 path, gnutls_strerror(code));
 }
 
 /* Whether the key is that of the first certificate. */
@@ -110,7 +119,7 @@ static struct identity *read_identity(const char *cert, const char *key, struct 
     }
     if (read_chain(cert, identity, st) && read_key(key, identity, st) &&
         (fits(identity) ||
-         pen_fail(st, PEN_USAGE, "the key in %s is not that of the certificate in %s", key, cert)))
+         pen_fail(st, PEN_CONFLICT, "%s: this key does not fit the certificate %s", key, cert)))
         return identity;
     identity_free(identity);
     return NULL;

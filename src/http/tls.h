@@ -8,8 +8,9 @@
 
 #include "base/status.h"
 
-/* Reads a certificate (with its chain) and its key, and forgets them. Fails: PEN_USAGE, naming the
- * file that is at fault; also if the key is not the certificate's. */
+/* Checks that a file holds a certificate, or a chain that begins with it, another its private key,
+ * both as PEM, and that they fit each other. Fails: PEN_NOT_FOUND, PEN_IO, PEN_SYNTAX,
+ * PEN_CONFLICT (they do not fit), PEN_NO_MEMORY; the message names the file. */
 bool pen_tls_check(const char *cert, const char *key, struct pen_status *st);
 
 #endif

@@ -34,8 +34,10 @@ for command in $commands; do
         "$("$penumbra" "$command" --help | long_options)"
 done
 expect "options of penumbrad" "$(complete 'penumbrad --')" "$("$build/penumbrad" --help | long_options)"
-expect "options of penumbrad backup" "$(complete 'penumbrad backup --')" \
-    "$("$build/penumbrad" backup --help | long_options)"
+for command in backup token; do
+    expect "options of penumbrad $command" "$(complete "penumbrad $command --")" \
+        "$("$build/penumbrad" $command --help | long_options)"
+done
 
 scenes=$("$penumbra" scenes | sed 's/ .*//' | sort)
 cd "$work" || exit 1
@@ -59,6 +61,9 @@ gives 'penumbra list --state=r' 'running'
 gives 'penumbra validate a.json b.json builtin:tea' 'teapot'
 gives 'penumbrad --log-level ' 'debug error info warn'
 gives 'penumbrad b' 'backup'
+gives 'penumbrad token ' 'add list remove'
+gives 'penumbrad token add ci --scope ' 'admin read submit'
+expect "a new token has any name" "$(complete 'penumbrad token add ')" ""
 gives 'penumbra render --threads 2 --quiet -o out.png builtin:sp' 'spheres'
 expect "files are left to the shell" "$(complete 'penumbra render x -o ')" ""
 expect "a flag waits for no value" "$(complete 'penumbra render --json builtin:tea')" teapot

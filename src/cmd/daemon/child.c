@@ -86,6 +86,15 @@ static void add_worker(struct arguments *arguments, const struct pen_child *chil
     add_fd(arguments, "--internal-dead-trace-fd", child->dead.trace_fd, arguments->dead_trace);
 }
 
+static void add_api(struct arguments *arguments, const struct pen_access *access)
+{
+    add(arguments, "--tokens", access->tokens);
+    add(arguments, "--tls-cert", access->tls_cert);
+    add(arguments, "--tls-key", access->tls_key);
+    add(arguments, "--cors", access->cors);
+    add(arguments, "--trusted-proxy", access->trusted_proxy);
+}
+
 static void add_limits(struct arguments *arguments, const struct pen_job_limits *max)
 {
     const struct {
@@ -126,7 +135,7 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     if (is_worker(child))
         add_worker(arguments, child, config);
     else
-        add(arguments, "--trusted-proxy", config->trusted_proxy);
+        add_api(arguments, &config->access);
     arguments->list[arguments->count] = NULL;
 }
 

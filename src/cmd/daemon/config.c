@@ -10,7 +10,6 @@
 
 #include "cmd/files.h"
 #include "cmd/report.h"
-#include "http/server.h"
 #include "io/scene_json.h"
 
 static const char *const roles[] = {"all", "api", "worker", NULL};
@@ -27,8 +26,9 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct pen_config, listen),
      .value = "HOST:PORT",
      .env = "PENUMBRA_LISTEN",
-     .help = "where to serve HTTP, 127.0.0.1:8080 by default; port 0 takes a free one. Only "
-             "loopback addresses are allowed until tokens are supported"},
+     .help = "where to serve HTTP, 127.0.0.1:8080 by default; port 0 takes a free one. Any address "
+             "but 127.0.0.1, localhost and [::1] needs --tokens, and also --tls-cert, "
+             "--trusted-proxy or --plain-http"},
     {.name = "store",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, store),
@@ -151,13 +151,38 @@ static const struct pen_option options[] = {
          "the store: every start sets them, except that of a --role api or worker"},
     {.name = "tokens",
      .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct pen_config, tokens),
+     .offset = offsetof(struct pen_config, access.tokens),
      .value = "FILE",
      .env = "PENUMBRA_TOKENS",
-     .help = "who may do what; not supported yet"},
+     .help = "who may do what: the file that penumbrad token writes. It is read again when it "
+             "changes. Without it everybody who reaches the port may do everything"},
+    {.name = "tls-cert",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, access.tls_cert),
+     .value = "FILE",
+     .env = "PENUMBRA_TLS_CERT",
+     .help = "serve HTTPS with this certificate, or chain of certificates, as PEM"},
+    {.name = "tls-key",
+     .kind = PEN_OPTION_TEXT,
+     .offset = offsetof(struct pen_config, access.tls_key),
+     .value = "FILE",
+     .env = "PENUMBRA_TLS_KEY",
+     .help = "the certificate's private key, as PEM"},
+    {.name = "plain-http",
+     .kind = PEN_OPTION_FLAG,
+     .offset = offsetof(struct pen_config, access.plain_http),
+     .env = "PENUMBRA_PLAIN_HTTP",
+     .help = "serve other machines without TLS: tokens and pictures travel unencrypted"},
+    {.name = "cors",
+     .kind = PEN_OPTION_LIST,
+     .offset = offsetof(struct pen_config, access.origins),
+     .value = "ORIGIN",
+     .env = "PENUMBRA_CORS",
+     .help = "a web page's origin, such as https://example.org, whose scripts may use the daemon; "
+             "may be repeated, and may be several with spaces between them"},
     {.name = "trusted-proxy",
      .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct pen_config, trusted_proxy),
+     .offset = offsetof(struct pen_config, access.trusted_proxy),
      .value = "ADDRESS",
      .env = "PENUMBRA_TRUSTED_PROXY",
      .help = "the numeric address of a proxy: any number of the requests that come through it may "
@@ -245,12 +270,14 @@ const struct pen_command pen_command_daemon = {
     .program = "penumbrad",
     .arguments = "",
     .summary = "The render daemon: takes scenes over HTTP, queues them durably, renders them.",
-    .details = "The first line on standard output is `listening on http://HOST:PORT`. SIGTERM "
-               "drains the daemon and ends it within 10 s; SIGHUP reads the configuration again "
-               "and opens the log file anew. Every option is also an environment variable and a "
-               "key of the configuration file. The command line overrides the environment, the "
-               "environment the file. `penumbrad backup FILE` copies the store, even while a "
-               "daemon uses it; see `penumbrad backup --help`.",
+    .details =
+        "The first line on standard output is `listening on http://HOST:PORT`, or https. "
+        "SIGTERM drains the daemon and ends it within 10 s; SIGHUP reads the configuration again "
+        "and opens the log file anew. Every option is also an environment variable and a "
+        "key of the configuration file. The command line overrides the environment, the "
+        "environment the file. `penumbrad backup FILE` copies the store, even while a "
+        "daemon uses it; `penumbrad token` makes, lists and removes tokens. Both have a "
+        "--help of their own.",
     .options = options,
     .max_args = 0,
 };
@@ -274,8 +301,8 @@ static bool unknown_key(const char *key, const char *pointer, struct pen_status 
     return pen_fail_at(st, PEN_USAGE, pointer, "unknown key, nearest is \"%s\"", near_key);
 }
 
-/* Sets an option from a value of the file: a number for an integer option, a string for any other.
- * Returns whether the value is allowed. */
+/* Sets an option from a value of the file: a number for an integer option, true or false for a
+ * flag, a string for any other. Returns whether the value is allowed. */
 static bool set_from_json(const struct pen_option *option, const json_t *value, void *values)
 {
     char number[32];
@@ -287,6 +314,8 @@ static bool set_from_json(const struct pen_option *option, const json_t *value, 
         snprintf(number, sizeof number, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
         text = number;
     }
+    if (option->kind == PEN_OPTION_FLAG)
+        text = json_is_true(value) ? "true" : json_is_false(value) ? "false" : NULL;
     return text && pen_option_set(option, "", text, values, &ignored);
 }
 
@@ -306,9 +335,10 @@ static bool read_key(const char *key, const json_t *value, struct pen_config *co
         return true;
     }
     char *found = json_dumps(value, JSON_ENCODE_ANY | JSON_COMPACT);
+    const bool literal = options[i].kind == PEN_OPTION_INT || options[i].kind == PEN_OPTION_FLAG;
     pen_option_allowed(&options[i], allowed, sizeof allowed);
     pen_fail_at(st, PEN_USAGE, pointer, "found %.80s, allowed is %s%s", found ? found : "?",
-                options[i].kind == PEN_OPTION_INT ? "" : "a string: ", allowed);
+                literal ? "" : "a string: ", allowed);
     free(found);
     return false;
 }
@@ -392,17 +422,12 @@ static bool read_size(const char *text, int64_t *bytes, struct pen_status *st)
 
 static bool check(struct pen_config *config, struct pen_status *st)
 {
-    if (config->tokens)
-        return pen_fail(st, PEN_USAGE, "--tokens: known, not supported yet");
     config->keep_bytes_max = 0;
     if (config->keep_bytes && !read_size(config->keep_bytes, &config->keep_bytes_max, st))
         return false;
-    if (!pen_address_parse(config->listen, &config->address, st))
+    if (!pen_address_parse(config->listen, &config->address, st) ||
+        !pen_access_check(&config->access, &config->address, st))
         return false;
-    if (config->trusted_proxy && !pen_http_is_address(config->trusted_proxy))
-        return pen_fail(st, PEN_USAGE,
-                        "trusted-proxy: found \"%.60s\"; a numeric IPv4 or IPv6 address is allowed",
-                        config->trusted_proxy);
     if (!(config->store && *config->store) && !make_default_store(config, st))
         return false;
     config->store_url = config->store;
@@ -460,6 +485,7 @@ void pen_config_release(struct pen_config *config)
     json_decref(config->document);
     free(config->default_store);
     free(config->known_store);
+    pen_access_release(&config->access);
     *config = (struct pen_config){.listen_fd = -1, .control_fd = -1};
 }
 

@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "base/log.h"
+#include "cmd/daemon/access.h"
 #include "cmd/daemon/listen.h"
 #include "cmd/options.h"
 
@@ -25,8 +26,8 @@ struct pen_job_limits {
 };
 
 struct pen_config {
-    const char *listen, *store, *role, *tokens, *file, *log_file, *log_format, *log_level;
-    const char *trusted_proxy; /* NULL: none */
+    const char *listen, *store, *role, *file, *log_file, *log_format, *log_level;
+    struct pen_access access;
     int threads, memory_limit; /* memory_limit: MiB; 0: three quarters of the machine's */
     struct pen_job_limits max; /* what a job may ask for */
     int keep_days, keep_jobs;  /* 0: without limit */

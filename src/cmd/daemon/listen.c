@@ -10,10 +10,11 @@
 
 static bool fail_form(const char *text, struct pen_status *st)
 {
-    return pen_fail(st, PEN_USAGE,
-                    "listen: found \"%s\", allowed is HOST:PORT, such as 127.0.0.1:8080, "
-                    "localhost:0 or [::1]:8080",
-                    text);
+    return pen_fail(
+        st, PEN_USAGE,
+        "listen: found \"%s\", allowed is HOST:PORT with a numeric address or localhost, "
+        "such as 127.0.0.1:8080, localhost:0, 0.0.0.0:8080 or [::]:8080",
+        text);
 }
 
 static bool read_port(const char *text, int *port)
@@ -51,9 +52,7 @@ static bool make_ipv6(const char *host, int port, struct pen_address *address)
     return true;
 }
 
-/* 127.0.0.1 and ::1: the addresses that the server accepts in the header Host. On any other address
- * of 127/8 it would answer 403 to every request. */
-static bool is_loopback(const struct pen_address *address)
+bool pen_address_is_loopback(const struct pen_address *address)
 {
     if (address->socket.ss_family == AF_INET6) {
         struct sockaddr_in6 in;
@@ -74,14 +73,8 @@ bool pen_address_parse(const char *text, struct pen_address *address, struct pen
     if (length == 0 || length >= sizeof address->host || !read_port(colon + 1, &port))
         return fail_form(text, st);
     memcpy(address->host, text, length);
-    if (!make_ipv4(address->host, port, address) && !make_ipv6(address->host, port, address))
-        return fail_form(text, st);
-    if (!is_loopback(address))
-        return pen_fail(st, PEN_USAGE,
-                        "listen: found \"%s\", allowed is a loopback address (127.0.0.1, "
-                        "localhost, [::1]), since tokens are not supported yet",
-                        text);
-    return true;
+    return make_ipv4(address->host, port, address) || make_ipv6(address->host, port, address) ||
+           fail_form(text, st);
 }
 
 static int port_of(int fd)

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The daemon's listening socket: reading HOST:PORT, and opening it. Only loopback addresses are
- * allowed, since there are no tokens yet: every client that reaches the port may do everything. */
+/* The daemon's listening socket: reading HOST:PORT, and opening it. */
 #ifndef PEN_CMD_DAEMON_LISTEN_H
 #define PEN_CMD_DAEMON_LISTEN_H
 
@@ -16,8 +15,12 @@ struct pen_address {
 };
 
 /* Reads HOST:PORT. HOST is localhost, an IPv4 address, or an IPv6 address in brackets; PORT is
- * 0…65535, 0: any free port. Fails: PEN_USAGE, also for an address that is not loopback. */
+ * 0…65535, 0: any free port. Fails: PEN_USAGE. */
 bool pen_address_parse(const char *text, struct pen_address *address, struct pen_status *st);
+
+/* Whether it is 127.0.0.1 or ::1, the addresses that a server without tokens accepts in the header
+ * Host. On any other address of 127/8 it would answer 403 to every request. */
+bool pen_address_is_loopback(const struct pen_address *address);
 
 /* Opens a listening socket, closed on exec; *port is the port it has got. Fails: -1 and
  * PEN_UNAVAILABLE. */

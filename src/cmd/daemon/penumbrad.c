@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The program `penumbrad`: reads the configuration and runs the role it names: the supervisor of an
- * api and a worker process, or one of these two alone. Or copies the store: `penumbrad backup`. */
+ * api and a worker process, or one of these two alone. Or runs `penumbrad backup` or `penumbrad
+ * token`. */
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "cmd/daemon/cmd_backup.h"
+#include "cmd/daemon/cmd_token.h"
 #include "cmd/daemon/config.h"
 #include "cmd/daemon/roles.h"
 #include "cmd/daemon/signals.h"
@@ -91,10 +93,13 @@ static int serve_store(struct pen_config *config, struct pen_store *store, int a
     int port, fd = pen_address_listen(&config->address, &port, &st);
     if (fd < 0)
         return pen_report(program, NULL, &st);
+    const char *scheme = config->access.tls_cert ? "https" : "http";
     pen_signals_hold();
-    printf("listening on http://%s:%d\n", config->address.host, port);
-    pen_log(PEN_LOG_INFO, "listening on http://%s:%d, store %s", config->address.host, port,
+    printf("listening on %s://%s:%d\n", scheme, config->address.host, port);
+    pen_log(PEN_LOG_INFO, "listening on %s://%s:%d, store %s", scheme, config->address.host, port,
             config->store);
+    if (pen_access_is_open(&config->access, &config->address))
+        pen_log(PEN_LOG_WARN, "plain-http: tokens and pictures travel unencrypted");
     int code = pen_report_finish(program, 0);
     if (code == 0)
         code = is_supervisor(config) ? supervise(config, store, argc, argv, fd)
@@ -106,6 +111,8 @@ static int serve_store(struct pen_config *config, struct pen_store *store, int a
 static int serve(struct pen_config *config, int argc, char **argv)
 {
     struct pen_status st;
+    if (!pen_access_check_files(&config->access, &st))
+        return pen_report(program, NULL, &st);
     struct pen_store *store = open_store(config, &st);
     if (!store)
         return pen_report(program, config->store, &st);
@@ -146,6 +153,8 @@ int main(int argc, char **argv)
     struct pen_config config;
     if (argc > 1 && strcmp(argv[1], "backup") == 0)
         return pen_report_finish(program, pen_backup_command(argc - 1, argv + 1));
+    if (argc > 1 && strcmp(argv[1], "token") == 0)
+        return pen_report_finish(program, pen_token_command(argc - 1, argv + 1));
     int code = pen_config_load(&config, argc, argv);
     if (code < 0)
         code = run(&config, argc, argv);

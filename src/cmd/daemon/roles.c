@@ -157,7 +157,11 @@ static int serve(const struct pen_config *config, int listen_fd)
     struct pen_http_options options = {.listen_fd = listen_fd,
                                        .store_url = config->store_url,
                                        .limits = limits_of(config),
-                                       .trusted_proxy = config->trusted_proxy};
+                                       .trusted_proxy = config->access.trusted_proxy,
+                                       .tokens = config->access.tokens,
+                                       .tls_cert = config->access.tls_cert,
+                                       .tls_key = config->access.tls_key,
+                                       .cors = config->access.cors};
     struct pen_http *http = pen_http_start(&options, &st);
     if (!http) {
         pen_event_source_close(&events);

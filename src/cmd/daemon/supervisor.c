@@ -151,12 +151,6 @@ static void advance_drain(struct supervisor *s)
         kill_child(&s->api);
 }
 
-/* Whether two texts differ; either may be NULL. */
-static bool differ(const char *a, const char *b)
-{
-    return strcmp(a ? a : "", b ? b : "") != 0;
-}
-
 /* Reads the configuration again, and applies the settings of the log and the number of threads. A
  * wrong configuration changes nothing. */
 static void reload(struct supervisor *s)
@@ -173,10 +167,11 @@ static void reload(struct supervisor *s)
         memcmp(&s->first->max, &fresh.max, sizeof fresh.max) != 0 ||
         s->first->keep_days != fresh.keep_days || s->first->keep_jobs != fresh.keep_jobs ||
         s->first->keep_bytes_max != fresh.keep_bytes_max ||
-        differ(s->first->trusted_proxy, fresh.trusted_proxy))
+        !pen_access_same(&s->first->access, &fresh.access))
         pen_log(PEN_LOG_WARN,
-                "listen, store, role, trusted_proxy, the bounds of jobs (max_…), keep_days, "
-                "keep_bytes and keep_jobs change only when the daemon is started again");
+                "listen, store, role, tokens, tls_cert, tls_key, plain_http, cors, trusted_proxy, "
+                "the bounds of jobs (max_…), keep_days, keep_bytes and keep_jobs change only when "
+                "the daemon is started again");
     bool other_threads = s->now.threads != fresh.threads;
     pen_config_release(&s->reloaded);
     s->reloaded = s->now = fresh;
@@ -184,7 +179,7 @@ static void reload(struct supervisor *s)
     s->now.store_identity = s->first->store_identity;
     s->now.store_path = s->first->store_path;
     s->now.max = s->first->max;
-    s->now.trusted_proxy = s->first->trusted_proxy;
+    s->now.access = s->first->access;
     struct pen_log_target target = {
         .level = fresh.log_level, .format = fresh.log_format, .file = fresh.log_file};
     if (!pen_config_log(&target, &st))

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/* Who may reach the daemon, and how: the part of the configuration that a daemon needs to serve
+ * other machines. Its rules:
+ *  - an address other than 127.0.0.1 and ::1 needs tokens;
+ *  - there it also needs TLS, or a proxy that has TLS, or the operator's word for plain HTTP. */
+#ifndef PEN_CMD_DAEMON_ACCESS_H
+#define PEN_CMD_DAEMON_ACCESS_H
+
+#include <stdbool.h>
+
+#include "base/status.h"
+#include "cmd/daemon/listen.h"
+#include "cmd/options.h"
+
+struct pen_access {
+    const char *tokens, *tls_cert, *tls_key; /* files; NULL: none */
+    const char *trusted_proxy;               /* NULL: none */
+    bool plain_http;
+    struct pen_option_list origins; /* each has one or more, with spaces between them */
+    char *cors;                     /* all of them, with spaces between them; NULL: none */
+};
+
+/* Checks the values and the rules, and sets `cors`. Owns: release *access in any case. Fails:
+ * PEN_USAGE, PEN_NO_MEMORY. */
+bool pen_access_check(struct pen_access *access, const struct pen_address *address,
+                      struct pen_status *st);
+
+/* Checks the files before a process uses them. Fails: PEN_USAGE, as any wrong configuration. */
+bool pen_access_check_files(const struct pen_access *access, struct pen_status *st);
+
+/* Whether requests of other machines come without encryption. */
+bool pen_access_is_open(const struct pen_access *access, const struct pen_address *address);
+
+/* Whether two have the same values. */
+bool pen_access_same(const struct pen_access *a, const struct pen_access *b);
+
+void pen_access_release(struct pen_access *access);
+
+#endif
