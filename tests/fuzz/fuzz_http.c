@@ -56,7 +56,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     check_target(line[TARGET]);
     if (pen_host_is_loopback(line[HOST]))
         must(strpbrk(line[HOST], "l1[") != NULL);
-    pen_origin_is_host(line[ORIGIN], line[HOST]);
+    pen_origin_is_host(line[ORIGIN], "http", line[HOST]);
+    pen_origin_listed(line[HOST], line[ORIGIN]);
     must(pen_media_parse(line[TYPE]) <= PEN_MEDIA_OTHER);
     must(pen_etag_listed("*", "\"a\""));
     pen_etag_listed(line[MATCH], "\"a\"");

@@ -7,6 +7,7 @@
 
 #include "base/embed.h"
 #include "http/server.h"
+#include "http/token_file.h"
 #include "support/suite.h"
 
 enum { OPERATIONS_MAX = 100 };
@@ -112,5 +113,23 @@ START_TEST(test_routes__no_route_twice)
 }
 END_TEST
 
-PEN_SUITE("routes", test_routes__every_route_is_documented,
+/* All but four paths need a token, and everything that changes something one of scope submit. */
+START_TEST(test_routes__have_scopes)
+{
+    static const char *const open[] = {"/healthz", "/readyz", "/openapi.yaml",
+                                       "/scene.schema.json"};
+    const char *method, *path;
+    int scope;
+    for (int i = 0; pen_http_route(i, &method, &path, &scope); i++) {
+        bool is_open = false;
+        for (size_t k = 0; k < sizeof open / sizeof open[0]; k++)
+            is_open = is_open || strcmp(path, open[k]) == 0;
+        const bool reads = strcmp(method, "GET") == 0 || strcmp(path, "/v1/validate") == 0;
+        const int expected = is_open ? PEN_SCOPE_NONE : reads ? PEN_SCOPE_READ : PEN_SCOPE_SUBMIT;
+        ck_assert_msg(scope == expected, "%s %s: %d", method, path, scope);
+    }
+}
+END_TEST
+
+PEN_SUITE("routes", test_routes__have_scopes, test_routes__every_route_is_documented,
           test_routes__everything_documented_is_a_route, test_routes__no_route_twice)

@@ -93,10 +93,10 @@ static void add_string(struct load_text *text, const char *string)
 static void add_route(struct load_text *text, const struct load_names *names, struct random *random)
 {
     const char *method, *path;
-    int count = 0;
-    while (pen_http_route(count, &method, &path))
+    int count = 0, scope;
+    while (pen_http_route(count, &method, &path, &scope))
         count++;
-    pen_http_route((int)random_below(random, (uint32_t)count), &method, &path);
+    pen_http_route((int)random_below(random, (uint32_t)count), &method, &path, &scope);
     const char *name = strchr(path, '{'), *end = strchr(path, '}');
     const struct piece *body = &bodies[*method == 'P' ? random_below(random, COUNT(bodies)) : 0];
     add_string(text, method);

@@ -58,7 +58,9 @@ void server_start(struct server *server, const struct server_options *options)
                                     .idle_seconds = options->idle_seconds,
                                     .heartbeat_ms = options->heartbeat_ms,
                                     .connections = options->connections,
-                                    .trusted_proxy = options->trusted_proxy};
+                                    .trusted_proxy = options->trusted_proxy,
+                                    .tokens = options->tokens,
+                                    .cors = options->cors};
     if (options->body_bytes)
         http.limits.body_bytes = options->body_bytes;
     server->http = pen_http_start(&http, &st);

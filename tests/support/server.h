@@ -26,6 +26,7 @@ struct server_options {
     int heartbeat_ms;          /* as pen_http_options */
     int connections;           /* as pen_http_options */
     const char *trusted_proxy; /* as pen_http_options */
+    const char *tokens, *cors; /* as pen_http_options */
     size_t body_bytes;         /* the limit; 0: the default */
 };
 
