@@ -129,12 +129,13 @@ static void insert(struct load_text *text, size_t at, const char *bytes, size_t 
     text->bytes += count;
 }
 
-/* Changes the text in up to six places: another byte, a word more, some bytes less, a part twice.
- */
+/* Changes the text in up to six places, often in none: another byte, a word more, some bytes less,
+ * a part twice. */
 static void change(struct load_text *text, struct random *random)
 {
     char part[LOAD_TEXT_BYTES];
-    for (uint32_t i = random_below(random, 7); i > 0 && text->bytes > 0; i--) {
+    for (uint32_t i = random_below(random, 1 + random_below(random, 7)); i > 0 && text->bytes > 0;
+         i--) {
         size_t at = random_below(random, (uint32_t)text->bytes), left = text->bytes - at;
         const struct piece *word = &words[random_below(random, COUNT(words))];
         size_t some = 1 + random_below(random, 20);
