@@ -5,6 +5,7 @@
  * fills the reply and resumes the connection, and libmicrohttpd then calls the callback again. */
 #include "http/internal/adapter.h"
 
+#include <ctype.h>
 #include <gnutls/gnutls.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -65,6 +66,16 @@ static const struct {
     {.name = "X-Forwarded-Host", .offset = offsetof(struct fields, forwarded_host), .last = true},
 };
 
+static bool is_name(const char *name, size_t bytes)
+{
+    for (size_t i = 0; i < bytes; i++) {
+        if (!isalnum((unsigned char)name[i]) && name[i] != '-' &&
+            !strchr("!#$%&'*+.^_`|~", name[i]))
+            return false;
+    }
+    return bytes > 0;
+}
+
 static bool is_value(const char *value, size_t bytes)
 {
     for (size_t i = 0; i < bytes; i++) {
@@ -79,12 +90,10 @@ static bool is_value(const char *value, size_t bytes)
 static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *name,
                                 size_t name_bytes, const char *value, size_t value_bytes)
 {
-    static const char token[] =
-        "!#$%&'*+-.^_`|~0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
     (void)kind;
     struct fields *fields = cls;
     value = value ? value : "";
-    if (name_bytes == 0 || strspn(name, token) != name_bytes || !is_value(value, value_bytes))
+    if (!is_name(name, name_bytes) || !is_value(value, value_bytes))
         fields->malformed = true;
     for (size_t i = 0; i < sizeof read_fields / sizeof read_fields[0]; i++) {
         if (strcasecmp(name, read_fields[i].name) != 0)
@@ -215,22 +224,20 @@ static enum MHD_Result dispatch(struct request *request)
     return MHD_YES;
 }
 
-/* The address of the connection's client. */
-static void name_client(struct request *request)
+/* Notes the client's address: the connection's, or the one for which the trusted proxy sends. */
+static void find_client(struct request *request)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
-    unsigned char peer[16] = {0}, client[16];
     const struct pen_http *http = request->http;
+    unsigned char *peer = request->address;
     const bool known = info && pen_http_address_of(info->client_addr, peer);
     request->is_from_proxy = http->has_proxy && known && memcmp(peer, http->proxy, 16) == 0;
     const char *forwarded = request->is_from_proxy ? request->fields.forwarded_for : NULL;
-    const bool named = forwarded && pen_http_address_forwarded(forwarded, client);
-    if (!named)
-        memcpy(client, peer, sizeof client);
-    request->client_is_shared =
+    request->address_is_shared =
         !forwarded && (!known || request->is_from_proxy || pen_http_address_is_loopback(peer));
-    pen_http_address_text(client, request->client, sizeof request->client);
+    if (forwarded)
+        pen_http_address_forwarded(forwarded, peer);
 }
 
 /* The head is complete. libmicrohttpd closes the connection after an answer that is queued now. So
@@ -244,7 +251,7 @@ static enum MHD_Result begin(struct request *request, const char *method, const 
     request->is_http_1_0 = strcmp(version, "HTTP/1.1") != 0;
     MHD_get_connection_values_n(request->connection, MHD_HEADER_KIND, on_field, &request->fields);
     pen_http_request_name(request);
-    name_client(request);
+    find_client(request);
     atomic_fetch_add_explicit(&request->http->active, 1, memory_order_relaxed);
     pen_http_request_admit(request, info ? info->header_size : 0);
     const char *length = request->fields.content_length;

@@ -140,8 +140,7 @@ static bool check_token(struct request *request, struct pen_status *st)
         pen_http_reply_field(&request->reply, "WWW-Authenticate", "Bearer realm=\"penumbra\"");
         return false;
     }
-    snprintf(request->client, sizeof request->client, "token:%s", request->holder.name);
-    request->client_is_shared = false;
+    request->address_is_shared = false;
     return request->holder.scope >= needed ||
            pen_fail(st, PEN_FORBIDDEN, "this needs a token of scope %s; yours has the scope %s",
                     pen_scope_names[needed - PEN_SCOPE_READ],

@@ -130,16 +130,11 @@ static bool is_text(const char *type)
 static void change_tag(struct reply *reply)
 {
     const int at = find_field(reply, "ETag");
-    size_t length = at >= 0 ? strlen(reply->field[at].value) : 0;
-    char *text = NULL;
-    if (length < 2)
+    char tag[ETAG_BYTES * 2];
+    if (at < 0 || (size_t)snprintf(tag, sizeof tag, "%s", reply->field[at].value) < 2)
         return;
-    if (asprintf(&text, "%.*s" PEN_GZIP_TAG "\"", (int)length - 1, reply->field[at].value) < 0) {
-        reply->failed = true;
-        return;
-    }
-    free(reply->field[at].value);
-    reply->field[at].value = text;
+    pen_http_reply_remove(reply, at);
+    pen_http_reply_field(reply, "ETag", "%.*s" PEN_GZIP_TAG "\"", (int)strlen(tag) - 1, tag);
 }
 
 /* Whether the answer may be compressed, if the client accepts that and the length is worth it. */

@@ -33,7 +33,7 @@ static struct pen_submission read_submission(const struct request *request)
 {
     struct pen_submission in = {.body = request->body.data ? (const char *)request->body.data : "",
                                 .bytes = request->body.bytes,
-                                .client_is_shared = request->client_is_shared,
+                                .client_is_shared = request->address_is_shared,
                                 .traceparent = request->fields.traceparent,
                                 .idempotency_key = request->fields.idempotency_key};
     enum pen_media media = pen_media_parse(request->fields.content_type);
@@ -71,17 +71,19 @@ static void note_readiness(struct pen_http *http, const struct pen_errors *error
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* The body as a submission of this client, for a job that is to be stored. */
-static struct pen_submission read_job(const struct request *request)
+/* The body as a submission of this client, for a job that is to be stored; `client` takes its text.
+ */
+static struct pen_submission read_job(const struct request *request, char client[CLIENT_BYTES])
 {
     struct pen_submission in = read_submission(request);
-    in.client = request->client;
+    in.client = pen_http_request_client(request, client);
     return in;
 }
 
 enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jobs)
 {
-    struct pen_submission in = read_job(request);
+    char client[CLIENT_BYTES];
+    struct pen_submission in = read_job(request, client);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
@@ -237,7 +239,8 @@ static void reply_explanation(struct request *request, struct pen_jobs *jobs,
 /* Makes the job. Returns whether it is there; otherwise the request is answered. */
 static bool submit_explanation(struct request *request, struct pen_jobs *jobs)
 {
-    struct pen_submission in = read_job(request);
+    char client[CLIENT_BYTES];
+    struct pen_submission in = read_job(request, client);
     struct pen_submitted out = {0};
     struct pen_errors errors = {0};
     in.explain = true;
@@ -330,7 +333,9 @@ enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jo
 {
     struct pen_job_snapshot job;
     struct pen_status st;
-    if (!pen_jobs_cancel(jobs, request->job_id, pen_http_request_owner(request), &job, &st))
+    char text[CLIENT_BYTES];
+    const char *owner = pen_http_request_owner(request, text);
+    if (!pen_jobs_cancel(jobs, request->job_id, owner, &job, &st))
         return answer_status(request, &st);
     request->changed = job.cancelled_now;
     pen_http_reply_json(&request->reply, 202, job.json);
@@ -340,9 +345,11 @@ enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jo
 enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_status st;
+    char text[CLIENT_BYTES];
+    const char *owner = pen_http_request_owner(request, text);
     const char *stats = pen_http_request_param(request, "stats");
     bool keep_stats = !stats || strcmp(stats, "true") != 0;
-    if (!pen_jobs_delete(jobs, request->job_id, pen_http_request_owner(request), keep_stats, &st))
+    if (!pen_jobs_delete(jobs, request->job_id, owner, keep_stats, &st))
         return answer_status(request, &st);
     request->changed = true;
     request->reply.status = 204;

@@ -134,36 +134,69 @@ void pen_http_etag(const struct pen_buf *content, char etag[ETAG_BYTES])
     snprintf(etag, ETAG_BYTES, "\"%s\"", hex);
 }
 
+void pen_http_reply_remove(struct reply *reply, int place)
+{
+    char *value = reply->field[place].value;
+    if (value < reply->text || value >= reply->text + REPLY_TEXT)
+        free(value);
+    reply->field[place] = reply->field[--reply->field_count];
+}
+
 void pen_http_reply_release(struct reply *reply)
 {
-    for (int i = 0; i < reply->field_count; i++)
-        free(reply->field[i].value);
+    while (reply->field_count > 0)
+        pen_http_reply_remove(reply, reply->field_count - 1);
     pen_http_blob_unref(reply->body);
-    *reply = (struct reply){0};
+    reply->status = 0;
+    reply->body = NULL;
+    reply->first = reply->bytes = reply->used = 0;
+    reply->streaming = reply->failed = false;
+}
+
+/* Adds a field whose value has so many bytes, with its zero. Returns where the value goes; NULL:
+ * out of memory, or of fields. */
+static char *add_field(struct reply *reply, const char *name, size_t bytes)
+{
+    const bool fits = bytes <= REPLY_TEXT - reply->used;
+    char *value = fits ? reply->text + reply->used : malloc(bytes);
+    if (!value || reply->field_count == REPLY_FIELDS) {
+        if (!fits)
+            free(value);
+        reply->failed = true;
+        return NULL;
+    }
+    reply->used += fits ? bytes : 0;
+    reply->field[reply->field_count++] = (struct reply_field){name, value};
+    return value;
 }
 
 void pen_http_reply_field(struct reply *reply, const char *name, const char *format, ...)
 {
+    char text[REPLY_TEXT];
     va_list args;
     va_start(args, format);
-    char *value = NULL;
-    if (vasprintf(&value, format, args) < 0 || reply->field_count == REPLY_FIELDS) {
-        reply->failed = true;
-        free(value);
-    } else {
-        reply->field[reply->field_count++] = (struct reply_field){name, value};
+    const int length = vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    const size_t bytes = length < 0 ? 1 : (size_t)length + 1;
+    char *value = add_field(reply, name, bytes);
+    if (!value)
+        return;
+    if (bytes <= sizeof text) {
+        memcpy(value, text, bytes);
+        return;
     }
+    va_start(args, format);
+    vsnprintf(value, bytes, format, args);
     va_end(args);
 }
 
 /* Adds a header field without formatting it. */
 static void reply_constant(struct reply *reply, const char *name, const char *value)
 {
-    char *copy = reply->field_count < REPLY_FIELDS ? strdup(value) : NULL;
+    const size_t bytes = strlen(value) + 1;
+    char *copy = add_field(reply, name, bytes);
     if (copy)
-        reply->field[reply->field_count++] = (struct reply_field){name, copy};
-    else
-        reply->failed = true;
+        memcpy(copy, value, bytes);
 }
 
 void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, const char *type)

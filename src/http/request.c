@@ -3,10 +3,12 @@
 #include "http/internal/request.h"
 
 #include <microhttpd.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "http/internal/addresses.h"
 #include "http/internal/guard.h"
 #include "http/internal/http.h"
 #include "http/internal/routes.h"
@@ -122,9 +124,19 @@ long pen_http_request_number(const struct request *request, const char *name, lo
     return text ? strtol(text, NULL, 10) : otherwise;
 }
 
-const char *pen_http_request_owner(const struct request *request)
+const char *pen_http_request_client(const struct request *request, char text[CLIENT_BYTES])
 {
-    return request->holder.scope == PEN_SCOPE_SUBMIT ? request->client : NULL;
+    if (request->holder.name[0])
+        snprintf(text, CLIENT_BYTES, "token:%s", request->holder.name);
+    else
+        pen_http_address_text(request->address, text, CLIENT_BYTES);
+    return text;
+}
+
+const char *pen_http_request_owner(const struct request *request, char text[CLIENT_BYTES])
+{
+    return request->holder.scope == PEN_SCOPE_SUBMIT ? pen_http_request_client(request, text)
+                                                     : NULL;
 }
 
 void pen_http_request_content(struct request *request, const struct content *content)

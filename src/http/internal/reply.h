@@ -54,7 +54,7 @@ struct blob *pen_http_blob_json(const json_t *json);
 enum { ETAG_BYTES = 40 };
 void pen_http_etag(const struct pen_buf *content, char etag[ETAG_BYTES]);
 
-enum { REPLY_FIELDS = 10 };
+enum { REPLY_FIELDS = 10, REPLY_TEXT = 320 };
 
 struct reply {
     int status;          /* 0: not set yet */
@@ -62,11 +62,13 @@ struct reply {
     size_t first, bytes; /* the part of the body that is sent */
     struct reply_field {
         const char *name;
-        char *value;
+        char *value; /* in `text`, or allocated where that is full */
     } field[REPLY_FIELDS];
     int field_count;
     bool streaming; /* an event stream, or HEAD of one: `body` is NULL, the length unknown */
     bool failed;
+    size_t used; /* bytes of `text` */
+    char text[REPLY_TEXT];
 };
 
 /* Frees what the reply owns; it is then empty. */
@@ -75,6 +77,9 @@ void pen_http_reply_release(struct reply *reply);
 /* Adds a header field. When out of memory, or after REPLY_FIELDS fields, `failed` is set. */
 void pen_http_reply_field(struct reply *reply, const char *name, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* Removes the field at a place. */
+void pen_http_reply_remove(struct reply *reply, int place);
 
 /* Sets status and body; takes the blob. A NULL blob is an allocation that failed. */
 void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, const char *type);

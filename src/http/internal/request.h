@@ -57,8 +57,8 @@ struct request {
     bool is_http_1_0;
     bool close;                     /* nothing may follow it on its connection */
     bool refused_early;             /* it is answered while its client still sends the body */
-    char client[CLIENT_BYTES];      /* "token:NAME" or "address:IP" */
-    bool client_is_shared;          /* many clients can be behind that address */
+    unsigned char address[16];      /* of the client (addresses.h) */
+    bool address_is_shared;         /* many clients can be behind it */
     bool is_from_proxy;             /* the connection is the trusted proxy's */
     bool is_cross_origin;           /* a page of an origin of --cors has sent it */
     struct pen_token_holder holder; /* all zero: there are no tokens, or it needs none */
@@ -125,8 +125,11 @@ void pen_http_request_fail(struct request *request, const struct pen_status *st)
 const char *pen_http_request_param(const struct request *request, const char *name);
 long pen_http_request_number(const struct request *request, const char *name, long otherwise);
 
-/* The client that may change jobs: NULL, for anybody's, or the request's. */
-const char *pen_http_request_owner(const struct request *request);
+/* Writes the client, "token:NAME" or "address:IP". Returns the text. */
+const char *pen_http_request_client(const struct request *request, char text[CLIENT_BYTES]);
+
+/* The client whose jobs the request may change: as pen_http_request_client; NULL: anybody's. */
+const char *pen_http_request_owner(const struct request *request, char text[CLIENT_BYTES]);
 
 /* Answers with a representation; takes the blob. A NULL blob is an allocation that failed.
  * If-None-Match is obeyed, and Range if `ranges` is set. */
