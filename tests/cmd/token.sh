@@ -152,13 +152,14 @@ for origin in null '*' example.org https:// https://example.org/ 'https://exampl
 done
 expect "no store was made" "$(ls s.db* 2>/dev/null)" ""
 
+started() { grep -q '^listening on' out || ! kill -0 $daemon; }
 # start OPTION…: starts a daemon whose first line tells its address, and sets $first.
 start() {
     : >out
     [ ! -e daemon.log ] || cat daemon.log >>log
     "$penumbrad" --store s.db --threads 1 "$@" >out 2>daemon.log &
     daemon=$!
-    within grep -q '^listening on' out
+    within started
     first=$(cat out)
 }
 start --listen 0.0.0.0:0 --tokens tokens --plain-http
@@ -181,14 +182,13 @@ END
 start --config access.json --cors 'https://[::1]:8443' --cors app://c
 expect_match "HTTPS is served" "$first" "listening on https://0.0.0.0:[1-9]*"
 expect "without a warning" "$(grep -c "travel unencrypted" daemon.log)" 0
-within child api
 arguments() { tr '\0' ' ' <"/proc/$(child "$1")/cmdline"; }
-has_arguments() { arguments api | grep -q -- --role; }
-within has_arguments
+# The children have their command lines, or the daemon has ended.
+has_children() { (arguments api | grep -q -- --role && arguments work | grep -q -- --role) || ! kill -0 $daemon; }
+within has_children
 expect_match "the api process has the options of the file" "$(arguments api)" \
     "* --tokens $work/tokens --tls-cert one.crt --tls-key one.key *"
 expect_match "the command line overrides the file" "$(arguments api)" "* --cors https://\[::1\]:8443 app://c*"
-within child work
 expect "the worker has none of them" "$(arguments work | grep -c -e --tokens -e --tls)" 0
 sed 's/one\./two./g' access.json >access.new && mv access.new access.json
 kill -HUP $daemon
@@ -196,8 +196,7 @@ check "a change of them waits for the next start" within grep -q 'tls_key, plain
 daemon_stop
 export PENUMBRA_TOKENS=tokens PENUMBRA_TLS_CERT=one.crt PENUMBRA_TLS_KEY=one.key PENUMBRA_CORS="https://a https://b"
 start --listen 0.0.0.0:0
-within child api
-within has_arguments
+within has_children
 expect_match "the environment counts too" "$(arguments api)" "* --tls-key one.key --cors https://a https://b*"
 daemon_stop
 export PENUMBRA_PLAIN_HTTP=maybe
