@@ -75,6 +75,7 @@ expect "nothing has changed" "$(cat tokens)" "$(cat before)"
 expect "no token was printed" "$(cat stdout)" ""
 exits "a file that is not there has no tokens to list" 4 token list --tokens none
 exits "and none to remove" 4 token remove ci --tokens none
+prints "the error names the file" stderr "none: cannot open"
 check "and is not made" test ! -e none
 exits "a folder that is not there" 8 token add ci --scope read --tokens none/tokens
 prints "the error names the file" stderr "none/tokens"
