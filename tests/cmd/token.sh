@@ -194,6 +194,11 @@ expect "the worker has none of them" "$(arguments work | grep -c -e --tokens -e 
 sed 's/one\./two./g' access.json >access.new && mv access.new access.json
 kill -HUP $daemon
 check "a change of them waits for the next start" within grep -q 'tls_key, plain_http, cors, .* change only when' daemon.log
+api=$(child api)
+kill -KILL "$api"
+has_other_api() { [ "$(child api)" != "$api" ] && has_children; }
+within has_other_api
+expect_match "also for an api process that is started again" "$(arguments api)" "* --tls-cert one.crt *"
 daemon_stop
 export PENUMBRA_TOKENS=tokens PENUMBRA_TLS_CERT=one.crt PENUMBRA_TLS_KEY=one.key PENUMBRA_CORS="https://a https://b"
 start --listen 0.0.0.0:0
