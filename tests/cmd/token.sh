@@ -75,6 +75,7 @@ expect "nothing has changed" "$(cat tokens)" "$(cat before)"
 expect "no token was printed" "$(cat stdout)" ""
 exits "a file that is not there has no tokens to list" 4 token list --tokens none
 exits "and none to remove" 4 token remove ci --tokens none
+prints "the error names the file" stderr "none: cannot open"
 check "and is not made" test ! -e none
 exits "a folder that is not there" 8 token add ci --scope read --tokens none/tokens
 prints "the error names the file" stderr "none/tokens"
@@ -152,13 +153,14 @@ for origin in null '*' example.org https:// https://example.org/ 'https://exampl
 done
 expect "no store was made" "$(ls s.db* 2>/dev/null)" ""
 
+started() { grep -q '^listening on' out || ! kill -0 $daemon; }
 # start OPTION…: starts a daemon whose first line tells its address, and sets $first.
 start() {
     : >out
     [ ! -e daemon.log ] || cat daemon.log >>log
     "$penumbrad" --store s.db --threads 1 "$@" >out 2>daemon.log &
     daemon=$!
-    within grep -q '^listening on' out
+    within started
     first=$(cat out)
 }
 start --listen 0.0.0.0:0 --tokens tokens --plain-http
@@ -181,23 +183,26 @@ END
 start --config access.json --cors 'https://[::1]:8443' --cors app://c
 expect_match "HTTPS is served" "$first" "listening on https://0.0.0.0:[1-9]*"
 expect "without a warning" "$(grep -c "travel unencrypted" daemon.log)" 0
-within child api
 arguments() { tr '\0' ' ' <"/proc/$(child "$1")/cmdline"; }
-has_arguments() { arguments api | grep -q -- --role; }
-within has_arguments
+# The children have their command lines, or the daemon has ended.
+has_children() { (arguments api | grep -q -- --role && arguments work | grep -q -- --role) || ! kill -0 $daemon; }
+within has_children
 expect_match "the api process has the options of the file" "$(arguments api)" \
     "* --tokens $work/tokens --tls-cert one.crt --tls-key one.key *"
 expect_match "the command line overrides the file" "$(arguments api)" "* --cors https://\[::1\]:8443 app://c*"
-within child work
 expect "the worker has none of them" "$(arguments work | grep -c -e --tokens -e --tls)" 0
 sed 's/one\./two./g' access.json >access.new && mv access.new access.json
 kill -HUP $daemon
 check "a change of them waits for the next start" within grep -q 'tls_key, plain_http, cors, .* change only when' daemon.log
+api=$(child api)
+kill -KILL "$api"
+has_other_api() { [ "$(child api)" != "$api" ] && has_children; }
+within has_other_api
+expect_match "also for an api process that is started again" "$(arguments api)" "* --tls-cert one.crt *"
 daemon_stop
 export PENUMBRA_TOKENS=tokens PENUMBRA_TLS_CERT=one.crt PENUMBRA_TLS_KEY=one.key PENUMBRA_CORS="https://a https://b"
 start --listen 0.0.0.0:0
-within child api
-within has_arguments
+within has_children
 expect_match "the environment counts too" "$(arguments api)" "* --tls-key one.key --cors https://a https://b*"
 daemon_stop
 export PENUMBRA_PLAIN_HTTP=maybe
