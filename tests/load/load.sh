@@ -24,7 +24,7 @@ expect health-failed "$(value health-failed)" 0
 expect job-failed "$(value job-failed)" 0
 below health-p99-ms 50
 below job-p99-ms 50
-below resident-mib 300
+below resident-mib 250
 below closed-freed-s 5
 
 # Shorter than it takes to find out that a client has vanished: how long that is, is measured after the end.
