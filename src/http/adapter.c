@@ -40,7 +40,7 @@ static const struct {
     size_t offset;
     bool single; /* a request that has the field twice is refused */
     bool last;   /* of several fields, the last one counts; else the first */
-} read_fields[] = {
+} known_fields[] = {
     {.name = "Host", .offset = offsetof(struct fields, host), .single = true},
     {.name = "Content-Length", .offset = offsetof(struct fields, content_length), .single = true},
     {.name = "Transfer-Encoding",
@@ -95,12 +95,12 @@ static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *
     value = value ? value : "";
     if (!is_name(name, name_bytes) || !is_value(value, value_bytes))
         fields->malformed = true;
-    for (size_t i = 0; i < sizeof read_fields / sizeof read_fields[0]; i++) {
-        if (strcasecmp(name, read_fields[i].name) != 0)
+    for (size_t i = 0; i < sizeof known_fields / sizeof known_fields[0]; i++) {
+        if (strcasecmp(name, known_fields[i].name) != 0)
             continue;
-        const char **field = (const char **)((char *)fields + read_fields[i].offset);
-        if (*field && !read_fields[i].last)
-            fields->repeated = fields->repeated || read_fields[i].single;
+        const char **field = (const char **)((char *)fields + known_fields[i].offset);
+        if (*field && !known_fields[i].last)
+            fields->repeated = fields->repeated || known_fields[i].single;
         else
             *field = value;
         break;

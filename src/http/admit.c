@@ -214,7 +214,7 @@ static bool check_encoding(struct request *request, struct pen_status *st)
 static bool check_drain(const struct request *request, struct pen_status *st)
 {
     struct pen_http *http = request->http;
-    if (request->route->queue != QUEUE_NONE && !pen_http_is_open(http, st))
+    if (request->route->queue != QUEUE_NONE && !pen_http_request_has_store(request, st))
         return false;
     if (atomic_load_explicit(&http->stopping, memory_order_relaxed))
         return pen_fail(st, PEN_UNAVAILABLE, "the daemon is stopping");

@@ -69,6 +69,17 @@ bool pen_http_request_only_answers(const struct request *request)
     return request->head || strcmp(request->method, "GET") == 0 || request->route->only_answers;
 }
 
+bool pen_http_request_has_store(const struct request *request, struct pen_status *st)
+{
+    struct pen_http *http = request->http;
+    if (atomic_load_explicit(&http->opened, memory_order_acquire))
+        return true;
+    pthread_mutex_lock(&http->ready_lock);
+    *st = http->store_fault;
+    pthread_mutex_unlock(&http->ready_lock);
+    return false;
+}
+
 void pen_http_suspend(struct request *request)
 {
     pen_guard_state(request->http->guard, request->fd, PEER_WORK);

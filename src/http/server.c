@@ -119,16 +119,6 @@ bool pen_http_open(struct pen_http *http, const struct pen_http_options *options
     return false;
 }
 
-bool pen_http_is_open(struct pen_http *http, struct pen_status *st)
-{
-    if (atomic_load_explicit(&http->opened, memory_order_acquire))
-        return true;
-    pthread_mutex_lock(&http->ready_lock);
-    *st = http->store_fault;
-    pthread_mutex_unlock(&http->ready_lock);
-    return false;
-}
-
 void pen_http_drain(struct pen_http *http)
 {
     atomic_store_explicit(&http->draining, true, memory_order_relaxed);

@@ -19,6 +19,21 @@ hang=300 # seconds after which a test gives up
 patience=1
 [ -z "${PEN_FEWER:-}" ] || patience=4 # see tests/support/random.h
 
+# With PEN_TLS=1 the daemon serves HTTPS, and its clients need a token, which curl then sends by itself.
+access=
+make_certificate() {
+    openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 2 -subj /CN=localhost \
+        -addext subjectAltName=DNS:localhost,IP:127.0.0.1 -keyout "$work/key.pem" -out "$work/cert.pem" \
+        2>>"$work/log"
+}
+if [ -n "${PEN_TLS:-}" ]; then
+    make_certificate
+    PENUMBRA_TOKEN=$("$build/penumbrad" token add test --scope admin --tokens "$work/tokens" 2>>"$work/log")
+    export PENUMBRA_TOKEN PENUMBRA_CA="$work/cert.pem" CURL_HOME="$work"
+    printf 'cacert = "%s"\nheader = "Authorization: Bearer %s"\n' "$PENUMBRA_CA" "$PENUMBRA_TOKEN" >"$work/.curlrc"
+    access="--tokens $work/tokens --tls-cert $work/cert.pem --tls-key $work/key.pem"
+fi
+
 daemon_stop() { # [SIGNAL]: stops the daemon, and sets $stopped to its exit code
     [ -n "$daemon" ] || return 0
     kill "-${1:-TERM}" "$daemon" 2>/dev/null
@@ -46,7 +61,7 @@ trap 'exit 143' TERM
 # sets $daemon and $url once it is ready. It listens on $listen, if that is set, else on a free port.
 daemon_start() {
     : >"$work/out"
-    "$build/penumbrad" --listen "${listen:-127.0.0.1:0}" --store "$store" --threads "${threads:-1}" "$@" \
+    "$build/penumbrad" --listen "${listen:-127.0.0.1:0}" --store "$store" --threads "${threads:-1}" $access "$@" \
         >"$work/out" 2>>"$work/log" &
     daemon=$!
     for _ in $(seq $((hang * 20))); do

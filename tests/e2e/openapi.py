@@ -7,6 +7,8 @@ the store room and tests/http provoke these.
 """
 import http.client
 import json
+import os
+import ssl
 import sys
 import time
 import urllib.parse
@@ -26,6 +28,8 @@ NOT_SAMPLED = {("explain", "409"), ("explain", "500")}
 NOBODY = "01890a5d-ac96-774b-bcce-b302099a8057"
 
 url = urllib.parse.urlsplit(sys.argv[1])
+# With a token that the environment has (lib.sh).
+TOKEN = {"Authorization": "Bearer " + os.environ["PENUMBRA_TOKEN"]} if "PENUMBRA_TOKEN" in os.environ else {}
 with open("api/openapi.yaml", encoding="utf-8") as file:
     definition = yaml.safe_load(file)
 
@@ -34,12 +38,21 @@ def check(name, wrong):
     print(f"not ok {name}: {wrong}" if wrong else f"ok {name}")
 
 
+def connect():
+    if url.scheme == "http":
+        return http.client.HTTPConnection(url.hostname, url.port, timeout=90)
+    context = ssl.create_default_context(cafile=os.environ["PENUMBRA_CA"])
+    return http.client.HTTPSConnection(url.hostname, url.port, timeout=90, context=context)
+
+
 def ask(method, path, body=None, **fields):
-    connection = http.client.HTTPConnection(url.hostname, url.port, timeout=90)
-    fields = {name.replace("_", "-"): value for name, value in fields.items()}
+    connection = connect()
+    fields = {name.replace("_", "-"): value for name, value in fields.items()} | TOKEN
     chunked = fields.pop("chunked", False)
     if method == "POST" and body is None and not chunked:
         connection.putrequest(method, path)  # without Content-Length
+        for name, value in fields.items():
+            connection.putheader(name, value)
         connection.endheaders()
     else:
         data = (part for part in [b"{}"]) if chunked else body

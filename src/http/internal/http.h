@@ -50,7 +50,4 @@ struct pen_http {
     struct pen_status store_fault;        /* guarded by ready_lock: why the store is not open */
 };
 
-/* Whether the store is open. Fails: PEN_UNAVAILABLE, with the reason. Threads: any. */
-bool pen_http_is_open(struct pen_http *http, struct pen_status *st);
-
 #endif

@@ -103,6 +103,10 @@ void pen_http_request_name(struct request *request);
 /* Whether nothing comes of the request but its answer. */
 bool pen_http_request_only_answers(const struct request *request);
 
+/* Whether the store is open, so that another thread can answer. Fails: PEN_UNAVAILABLE, with the
+ * reason. */
+bool pen_http_request_has_store(const struct request *request, struct pen_status *st);
+
 /* Suspends the connection, for another thread to answer the request. Threads: libmicrohttpd's. */
 void pen_http_suspend(struct request *request);
 
