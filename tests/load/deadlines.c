@@ -94,15 +94,15 @@ static bool give(struct state *state, const struct slow *slow, double now)
 static bool is_due(const struct state *state, const struct slow *slow)
 {
     if (slow->most_s == KEPT_S)
-        return !state->closed_s || state->closed_s >= KEPT_S;
-    return state->closed_s && state->closed_s <= slow->most_s;
+        return state->closed_s == 0 || state->closed_s >= KEPT_S;
+    return state->closed_s > 0 && state->closed_s <= slow->most_s;
 }
 
 static bool print(const struct state *state, const struct slow *slow, bool judged)
 {
     char when[40] = "open after 50 s";
     bool due = !judged || is_due(state, slow);
-    if (state->closed_s)
+    if (state->closed_s > 0)
         snprintf(when, sizeof when, "%.1f s", state->closed_s);
     printf("%-32s%-18s%-5s", slow->name, when, state->answer);
     if (slow->read_rate)
@@ -127,7 +127,7 @@ int main(int argc, char **argv)
         now = load_seconds();
         for (int i = 0; i < COUNT; i++) {
             struct state *state = &states[i];
-            if (!state->closed_s &&
+            if (state->closed_s == 0 &&
                 !(give(state, &clients[i], now) && take(state, &clients[i], now)))
                 state->closed_s = now - state->begun;
         }
