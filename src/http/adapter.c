@@ -205,20 +205,18 @@ static enum MHD_Result send_reply(struct request *request)
 static enum MHD_Result dispatch(struct request *request)
 {
     const struct route *route = request->route;
-    enum queue_id id = pen_http_route_queue(route, request);
+    const enum queue_id id = pen_http_route_queue(route, request);
     bool answered = route->quick && route->quick(request);
     if (!answered && id == QUEUE_NONE)
         answered = route->handle(request, NULL) == OUTCOME_ANSWERED;
-    if (answered && !pen_http_executor_encodes(request, QUEUE_NONE)) {
+    if (answered) {
         pen_http_request_encode(request);
         return send_reply(request);
     }
-    request->is_handled = answered;
     request->phase = PHASE_WORK;
     pen_http_suspend(request);
-    struct executor *executor = request->http->executor;
-    if (!pen_http_executor_submit(executor, answered ? QUEUE_COMPUTE : id, request)) {
-        pen_http_executor_refuse(executor, request);
+    if (!pen_http_executor_submit(request->http->executor, id, request)) {
+        pen_http_executor_refuse(request->http->executor, request);
         pen_http_resume(request);
     }
     return MHD_YES;
@@ -234,6 +232,7 @@ static void find_client(struct request *request)
     const bool known = info && pen_http_address_of(info->client_addr, peer);
     request->is_from_proxy = http->has_proxy && known && memcmp(peer, http->proxy, 16) == 0;
     const char *forwarded = request->is_from_proxy ? request->fields.forwarded_for : NULL;
+    /* Clients that the proxy names in vain are one. */
     request->address_is_shared =
         !forwarded && (!known || request->is_from_proxy || pen_http_address_is_loopback(peer));
     if (forwarded)
@@ -266,6 +265,8 @@ static enum MHD_Result begin(struct request *request, const char *method, const 
 static enum MHD_Result cut_short(struct request *request)
 {
     char text[700];
+    if (!request->reply.body)
+        return MHD_NO;
     const struct pen_buf *body = &request->reply.body->content;
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_GNUTLS_SESSION);

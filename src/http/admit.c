@@ -135,13 +135,15 @@ static bool check_token(struct request *request, struct pen_status *st)
     const enum pen_scope needed = request->route ? request->route->scope : PEN_SCOPE_READ;
     if (!tokens || needed == PEN_SCOPE_NONE)
         return true;
+    request->refused_early = true; /* unless it is allowed: the body is not read */
     if (!pen_tokens_check(tokens, request->fields.authorization, &request->holder, st)) {
         pen_http_request_fail(request, st);
         pen_http_reply_field(&request->reply, "WWW-Authenticate", "Bearer realm=\"penumbra\"");
         return false;
     }
     request->address_is_shared = false;
-    return request->holder.scope >= needed ||
+    request->refused_early = request->holder.scope < needed;
+    return !request->refused_early ||
            pen_fail(st, PEN_FORBIDDEN, "this needs a token of scope %s; yours has the scope %s",
                     pen_scope_names[needed - PEN_SCOPE_READ],
                     pen_scope_names[request->holder.scope - PEN_SCOPE_READ]);
@@ -214,8 +216,11 @@ static bool check_encoding(struct request *request, struct pen_status *st)
 static bool check_drain(const struct request *request, struct pen_status *st)
 {
     struct pen_http *http = request->http;
-    if (request->route->queue != QUEUE_NONE && !pen_http_request_has_store(request, st))
+    if (request->route->queue != QUEUE_NONE && !pen_http_request_has_store(request, st)) {
+        if (request->route->scope == PEN_SCOPE_NONE)
+            pen_http_request_hide_reason(request, st);
         return false;
+    }
     if (atomic_load_explicit(&http->stopping, memory_order_relaxed))
         return pen_fail(st, PEN_UNAVAILABLE, "the daemon is stopping");
     if (request->route->submits && atomic_load_explicit(&http->draining, memory_order_relaxed))
@@ -230,7 +235,7 @@ static bool wants_discard(const struct request *request)
 {
     const char *expect = request->fields.expect;
     const bool waits = expect && !request->is_http_1_0 && strcasecmp(expect, "100-continue") == 0;
-    return !request->close && !waits &&
+    return !request->close && !request->refused_early && !waits &&
            (request->declared_bytes > 0 || request->fields.transfer_encoding) &&
            request->declared_bytes <= request->http->limits.body_bytes;
 }

@@ -12,9 +12,10 @@
 
 enum {
     PART_BYTES = 64 << 10,
-    GZIP_BITS = 15 + 16,    /* zlib's way to say gzip */
-    LEVEL = 5,              /* beyond it, reports take twice the time and become 2 % smaller */
-    SMALL_BYTES = 1400,     /* one packet */
+    GZIP_BITS = 15 + 16, /* zlib's way to say gzip */
+    LEVEL = 5,           /* beyond it, reports take twice the time and become 2 % smaller */
+    SMALL_BYTES = 1400,  /* one packet */
+    MUCH_BYTES = 64 << 10,
     LARGE_BYTES = 32 << 20, /* would keep a thread for too long */
 };
 
@@ -153,12 +154,11 @@ static bool wants_gzip(const struct request *request)
            pen_encoding_is_gzip(request->fields.accept_encoding);
 }
 
-size_t pen_http_request_encodes(const struct request *request)
+bool pen_http_request_encodes_much(const struct request *request)
 {
     const struct reply *reply = &request->reply;
-    return is_compressible(reply) && wants_gzip(request) && !pen_http_blob_has_gzip(reply->body)
-               ? reply->bytes
-               : 0;
+    return reply->bytes > MUCH_BYTES && reply->status != 304 && is_compressible(reply) &&
+           wants_gzip(request) && !pen_http_blob_has_gzip(reply->body);
 }
 
 void pen_http_request_encode(struct request *request)
@@ -170,6 +170,10 @@ void pen_http_request_encode(struct request *request)
         pen_http_reply_field(reply, "Vary", "Accept-Encoding");
     if (!wants_gzip(request))
         return;
+    if (reply->status == 304) { /* it has no body */
+        change_tag(reply);
+        return;
+    }
     struct blob *gzip = pen_http_blob_gzip(reply->body);
     if (!gzip)
         return; /* the plain body is as good */

@@ -20,9 +20,8 @@ enum {
     CHANGE_THREADS = 4,
     COMPUTE_THREADS = 2,
     THREADS_MAX = 64,
-    WAITING_MOST = 1024,        /* requests in a queue */
-    LARGE_BYTES = 256 << 10,    /* from here on a body counts as large, see trim_memory */
-    ENCODED_ANYWHERE = 64 << 10 /* answers up to here are compressed where they are made */
+    WAITING_MOST = 1024,    /* requests in a queue */
+    LARGE_BYTES = 256 << 10 /* from here on a body counts as large, see trim_memory */
 };
 _Static_assert(QUEUE_NONE == 0 && QUEUE_STORE == 1 && QUEUE_CHANGES == 2 && QUEUE_COMPUTE == 3,
                "queues are indexed by enum queue_id");
@@ -110,8 +109,6 @@ static void count_answer(struct request *request)
 static enum queue_id handle(struct request *request, struct thread *thread, enum outcome *outcome)
 {
     *outcome = OUTCOME_ANSWERED;
-    if (request->is_handled)
-        return QUEUE_NONE;
     const bool unwanted = is_unwanted(request);
     request->gone = request->gone || unwanted;
     if (!unwanted && pen_http_request_decode(request))
@@ -120,10 +117,8 @@ static enum queue_id handle(struct request *request, struct thread *thread, enum
         return request->queue;
     if (*outcome == OUTCOME_WATCHED)
         return QUEUE_NONE;
-    pen_http_request_drop_body(request);
     count_answer(request);
-    request->is_handled = true;
-    return pen_http_executor_encodes(request, thread->id) ? QUEUE_COMPUTE : QUEUE_NONE;
+    return QUEUE_NONE;
 }
 
 static void run(struct request *request, struct thread *thread)
@@ -135,8 +130,7 @@ static void run(struct request *request, struct thread *thread)
     if (to != QUEUE_NONE) {
         if (pen_http_executor_submit(thread->executor, to, request))
             return;
-        if (!request->is_handled)
-            pen_http_executor_refuse(thread->executor, request);
+        pen_http_executor_refuse(thread->executor, request);
     }
     pen_http_request_encode(request);
     pen_http_request_drop_body(request);
@@ -150,11 +144,6 @@ static void *work(void *arg)
     while ((request = next_request(thread->executor, thread->id)) != NULL)
         run(request, thread);
     return NULL;
-}
-
-bool pen_http_executor_encodes(const struct request *request, enum queue_id here)
-{
-    return here != QUEUE_COMPUTE && pen_http_request_encodes(request) > ENCODED_ANYWHERE;
 }
 
 static bool add_thread(struct executor *executor, enum queue_id id, const char *store_url,

@@ -17,9 +17,10 @@
 
 enum {
     TICK_MS = 250,
-    LINGER_MS = 10000,      /* the longest time for which a closed connection is read */
+    LINGER_MS = 60000,      /* the longest time for which a closed connection is read */
     LINGER_QUIET_MS = 2000, /* without a byte */
-    LINGER_MOST = 512,      /* connections at once */
+    LINGER_MOST = 512,      /* connections at once, */
+    LINGER_PART = 16,       /* and one in so many descriptors */
     EVICT_IDLE_MS = 100,    /* a connection that has waited for less is not closed for others */
     EVICT_BUSY_MS = 1000,   /* the same within a head or a body */
     EVICT_PART = 128,    /* one in so many more is closed, so that not every new connection is one
@@ -109,7 +110,10 @@ static void linger(struct guard *guard, int fd)
     if (atomic_load(&guard->peer[fd].state) != PEER_BODY &&
         (ioctl(fd, FIONREAD, &unread) != 0 || unread == 0))
         return;
-    const int two = guard->lingering < LINGER_MOST ? fcntl(fd, F_DUPFD_CLOEXEC, 0) : -1;
+    const int two = guard->lingering < LINGER_MOST &&
+                            guard->lingering < guard->options.descriptors / LINGER_PART
+                        ? fcntl(fd, F_DUPFD_CLOEXEC, 0)
+                        : -1;
     struct epoll_event event = {.events = EPOLLIN | EPOLLRDHUP, .data.fd = two};
     if (two < 0)
         return;

@@ -2,6 +2,7 @@
 /* The handlers of a job's results: picture, preview, statistics, report, scene. */
 #include <string.h>
 
+#include "http/internal/encoding.h"
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/pictures.h"
@@ -214,7 +215,10 @@ bool pen_http_quick_scene(struct request *request)
     if (!find_quickly(request, &key, &scene))
         return false;
     answer_scene(request, &scene);
-    return true;
+    if (!pen_http_request_encodes_much(request))
+        return true;
+    pen_http_reply_release(&request->reply);
+    return false;
 }
 
 /* Reads the scene from the store. */
@@ -240,7 +244,11 @@ enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *job
     size_t bytes;
     if (find_kept(request, jobs, &key, &scene)) {
         answer_scene(request, &scene);
-        return OUTCOME_ANSWERED;
+        if (!pen_http_request_encodes_much(request) ||
+            !is_moved(request, scene.blob->content.bytes))
+            return OUTCOME_ANSWERED;
+        pen_http_reply_release(&request->reply);
+        return OUTCOME_MOVED;
     }
     if (!pen_jobs_scene_bytes(jobs, request->job_id, &bytes, &st))
         return answer_status(request, jobs, &st);

@@ -131,16 +131,6 @@ static bool check_reason(struct pen_http *http, struct pen_status *st)
     return ok;
 }
 
-/* Reasons are told to those who have a token. */
-static void hide_reason(const struct request *request, struct pen_status *st)
-{
-    struct pen_token_holder holder;
-    struct pen_status ignored;
-    struct pen_tokens *tokens = request->http->tokens;
-    if (tokens && !pen_tokens_check(tokens, request->fields.authorization, &holder, &ignored))
-        pen_fail(st, PEN_UNAVAILABLE, "the daemon is not ready; with a token it says why");
-}
-
 enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_http *http = request->http;
@@ -159,7 +149,7 @@ enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jo
     if (ready)
         return answer_health(request, "ready",
                              (int64_t)pen_store_tally(pen_jobs_store(jobs), PEN_TALLY_DAMAGED));
-    hide_reason(request, &st);
+    pen_http_request_hide_reason(request, &st);
     pen_http_request_fail(request, &st);
     return OUTCOME_ANSWERED;
 }

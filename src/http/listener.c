@@ -24,6 +24,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "http/internal/adapter.h"
 #include "http/internal/guard.h"
@@ -39,6 +40,7 @@ enum {
     POOL_BYTES = 16 << 10, /* of a connection: its head, and what is read of a body at once */
     THREADS = 2,
     BACKLOG_BURST = 64, /* connections that are accepted before the acceptor looks up */
+    REFRESH_MS = 1000,  /* between looks at tokens and certificate */
     FULL_WAIT_MS = 50,  /* without descriptors */
     IDLE_S = 30,
     HEAD_S = 10,
@@ -140,16 +142,34 @@ static bool accept_one(struct listener *listener)
     return true;
 }
 
+/* Reads tokens and certificate again if they have changed. The streams of tokens that are no longer
+ * valid end. This thread does it since it never waits for the store. */
+static void refresh(struct pen_http *http)
+{
+    if (http->tokens) {
+        pen_tokens_refresh(http->tokens);
+        pen_http_streams_check_tokens(http->streams, http->tokens);
+    }
+    if (http->tls)
+        pen_tls_refresh(http->tls);
+}
+
 static void *accept_all(void *arg)
 {
     struct listener *listener = arg;
     struct pollfd fds[] = {{.fd = listener->stop_fd, .events = POLLIN},
                            {.fd = listener->listen_fd, .events = POLLIN}};
+    int64_t refreshed_ns = 0;
     while (!fds[0].revents) {
-        if (poll(fds, 2, -1) < 0 && errno != EINTR)
+        if (poll(fds, 2, REFRESH_MS) < 0 && errno != EINTR)
             poll(NULL, 0, FULL_WAIT_MS); /* the kernel is out of memory */
         for (int i = 0; i < BACKLOG_BURST && fds[1].revents && accept_one(listener); i++)
             continue;
+        const int64_t now_ns = pen_clock_ns();
+        if (now_ns - refreshed_ns >= REFRESH_MS * INT64_C(1000000)) {
+            refreshed_ns = now_ns;
+            refresh(listener->http);
+        }
     }
     return NULL;
 }

@@ -147,20 +147,16 @@ static void keep(struct pictures *pictures, const char *key, const struct pictur
     pictures->count++;
 }
 
-/* Makes the image a picture, in the place of what was reserved for it. Called with the lock held.
- */
-static bool take(struct pictures *pictures, const char *key, struct pen_image *image,
+/* Takes a blob in the place of what was reserved for it. Called with the lock held. */
+static bool take(struct pictures *pictures, const char *key, struct blob *blob,
                  const struct picture_room *room, struct picture *out, struct pen_status *st)
 {
-    const size_t bytes = image->bytes.bytes;
-    if (room->bytes == 0 && !make_room(pictures, bytes, false, st))
+    if (key[0] && find(pictures, key, out)) /* another thread was quicker */
+        return true;
+    if (room->bytes == 0 && !make_room(pictures, blob->content.bytes, false, st))
         return false;
-    memcpy(out->type, image->type, sizeof out->type);
-    memcpy(out->etag, image->etag, sizeof out->etag);
-    out->blob = pen_http_blob_take(&image->bytes);
-    if (!out->blob)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
-    pen_http_blob_count(out->blob, room->alone ? &pictures->beside : &pictures->budget);
+    out->blob = pen_http_blob_ref(blob);
+    pen_http_blob_count(blob, room->alone ? &pictures->beside : &pictures->budget);
     if (key[0])
         keep(pictures, key, out);
     return true;
@@ -175,22 +171,26 @@ bool pen_http_pictures_take(struct pictures *pictures, const struct picture_key 
     room = room ? room : &none;
     if (key && !write_key(key, text))
         text[0] = '\0';
+    memcpy(out->type, image->type, sizeof out->type);
+    memcpy(out->etag, image->etag, sizeof out->etag);
+    struct blob *blob = pen_http_blob_take(&image->bytes); /* may write a file: without the lock */
+    bool ok = blob || pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
     pthread_mutex_lock(&pictures->lock);
-    const bool ok =
-        (text[0] && find(pictures, text, out)) || take(pictures, text, image, room, out, st);
+    ok = ok && take(pictures, text, blob, room, out, st);
     pen_http_pictures_give_up(pictures, room);
     pthread_mutex_unlock(&pictures->lock);
-    pen_buf_release(&image->bytes);
+    pen_http_blob_unref(blob);
     return ok;
 }
 
 bool pen_http_pictures_count(struct pictures *pictures, struct blob *blob, struct pen_status *st)
 {
-    if (!blob || blob->sum || blob->content.bytes < PEN_BLOB_FILE_BYTES)
+    if (!blob || blob->content.bytes < PEN_BLOB_FILE_BYTES)
         return true;
     pthread_mutex_lock(&pictures->lock);
-    const bool ok = make_room(pictures, blob->content.bytes, false, st);
-    if (ok)
+    const bool counted = blob->sum != NULL;
+    const bool ok = counted || make_room(pictures, blob->content.bytes, false, st);
+    if (ok && !counted)
         pen_http_blob_count(blob, &pictures->budget);
     pthread_mutex_unlock(&pictures->lock);
     return ok;

@@ -80,6 +80,15 @@ bool pen_http_request_has_store(const struct request *request, struct pen_status
     return false;
 }
 
+void pen_http_request_hide_reason(const struct request *request, struct pen_status *st)
+{
+    struct pen_token_holder holder;
+    struct pen_status ignored;
+    struct pen_tokens *tokens = request->http->tokens;
+    if (tokens && !pen_tokens_check(tokens, request->fields.authorization, &holder, &ignored))
+        pen_fail(st, PEN_UNAVAILABLE, "the daemon is not ready; with a token it says why");
+}
+
 void pen_http_suspend(struct request *request)
 {
     pen_guard_state(request->http->guard, request->fd, PEER_WORK);

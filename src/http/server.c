@@ -87,22 +87,25 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
     return NULL;
 }
 
+/* The watcher comes last: when it is stopped, all streams end for good. */
 static bool open_store(struct pen_http *http, const struct pen_http_options *options,
                        struct pen_status *st)
 {
     struct pen_jobs *jobs = pen_jobs_open(options->store_url, &http->limits, st);
     if (!jobs)
         return false;
-    http->watch = pen_http_watch_start(http, jobs, st);
-    if (!http->watch)
-        return false;
     http->executor =
         pen_http_executor_start(options->store_url, &http->limits, options->store_threads, st);
-    if (http->executor)
+    if (!http->executor) {
+        pen_jobs_close(jobs);
+        return false;
+    }
+    http->watch = pen_http_watch_start(http, jobs, st);
+    if (http->watch)
         return true;
-    pen_http_watch_stop(http->watch);
-    pen_http_watch_free(http->watch);
-    http->watch = NULL;
+    pen_http_executor_stop(http->executor);
+    pen_http_executor_free(http->executor);
+    http->executor = NULL;
     return false;
 }
 

@@ -26,14 +26,17 @@ struct identity {
     struct identity *before; /* the one that it has replaced */
 };
 
-/* When the files were last changed. */
-struct files_state {
-    struct timespec cert, key;
+/* What tells that a file has changed. */
+struct file_state {
+    ino_t inode;
+    off_t bytes;
+    struct timespec changed; /* its contents or its rights */
 };
 
 struct pen_tls {
     char *cert, *key;
-    struct files_state state;
+    struct file_state cert_state, key_state;
+    char fault[PEN_MSG_BYTES]; /* why the files could not be read; "": they were */
     struct identity *identity; /* guarded by the lock below */
 };
 
@@ -132,15 +135,19 @@ bool pen_tls_check(const char *cert, const char *key, struct pen_status *st)
     return identity != NULL;
 }
 
-static struct files_state look(const struct pen_tls *tls)
+/* Whether a file has changed since the last look. */
+static bool has_changed(const char *path, struct file_state *last)
 {
-    struct files_state state = {0};
     struct stat info;
-    if (stat(tls->cert, &info) == 0)
-        state.cert = info.st_mtim;
-    if (stat(tls->key, &info) == 0)
-        state.key = info.st_mtim;
-    return state;
+    struct file_state now = {0};
+    if (stat(path, &info) == 0) {
+        now.inode = info.st_ino;
+        now.bytes = info.st_size;
+        now.changed = info.st_ctim;
+    }
+    const bool changed = memcmp(&now, last, sizeof now) != 0;
+    *last = now;
+    return changed;
 }
 
 struct pen_tls *pen_tls_open(const char *cert, const char *key, struct pen_status *st)
@@ -151,7 +158,8 @@ struct pen_tls *pen_tls_open(const char *cert, const char *key, struct pen_statu
         pen_fail(st, PEN_NO_MEMORY, "no memory for the certificate");
         return NULL;
     }
-    tls->state = look(tls);
+    has_changed(cert, &tls->cert_state);
+    has_changed(key, &tls->key_state);
     tls->identity = read_identity(cert, key, st);
     if (!tls->identity) {
         pen_tls_close(tls);
@@ -180,15 +188,18 @@ void pen_tls_close(struct pen_tls *tls)
 void pen_tls_refresh(struct pen_tls *tls)
 {
     struct pen_status st;
-    const struct files_state state = look(tls);
-    if (memcmp(&state, &tls->state, sizeof state) == 0)
+    const bool cert = has_changed(tls->cert, &tls->cert_state),
+               key = has_changed(tls->key, &tls->key_state);
+    if (!cert && !key && !tls->fault[0])
         return;
-    tls->state = state;
     struct identity *identity = read_identity(tls->cert, tls->key, &st);
     if (!identity) {
-        pen_log(PEN_LOG_ERROR, "the certificate stays as it was: %s", st.msg);
+        if (strcmp(st.msg, tls->fault) != 0)
+            pen_log(PEN_LOG_ERROR, "the certificate stays as it was: %s", st.msg);
+        memcpy(tls->fault, st.msg, sizeof tls->fault);
         return;
     }
+    tls->fault[0] = '\0';
     pthread_mutex_lock(&lock);
     identity->before = tls->identity;
     tls->identity = identity;

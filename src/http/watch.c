@@ -23,7 +23,6 @@
 #include "http/internal/request.h"
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/streams.h"
-#include "http/internal/tls.h"
 #include "jobs/jobs.h"
 
 enum {
@@ -33,7 +32,6 @@ enum {
 };
 static const int64_t update_interval_ns = UPDATE_MS * INT64_C(1000000);
 static const int64_t check_all_ns = INT64_C(1000000000); /* between checks of all jobs */
-static const int64_t refresh_ns = INT64_C(1000000000);   /* between looks at tokens, certificate */
 
 struct watch {
     struct pen_http *http;
@@ -148,26 +146,13 @@ static void check_requests(struct watch *watch, struct request *taken, uint32_t 
     }
 }
 
-/* Reads tokens and certificate again if they have changed. The streams of tokens that are no longer
- * valid end. */
-static void refresh(struct pen_http *http)
-{
-    if (http->tokens) {
-        pen_tokens_refresh(http->tokens);
-        pen_http_streams_check_tokens(http->streams, http->tokens);
-    }
-    if (http->tls)
-        pen_tls_refresh(http->tls);
-}
-
 /* One pass of the thread's loop, and what it keeps from pass to pass. */
 struct pass {
     uint32_t changes; /* the store's change counter */
     int64_t now_ns;
-    int64_t checked_ns;   /* when all jobs were last checked */
-    int64_t refreshed_ns; /* when tokens and certificate were */
-    int64_t update_ns;    /* the earliest time of the next update of streams. It lies up to
-                           * UPDATE_BURST intervals in the past, which allows a burst */
+    int64_t checked_ns; /* when all jobs were last checked */
+    int64_t update_ns;  /* the earliest time of the next update of streams. It lies up to
+                         * UPDATE_BURST intervals in the past, which allows a burst */
     bool closing;
     bool check_all;  /* check every job, and not only requests past their deadline */
     bool update_due; /* streams have had no update since the last check of all jobs */
@@ -176,17 +161,13 @@ struct pass {
 /* Sleeps while no request waits; then until the store has changed, or something else is due. */
 static void sleep_until_due(struct watch *watch, struct pass *pass)
 {
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_sec++; /* for refresh() */
     pthread_mutex_lock(&watch->lock);
-    bool late = false;
-    while (!watch->list && !watch->streams && !watch->closed && !late)
-        late = pthread_cond_timedwait(&watch->filled, &watch->lock, &until) != 0;
+    while (!watch->list && !watch->streams && !watch->closed)
+        pthread_cond_wait(&watch->filled, &watch->lock);
     pass->changes = watch->seen;
     bool closed = watch->closed;
     pthread_mutex_unlock(&watch->lock);
-    const int wait_ms = closed || late ? 0 : pass->update_due ? UPDATE_MS : POLL_MS;
+    int wait_ms = closed ? 0 : pass->update_due ? UPDATE_MS : POLL_MS;
     pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &pass->changes, wait_ms);
     pass->now_ns = pen_clock_ns();
 }
@@ -230,10 +211,6 @@ static void *run(void *arg)
         sleep_until_due(watch, &pass);
         serve_polls(watch, &pass);
         serve_streams(watch, &pass);
-        if (pass.now_ns - pass.refreshed_ns >= refresh_ns) {
-            pass.refreshed_ns = pass.now_ns;
-            refresh(watch->http);
-        }
     }
     return NULL;
 }
@@ -242,18 +219,14 @@ struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
                                    struct pen_status *st)
 {
     struct watch *watch = calloc(1, sizeof *watch);
-    pthread_condattr_t monotonic;
     if (!watch) {
         pen_jobs_close(jobs);
         pen_fail(st, PEN_NO_MEMORY, "no memory for the watcher");
         return NULL;
     }
     *watch = (struct watch){.http = http, .jobs = jobs};
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_mutex_init(&watch->lock, NULL);
-    pthread_cond_init(&watch->filled, &monotonic);
-    pthread_condattr_destroy(&monotonic);
+    pthread_cond_init(&watch->filled, NULL);
     watch->seen = pen_http_watch_changes(watch);
     if (pthread_create(&watch->thread, NULL, run, watch) == 0)
         return watch;

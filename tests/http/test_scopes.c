@@ -182,6 +182,13 @@ START_TEST(test_scopes__guard_jobs)
                 status_of(&server, strangers[i], "POST /v1/jobs", "{\"scene\": \"builtin:room\"}"),
                 status);
     }
+    /* The refusal does not wait for the body. */
+    const int fd = server_connect(&server);
+    client_send(fd, "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000\r\n\r\n");
+    client_read(fd, false, &answer);
+    ck_assert_int_eq(answer.status, 401);
+    answer_release(&answer);
+    close(fd);
     ask(&server, READER, get, NULL, &answer);
     ck_assert_ptr_nonnull(strstr(answer.body, "\"queued\""));
     answer_release(&answer);
@@ -291,6 +298,32 @@ START_TEST(test_scopes__of_other_origins)
 }
 END_TEST
 
-PEN_SUITE("scopes", test_scopes__of_every_route_and_method, test_scopes__guard_jobs,
+/* Before the store is open, too, nobody without a token is told why the server is not ready. */
+START_TEST(test_scopes__hide_why_the_store_is_not_open)
+{
+    struct server server;
+    struct pen_status st;
+    struct answer answer;
+    start(&server);
+    pen_http_stop(server.http);
+    const struct pen_http_options options = {.listen_fd = server.listen_fd,
+                                             .store_url = "/dev/null/nowhere.db",
+                                             .limits = pen_limits_default(),
+                                             .tokens = path};
+    server.http = pen_http_start(&options, &st);
+    ck_assert_msg(server.http != NULL, "%s", st.msg);
+    ck_assert(!pen_http_open(server.http, &options, &st));
+    for (int sender = NOBODY; sender < SENDERS; sender++) {
+        ask(&server, sender, "GET /readyz", NULL, &answer);
+        ck_assert_int_eq(answer.status, 503);
+        ck_assert(!strstr(answer.body, "nowhere.db") == (sender <= STRANGER));
+        answer_release(&answer);
+    }
+    stop(&server);
+}
+END_TEST
+
+PEN_SUITE("scopes", test_scopes__hide_why_the_store_is_not_open,
+          test_scopes__of_every_route_and_method, test_scopes__guard_jobs,
           test_scopes__keys_are_per_client, test_scopes__removed_tokens_end_their_streams,
           test_scopes__of_other_origins)

@@ -185,10 +185,9 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct pen_config, access.trusted_proxy),
      .value = "ADDRESS",
      .env = "PENUMBRA_TRUSTED_PROXY",
-     .help = "the numeric address of a proxy: any number of the requests that come through it may "
-             "wait (wait=, events), and the last address in their X-Forwarded-For, which the proxy "
-             "must set or append to, is the client's, for shares and --max-client-queue. Of other "
-             "addresses 32 may wait, of the loopback interface any number"},
+     .help = "the numeric address of a proxy: of requests that come through it the last address in "
+             "X-Forwarded-For, which the proxy must set or append to, is the client's, for shares "
+             "and --max-client-queue, and X-Forwarded-Host is the Host that an Origin must equal"},
     {.name = "log-file",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, log_file),

@@ -26,17 +26,13 @@ void pen_http_executor_stop(struct executor *executor);
  * allowed. */
 void pen_http_executor_free(struct executor *executor);
 
-/* Queues a suspended request in PHASE_WORK; a thread runs the handler of its route, unless it was
- * handled already, compresses the answer where that is wanted, and resumes it. Returns false once
+/* Queues a suspended request in PHASE_WORK; a thread runs the handler of its route,
+ * compresses the answer where that is wanted, and resumes it. Returns false once
  * pen_http_executor_stop was called, and if too many requests wait; the request then stays the
  * caller's. Threads: any. */
 bool pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request);
 
 /* Answers a request that was not taken. */
 void pen_http_executor_refuse(struct executor *executor, struct request *request);
-
-/* Whether an answered request's body is so large that a compute thread has to compress it; `here`
- * is the queue of the calling thread. */
-bool pen_http_executor_encodes(const struct request *request, enum queue_id here);
 
 #endif

@@ -75,7 +75,6 @@ struct request {
 
     enum queue_id queue; /* in which it waits, or whose thread has it */
     int64_t queued_ns;   /* when it came into that queue */
-    bool is_handled;     /* the reply is complete, but for compressing its body */
     bool changed;        /* it has changed the store */
     bool gone;           /* its client has gone: there is nobody to answer. guarded by the
                           * watcher's lock, while the watcher has the request */
@@ -106,6 +105,9 @@ bool pen_http_request_only_answers(const struct request *request);
 /* Whether the store is open, so that another thread can answer. Fails: PEN_UNAVAILABLE, with the
  * reason. */
 bool pen_http_request_has_store(const struct request *request, struct pen_status *st);
+
+/* Takes the reason out of *st, why the daemon is not ready, unless the client has a token. */
+void pen_http_request_hide_reason(const struct request *request, struct pen_status *st);
 
 /* Suspends the connection, for another thread to answer the request. Threads: libmicrohttpd's. */
 void pen_http_suspend(struct request *request);
