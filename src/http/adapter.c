@@ -245,6 +245,7 @@ static enum MHD_Result begin(struct request *request, const char *method, const 
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_REQUEST_HEADER_SIZE);
+    const size_t head_bytes = info ? info->header_size : 0; /* 1.0: the next call changes *info */
     request->method = method;
     request->head = strcmp(method, "HEAD") == 0;
     request->is_http_1_0 = strcmp(version, "HTTP/1.1") != 0;
@@ -252,7 +253,7 @@ static enum MHD_Result begin(struct request *request, const char *method, const 
     pen_http_request_name(request);
     find_client(request);
     atomic_fetch_add_explicit(&request->http->active, 1, memory_order_relaxed);
-    pen_http_request_admit(request, info ? info->header_size : 0);
+    pen_http_request_admit(request, head_bytes);
     const char *length = request->fields.content_length;
     const bool has_body = (length && strcmp(length, "0") != 0) || request->fields.transfer_encoding;
     pen_guard_state(request->http->guard, request->fd, has_body ? PEER_BODY : PEER_WORK);
