@@ -30,8 +30,7 @@
 enum {
     STREAM_BYTES = 4096,   /* read from a stream at once */
     STREAM_ACK_MS = 20000, /* a stream ends if its client acknowledges nothing for so long */
-    CLIENT_GONE =
-        499 /* the status in the log of a request that nobody waits for, as nginx has it */
+    CLIENT_GONE = 499      /* in the log: nobody waited for the answer, as nginx has it */
 };
 
 /* The header fields that the server reads. */

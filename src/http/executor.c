@@ -104,31 +104,26 @@ static void count_answer(struct request *request)
         pen_http_request_fail(request, &st);
 }
 
-/* Decodes the body, and runs the handler. Returns the queue to which the request goes on, or
- * QUEUE_NONE if this thread is done with it; *outcome is then set. */
-static enum queue_id handle(struct request *request, struct thread *thread, enum outcome *outcome)
+/* Decodes the body, and runs the handler. */
+static enum outcome handle(struct request *request, struct thread *thread)
 {
-    *outcome = OUTCOME_ANSWERED;
+    enum outcome outcome = OUTCOME_ANSWERED;
     const bool unwanted = is_unwanted(request);
     request->gone = request->gone || unwanted;
     if (!unwanted && pen_http_request_decode(request))
-        *outcome = request->route->handle(request, thread->jobs);
-    if (*outcome == OUTCOME_MOVED)
-        return request->queue;
-    if (*outcome == OUTCOME_WATCHED)
-        return QUEUE_NONE;
-    count_answer(request);
-    return QUEUE_NONE;
+        outcome = request->route->handle(request, thread->jobs);
+    if (outcome == OUTCOME_ANSWERED)
+        count_answer(request);
+    return outcome;
 }
 
 static void run(struct request *request, struct thread *thread)
 {
-    enum outcome outcome;
-    const enum queue_id to = handle(request, thread, &outcome);
+    const enum outcome outcome = handle(request, thread);
     if (outcome == OUTCOME_WATCHED)
         return;
-    if (to != QUEUE_NONE) {
-        if (pen_http_executor_submit(thread->executor, to, request))
+    if (outcome == OUTCOME_MOVED) {
+        if (pen_http_executor_submit(thread->executor, request->queue, request))
             return;
         pen_http_executor_refuse(thread->executor, request);
     }

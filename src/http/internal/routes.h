@@ -32,8 +32,8 @@ enum queue_id {
     QUEUE_NONE,    /* in the thread of the connection: it must not block */
     QUEUE_STORE,   /* on a store thread: reads of the store */
     QUEUE_CHANGES, /* on a thread for changes: writes, which wait for other writers */
-    QUEUE_COMPUTE  /* on a compute thread: encoding pictures, writing reports, checking scenes,
-                    * whatever has a large body, and compressing large answers */
+    QUEUE_COMPUTE  /* on a compute thread: encoding pictures, writing reports, checking scenes, and
+                    * whatever has a large body */
 };
 
 /* What a query parameter may be: if `allowed` is set, one of these words; else, if high > 0, a

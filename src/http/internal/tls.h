@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What libmicrohttpd and the watcher need of the certificate (http/tls.h). */
+/* What libmicrohttpd and the acceptor need of the certificate (http/tls.h). */
 #ifndef PEN_HTTP_INTERNAL_TLS_H
 #define PEN_HTTP_INTERNAL_TLS_H
 
