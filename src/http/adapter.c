@@ -25,7 +25,6 @@
 #include "http/internal/request.h"
 #include "http/internal/routes.h"
 #include "http/internal/streams.h"
-#include "http/internal/watch.h"
 
 enum {
     STREAM_BYTES = 4096,   /* read from a stream at once */
@@ -119,13 +118,10 @@ static ssize_t read_stream(void *cls, uint64_t position, char *out, size_t bytes
 {
     (void)position;
     struct request *request = cls;
-    bool behind = false;
     if (!request->stream)
         return MHD_CONTENT_READER_END_OF_STREAM;
     pen_guard_state(request->http->guard, request->fd, PEER_SEND);
-    const ssize_t count = pen_http_stream_read(request->stream, out, bytes, &behind);
-    if (behind)
-        pen_http_watch_check_soon(request->http->watch);
+    const ssize_t count = pen_http_stream_read(request, out, bytes);
     return count >= 0 ? count : MHD_CONTENT_READER_END_OF_STREAM;
 }
 
@@ -330,9 +326,8 @@ void pen_http_adapter_on_completed(void *cls, struct MHD_Connection *connection,
         pen_guard_state(http->guard, request->fd, PEER_IDLE);
     uint64_t streamed = 0;
     if (request->stream) {
-        streamed = pen_http_stream_close(request->stream);
+        streamed = pen_http_stream_close(request);
         setsockopt(request->fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &(unsigned){0}, sizeof(unsigned));
-        pen_http_watch_remove_stream(http->watch);
     }
     if (request->phase != PHASE_LINE) {
         pen_http_access_log_add(request, streamed, complete);

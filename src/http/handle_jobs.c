@@ -137,16 +137,14 @@ static void reply_job(struct request *request, struct pen_jobs *jobs,
     pen_http_snapshot_reply(snapshot, request);
 }
 
-/* Reads the job once, and answers or gives the request to the watcher. Sets *again if the store has
- * changed between the two, so that the job must be read again. */
+/* Reads the job, and answers or gives the request to the watcher. */
 static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs, bool wait,
-                                 reply_fn *reply, bool *again)
+                                 reply_fn *reply)
 {
     struct pen_http *http = request->http;
     struct snapshot snapshot;
     struct pen_status st;
     uint32_t changes = pen_http_watch_changes(http->watch);
-    *again = false;
     if (!pen_http_snapshot_cache_read(http->snapshot_cache, changes, jobs, request->job_id,
                                       &snapshot, &st))
         return answer_status(request, &st);
@@ -160,10 +158,10 @@ static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs,
         reply(request, jobs, &snapshot);
     pen_http_snapshot_release(&snapshot);
     if (refused) {
-        pen_http_watch_fail(result, &st);
+        pen_fail(&st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
+                 WATCH_MAX);
         return answer_status(request, &st);
     }
-    *again = result == WATCH_CHANGED;
     return result == WATCH_ACCEPTED ? OUTCOME_WATCHED : OUTCOME_ANSWERED;
 }
 
@@ -171,12 +169,7 @@ enum outcome pen_http_handle_job(struct request *request, struct pen_jobs *jobs)
 {
     long wait = pen_http_request_number(request, "wait", 0);
     request->deadline_ns = request->begun_ns + wait * INT64_C(1000000000);
-    bool again;
-    enum outcome outcome;
-    do
-        outcome = read_or_wait(request, jobs, wait > 0, reply_job, &again);
-    while (again);
-    return outcome;
+    return read_or_wait(request, jobs, wait > 0, reply_job);
 }
 
 /* Answers with the error of a failed job. */
@@ -267,13 +260,7 @@ enum outcome pen_http_handle_explain(struct request *request, struct pen_jobs *j
         request->fields.if_none_match = NULL; /* of a POST it says nothing */
         request->deadline_ns = pen_clock_ns() + EXPLAIN_WAIT_S * INT64_C(1000000000);
     }
-    bool again;
-    enum outcome outcome;
-    do
-        outcome = read_or_wait(request, jobs, pen_clock_ns() < request->deadline_ns,
-                               reply_explanation, &again);
-    while (again);
-    return outcome;
+    return read_or_wait(request, jobs, pen_clock_ns() < request->deadline_ns, reply_explanation);
 }
 
 /* Appends name=value, percent-encoded, if the query of this request has the parameter. */

@@ -11,7 +11,6 @@
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
-#include "http/internal/watch.h"
 
 static void head(struct pen_buf *out, const char *name, const char *type, const char *help)
 {
@@ -145,8 +144,8 @@ static void add_refusals(struct pen_buf *out, const struct pen_http *http)
 
 static void add_process(struct pen_buf *out, struct pen_http *http)
 {
-    int polls, streams;
-    pen_http_watch_counts(http->watch, &polls, &streams);
+    const int polls = atomic_load_explicit(&http->polls, memory_order_relaxed),
+              streams = atomic_load_explicit(&http->streams, memory_order_relaxed);
     const char *const requests = "penumbra_http_requests_in_progress";
     const int active = atomic_load_explicit(&http->active, memory_order_relaxed);
     head(out, requests, "gauge", "Requests that are not answered yet, by what they wait for.");

@@ -30,7 +30,6 @@
 #include "http/internal/guard.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
-#include "http/internal/streams.h"
 #include "http/internal/tls.h"
 #include "http/internal/watch.h"
 
@@ -100,10 +99,7 @@ static size_t keep_escapes(void *cls, struct MHD_Connection *connection, char *t
 
 static void on_gone(struct request *request)
 {
-    if (request->stream)
-        pen_http_stream_gone(request->stream);
-    else
-        pen_http_watch_gone(request->http->watch, request);
+    pen_http_watch_gone(request->http->watch, request);
 }
 
 /* Accepted sockets get the options of the listening one. */
@@ -142,14 +138,12 @@ static bool accept_one(struct listener *listener)
     return true;
 }
 
-/* Reads tokens and certificate again if they have changed. The streams of tokens that are no longer
- * valid end. This thread does it since it never waits for the store. */
+/* Reads tokens and certificate again if they have changed. This thread does it since it never waits
+ * for the store. */
 static void refresh(struct pen_http *http)
 {
-    if (http->tokens) {
+    if (http->tokens)
         pen_tokens_refresh(http->tokens);
-        pen_http_streams_check_tokens(http->streams, http->tokens);
-    }
     if (http->tls)
         pen_tls_refresh(http->tls);
 }

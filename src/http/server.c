@@ -21,7 +21,6 @@
 #include "http/internal/pictures.h"
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/static_files.h"
-#include "http/internal/streams.h"
 #include "http/internal/tls.h"
 #include "http/internal/watch.h"
 #include "http/tokens.h"
@@ -36,7 +35,6 @@ static void release(struct pen_http *http)
     pen_http_executor_free(http->executor);
     pen_http_watch_free(http->watch);
     pen_http_snapshot_cache_free(http->snapshot_cache);
-    pen_http_streams_free(http->streams);
     pen_http_pictures_free(http->pictures);
     pen_http_static_files_free(http->static_files);
     pen_tokens_close(http->tokens);
@@ -51,11 +49,10 @@ static bool prepare(struct pen_http *http, const struct pen_http_options *option
 {
     const int heartbeat_ms = options->heartbeat_ms > 0 ? options->heartbeat_ms : HEARTBEAT_MS;
     http->snapshot_cache = pen_http_snapshot_cache_new();
-    http->streams = pen_http_streams_new(http->snapshot_cache, heartbeat_ms);
+    http->heartbeat_ns = heartbeat_ms * INT64_C(1000000);
     http->pictures = pen_http_pictures_new();
     http->cors = options->cors ? strdup(options->cors) : NULL;
-    if (!http->snapshot_cache || !http->streams || !http->pictures ||
-        (options->cors && !http->cors))
+    if (!http->snapshot_cache || !http->pictures || (options->cors && !http->cors))
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");
     http->has_proxy =
         options->trusted_proxy && pen_http_address_parse(options->trusted_proxy, http->proxy);

@@ -1,353 +1,202 @@
 /* SPDX-License-Identifier: MIT */
-/* One lock guards all streams. It is held while pointers change and bytes are copied, never while
- * the store is read. An update has three steps:
- *   1. note_updates, under the lock: which texts are needed, one for each job and place;
- *   2. write_update, without it: each text, from the store;
- *   3. deliver, under the lock: the texts to the streams, without those that closed meanwhile.
- *
- * A stream that waits for its next text is suspended, and the guard watches its client. Whoever
- * takes it back from the guard (wake) may resume it; else pen_http_stream_gone does.
- *
- * Order of locks: the streams' lock, then the guard's. */
 #include "http/internal/streams.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "http/internal/guard.h"
+#include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
 #include "http/internal/snapshot_cache.h"
+#include "http/internal/watch.h"
 
 struct stream {
-    struct streams *streams;
-    struct request *request;
-    char job_id[PEN_ID_BYTES];
-    uint64_t key; /* of job_id */
-    /* guarded by the streams' lock: */
-    struct stream *next, **link;
-    struct update *update;      /* for this stream in the update under way; NULL: none */
     struct event_cursor cursor; /* its place once `text` is sent */
     struct blob *text;          /* what is being sent; NULL: nothing */
     size_t sent;                /* bytes of text */
     uint64_t total;             /* bytes sent before text */
-    int64_t last_text_ns;       /* when it was last given a text */
-    bool behind;                /* an update came while the stream was sending, or was cut short */
-    bool ended;                 /* nothing follows text */
-    bool waiting;               /* suspended */
+    uint32_t changes;           /* the change counter from before the last text was written */
+    bool over;                  /* nothing follows text */
 };
 
-/* The next text for all streams of one job that are at the same place. */
-struct update {
-    char job_id[PEN_ID_BYTES];
-    uint64_t key;
-    struct event_cursor from, to;
-    struct blob *text; /* NULL: nothing new */
-    bool over;
-};
-
-struct streams {
-    struct snapshot_cache *cache;
-    int64_t heartbeat_interval_ns;
-    struct blob *heartbeat;
-    pthread_mutex_t lock;
-    struct stream *list;    /* guarded by lock */
-    int count;              /* guarded by lock */
-    bool ended;             /* guarded by lock */
-    struct update *updates; /* used by the watcher's thread alone */
-    int update_count, update_capacity;
-};
-
-struct streams *pen_http_streams_new(struct snapshot_cache *cache, int heartbeat_ms)
+/* Gives the stream its next text, and the time of its heartbeat: at once if more is due. */
+static void set_text(struct request *request, struct blob *text)
 {
-    struct streams *streams = calloc(1, sizeof *streams);
-    struct pen_buf text = {0};
-    pen_buf_puts(&text, ": still here\n\n");
-    struct blob *heartbeat = pen_http_blob_take(&text);
-    if (!streams || !heartbeat) {
-        pen_http_blob_unref(heartbeat);
-        free(streams);
-        return NULL;
+    struct stream *stream = request->stream;
+    stream->text = text;
+    request->deadline_ns = stream->cursor.more ? 0 : pen_clock_ns() + request->http->heartbeat_ns;
+}
+
+void pen_http_stream_end(struct stream *stream)
+{
+    stream->over = true;
+}
+
+ssize_t pen_http_stream_read(struct request *request, char *out, size_t bytes)
+{
+    struct stream *stream = request->stream;
+    if (!stream->text) {
+        const bool waits =
+            !stream->over && !request->gone &&
+            pen_http_watch_add(request->http->watch, request, stream->changes) == WATCH_ACCEPTED;
+        return waits ? 0 : -1; /* a waiting request belongs to the watcher */
     }
-    *streams = (struct streams){.cache = cache,
-                                .heartbeat_interval_ns = heartbeat_ms * INT64_C(1000000),
-                                .heartbeat = heartbeat};
-    pthread_mutex_init(&streams->lock, NULL);
-    return streams;
-}
-
-void pen_http_streams_free(struct streams *streams)
-{
-    if (!streams)
-        return;
-    pthread_mutex_destroy(&streams->lock);
-    pen_http_blob_unref(streams->heartbeat);
-    free(streams->updates);
-    free(streams);
-}
-
-/* The random end of a UUIDv7. It is compared first, because it differs between nearly all jobs. */
-static uint64_t key_of(const char *job_id)
-{
-    uint64_t key;
-    memcpy(&key, job_id + PEN_ID_BYTES - 1 - sizeof key, sizeof key);
-    return key;
-}
-
-struct stream *pen_http_stream_open(struct streams *streams, struct request *request,
-                                    const struct event_cursor *cursor, struct pen_buf *text)
-{
-    struct stream *stream = calloc(1, sizeof *stream);
-    struct blob *blob = stream ? pen_http_blob_take(text) : NULL;
-    if (!blob) {
-        free(stream);
-        return NULL;
+    const struct pen_buf *text = &stream->text->content;
+    const size_t left = text->bytes - stream->sent;
+    const size_t part = left < bytes ? left : bytes;
+    memcpy(out, text->data + stream->sent, part);
+    stream->sent += part;
+    stream->total += part;
+    if (part == left) {
+        pen_http_blob_unref(stream->text);
+        stream->text = NULL;
+        stream->sent = 0;
     }
-    *stream = (struct stream){.streams = streams,
-                              .request = request,
-                              .cursor = *cursor,
-                              .text = blob,
-                              .behind = cursor->more,
-                              .last_text_ns = pen_clock_ns(),
-                              .ended = pen_http_events_are_over(cursor)};
-    memcpy(stream->job_id, request->job_id, sizeof stream->job_id);
-    stream->key = key_of(stream->job_id);
-    pthread_mutex_lock(&streams->lock);
-    stream->ended = stream->ended || streams->ended;
-    stream->next = streams->list;
-    stream->link = &streams->list;
-    if (stream->next)
-        stream->next->link = &stream->next;
-    streams->list = stream;
-    streams->count++;
-    pthread_mutex_unlock(&streams->lock);
-    return stream;
+    return (ssize_t)part;
 }
 
-/* Drops a text that was sent. Returns whether the stream needs another update at once. */
-static bool finish_text(struct stream *stream)
+uint64_t pen_http_stream_close(struct request *request)
 {
-    stream->total += stream->sent;
-    stream->sent = 0;
-    pen_http_blob_unref(stream->text);
-    stream->text = NULL;
-    bool behind = stream->behind && !stream->ended;
-    stream->behind = false;
-    return behind;
-}
-
-ssize_t pen_http_stream_read(struct stream *stream, char *out, size_t bytes, bool *behind)
-{
-    struct streams *streams = stream->streams;
-    struct request *request = stream->request;
-    *behind = false;
-    pthread_mutex_lock(&streams->lock);
-    ssize_t count = stream->ended ? -1 : 0;
-    if (stream->text) {
-        const struct pen_buf *text = &stream->text->content;
-        size_t left = text->bytes - stream->sent;
-        size_t part = left < bytes ? left : bytes;
-        memcpy(out, text->data + stream->sent, part);
-        stream->sent += part;
-        count = (ssize_t)part;
-        *behind = part == left && finish_text(stream);
-    } else if (!stream->ended) {
-        stream->waiting = true;
-        pen_http_suspend(request);
-        pen_guard_watch(request->http->guard, request->fd, request);
-    }
-    pthread_mutex_unlock(&streams->lock);
-    return count;
-}
-
-void pen_http_stream_gone(struct stream *stream)
-{
-    struct streams *streams = stream->streams;
-    struct request *request = stream->request;
-    pthread_mutex_lock(&streams->lock);
-    stream->ended = true;
-    stream->waiting = false;
-    pthread_mutex_unlock(&streams->lock);
-    pen_http_resume(request);
-}
-
-uint64_t pen_http_stream_close(struct stream *stream)
-{
-    struct streams *streams = stream->streams;
-    pthread_mutex_lock(&streams->lock);
-    *stream->link = stream->next;
-    if (stream->next)
-        stream->next->link = stream->link;
-    streams->count--;
-    pthread_mutex_unlock(&streams->lock);
-    uint64_t total = stream->total + stream->sent;
+    struct stream *stream = request->stream;
+    const uint64_t total = stream->total;
     pen_http_blob_unref(stream->text);
     free(stream);
+    request->stream = NULL;
+    atomic_fetch_sub_explicit(&request->http->streams, 1, memory_order_relaxed);
     return total;
 }
 
-/* Takes a waiting stream back from the guard. Returns false if its client has gone, or if it does
- * not wait: it will read by itself. Called with the lock held. */
-static bool wake(struct stream *stream)
+void pen_http_stream_texts_release(struct stream_texts *texts)
 {
-    const struct request *request = stream->request;
-    if (!stream->waiting || !pen_guard_unwatch(request->http->guard, request->fd))
-        return false;
-    stream->waiting = false;
-    return true;
+    while (texts->count > 0)
+        pen_http_blob_unref(texts->text[--texts->count].text);
 }
 
-/* Gives a stream without a text one. Called with the lock held. */
-static void send_text(struct stream *stream, struct blob *text, int64_t now_ns)
-{
-    const bool resume = wake(stream);
-    stream->text = pen_http_blob_ref(text);
-    stream->last_text_ns = now_ns;
-    if (resume)
-        pen_http_resume(stream->request);
-}
-
-/* Nothing follows what is being sent. Called with the lock held. */
-static void end(struct stream *stream)
-{
-    stream->ended = true;
-    if (!stream->text && wake(stream))
-        pen_http_resume(stream->request);
-}
-
-static struct update *find_update(struct streams *streams, const struct stream *stream)
-{
-    const struct event_cursor *at = &stream->cursor;
-    for (int i = 0; i < streams->update_count; i++) {
-        struct update *update = &streams->updates[i];
-        if (update->key == stream->key && update->from.id == at->id &&
-            update->from.job_sent == at->job_sent && update->from.state == at->state &&
-            strcmp(update->job_id, stream->job_id) == 0)
-            return update;
-    }
-    return NULL;
-}
-
-static struct update *add_update(struct streams *streams, const struct stream *stream)
-{
-    struct update *update = &streams->updates[streams->update_count++];
-    *update = (struct update){.key = stream->key, .from = stream->cursor, .to = stream->cursor};
-    memcpy(update->job_id, stream->job_id, sizeof update->job_id);
-    return update;
-}
-
-/* Lists the texts that waiting streams need, in streams->updates. Called with the lock held.
- * Returns false when out of memory. */
-static bool note_updates(struct streams *streams)
-{
-    streams->update_count = 0;
-    if (streams->update_capacity < streams->count) {
-        size_t bytes = (size_t)streams->count * sizeof *streams->updates;
-        struct update *updates = realloc(streams->updates, bytes);
-        if (!updates)
-            return false;
-        streams->updates = updates;
-        streams->update_capacity = streams->count;
-    }
-    for (struct stream *stream = streams->list; stream; stream = stream->next) {
-        stream->behind = stream->text != NULL;
-        stream->update = NULL;
-        if (stream->text || stream->ended)
-            continue;
-        stream->update = find_update(streams, stream);
-        if (!stream->update)
-            stream->update = add_update(streams, stream);
-    }
-    return true;
-}
-
-/* Writes an update's text. If the store cannot be read now, the update stays empty and the next one
- * writes these events too. The streams of a job that was deleted end. */
-static void write_update(struct streams *streams, struct update *update, struct pen_jobs *jobs,
-                         uint32_t changes)
+/* Writes the next text from a place on. If the store cannot be read now, there is none, and the
+ * next one has these events too. The streams of a job that was deleted end. */
+static void write_text(struct pen_http *http, struct pen_jobs *jobs, uint32_t changes,
+                       struct stream_text *out)
 {
     struct snapshot snapshot;
     struct pen_status st;
     struct pen_buf text = {0};
-    if (!pen_http_snapshot_cache_read(streams->cache, changes, jobs, update->job_id, &snapshot,
+    if (!pen_http_snapshot_cache_read(http->snapshot_cache, changes, jobs, out->job_id, &snapshot,
                                       &st)) {
-        update->over = st.code == PEN_NOT_FOUND || st.code == PEN_GONE;
+        out->over = st.code == PEN_NOT_FOUND || st.code == PEN_GONE;
         return;
     }
-    if (!pen_http_events_write(&snapshot, jobs, &update->to, &text, &st))
-        pen_log_about(PEN_LOG_WARN, &(struct pen_log_about){.job = update->job_id}, "events: %s",
+    if (!pen_http_events_write(&snapshot, jobs, &out->to, &text, &st))
+        pen_log_about(PEN_LOG_WARN, &(struct pen_log_about){.job = out->job_id}, "events: %s",
                       st.msg);
     else if (text.bytes > 0)
-        update->text = pen_http_blob_take(&text);
-    if (!update->text)
-        update->to = update->from;
-    update->over = pen_http_events_are_over(&update->to);
+        out->text = pen_http_blob_take(&text);
+    if (!out->text)
+        out->to = out->from;
+    out->over = pen_http_events_are_over(&out->to);
     pen_buf_release(&text);
     pen_http_snapshot_release(&snapshot);
 }
 
-/* Gives each stream the text of its update. Called with the lock held. */
-static void deliver(struct streams *streams, int64_t now_ns)
+static const struct stream_text *find_text(struct request *request, struct pen_jobs *jobs,
+                                           uint32_t changes, struct stream_texts *texts)
 {
-    for (struct stream *stream = streams->list; stream; stream = stream->next) {
-        struct update *update = stream->update;
-        if (!update || (!update->text && !update->over))
-            continue;
-        stream->cursor = update->to;
-        stream->ended = stream->ended || update->over;
-        stream->behind = update->to.more;
-        if (update->text)
-            send_text(stream, update->text, now_ns);
-        else
-            end(stream);
+    const struct event_cursor *at = &request->stream->cursor;
+    for (int i = 0; i < texts->count; i++) {
+        const struct stream_text *text = &texts->text[i];
+        if (text->from.id == at->id && text->from.job_sent == at->job_sent &&
+            text->from.state == at->state && strcmp(text->job_id, request->job_id) == 0)
+            return text;
     }
+    if (texts->count == STREAM_TEXTS)
+        pen_http_stream_texts_release(texts);
+    struct stream_text *text = &texts->text[texts->count++];
+    *text = (struct stream_text){.from = *at, .to = *at};
+    memcpy(text->job_id, request->job_id, sizeof text->job_id);
+    write_text(request->http, jobs, changes, text);
+    return text;
 }
 
-void pen_http_streams_update(struct streams *streams, struct pen_jobs *jobs, uint32_t changes)
+static struct blob *heartbeat(void)
 {
-    pthread_mutex_lock(&streams->lock);
-    bool ok = note_updates(streams);
-    pthread_mutex_unlock(&streams->lock);
-    if (!ok)
-        return;
-    for (int i = 0; i < streams->update_count; i++)
-        write_update(streams, &streams->updates[i], jobs, changes);
-    pthread_mutex_lock(&streams->lock);
-    deliver(streams, pen_clock_ns());
-    pthread_mutex_unlock(&streams->lock);
-    for (int i = 0; i < streams->update_count; i++)
-        pen_http_blob_unref(streams->updates[i].text);
+    struct pen_buf text = {0};
+    pen_buf_puts(&text, ": still here\n\n");
+    return pen_http_blob_take(&text);
 }
 
-void pen_http_streams_heartbeat(struct streams *streams, int64_t now_ns)
+bool pen_http_stream_advance(struct request *request, struct pen_jobs *jobs, uint32_t changes,
+                             struct stream_texts *texts)
 {
-    pthread_mutex_lock(&streams->lock);
-    for (struct stream *stream = streams->list; stream; stream = stream->next) {
-        if (!stream->text && !stream->ended &&
-            now_ns - stream->last_text_ns >= streams->heartbeat_interval_ns)
-            send_text(stream, streams->heartbeat, now_ns);
+    struct stream *stream = request->stream;
+    struct pen_tokens *tokens = request->http->tokens;
+    const struct stream_text *next = find_text(request, jobs, changes, texts);
+    stream->cursor = next->to;
+    stream->changes = changes;
+    stream->over = next->over || (tokens && !pen_tokens_holds(tokens, &request->holder));
+    if (next->text)
+        set_text(request, pen_http_blob_ref(next->text));
+    else if (request->deadline_ns <= pen_clock_ns())
+        set_text(request, heartbeat());
+    return stream->text || stream->over;
+}
+
+static bool open_stream(struct request *request, struct pen_jobs *jobs,
+                        const struct snapshot *snapshot, struct event_cursor *cursor,
+                        uint32_t changes, struct pen_status *st)
+{
+    struct pen_http *http = request->http;
+    struct pen_buf text = {0};
+    struct stream *stream = NULL;
+    if (atomic_fetch_add_explicit(&http->streams, 1, memory_order_relaxed) >= WATCH_MAX) {
+        pen_fail(st, PEN_UNAVAILABLE, "%d event streams are open already; try again later",
+                 WATCH_MAX);
+    } else {
+        pen_buf_puts(&text, "retry: 2000\n\n");
+        if (pen_http_events_write(snapshot, jobs, cursor, &text, st)) {
+            stream = calloc(1, sizeof *stream);
+            pen_fail(st, PEN_NO_MEMORY, "no memory for a stream of events"); /* if it is so */
+        }
     }
-    pthread_mutex_unlock(&streams->lock);
-}
-
-void pen_http_streams_end(struct streams *streams)
-{
-    pthread_mutex_lock(&streams->lock);
-    streams->ended = true;
-    for (struct stream *stream = streams->list; stream; stream = stream->next)
-        end(stream);
-    pthread_mutex_unlock(&streams->lock);
-}
-
-void pen_http_streams_check_tokens(struct streams *streams, struct pen_tokens *tokens)
-{
-    pthread_mutex_lock(&streams->lock);
-    for (struct stream *stream = streams->list; stream; stream = stream->next) {
-        if (!stream->ended && !pen_tokens_holds(tokens, &stream->request->holder))
-            end(stream);
+    struct blob *first = stream ? pen_http_blob_take(&text) : NULL;
+    pen_buf_release(&text);
+    if (!first) {
+        atomic_fetch_sub_explicit(&http->streams, 1, memory_order_relaxed);
+        free(stream);
+        return false;
     }
-    pthread_mutex_unlock(&streams->lock);
+    *stream = (struct stream){
+        .cursor = *cursor, .changes = changes, .over = pen_http_events_are_over(cursor)};
+    request->stream = stream;
+    set_text(request, first);
+    return true;
+}
+
+/* A store thread writes the events up to now; the watcher's thread writes those that follow. */
+enum outcome pen_http_handle_events(struct request *request, struct pen_jobs *jobs)
+{
+    struct pen_http *http = request->http;
+    struct reply *reply = &request->reply;
+    struct snapshot snapshot;
+    struct pen_status st;
+    const uint32_t changes = pen_http_watch_changes(http->watch);
+    if (!pen_http_snapshot_cache_read(http->snapshot_cache, changes, jobs, request->job_id,
+                                      &snapshot, &st)) {
+        pen_http_request_fail(request, &st);
+        return OUTCOME_ANSWERED;
+    }
+    struct event_cursor cursor = pen_http_events_begin(request->fields.last_event_id, &snapshot);
+    if (pen_http_events_are_complete(&cursor, &snapshot)) {
+        reply->status = 204; /* makes a browser's EventSource stop reconnecting */
+    } else if (request->head || open_stream(request, jobs, &snapshot, &cursor, changes, &st)) {
+        reply->status = 200;
+        reply->streaming = true;
+        pen_http_reply_field(reply, "Content-Type", "text/event-stream");
+        pen_http_reply_field(reply, "Cache-Control", "no-store");
+        pen_http_reply_field(reply, "X-Accel-Buffering", "no"); /* a proxy must not hold events */
+    } else {
+        pen_http_request_fail(request, &st);
+    }
+    pen_http_snapshot_release(&snapshot);
+    return OUTCOME_ANSWERED;
 }

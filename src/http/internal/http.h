@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The server: its parts, and the counters that several of them use. Every request points to the
- * server, and so reaches the executor, the watcher and the streams; their calls are declared in
- * their own headers only. */
+ * server, and so reaches the executor and the watcher; their calls are declared in their own
+ * headers only. */
 #ifndef PEN_HTTP_INTERNAL_HTTP_H
 #define PEN_HTTP_INTERNAL_HTTP_H
 
@@ -22,10 +22,10 @@ struct pen_http {
     struct executor *executor;
     struct watch *watch;
     struct snapshot_cache *snapshot_cache;
-    struct streams *streams;
     struct static_files *static_files;
     struct pictures *pictures;
-    char *cors; /* origins with spaces between them; NULL: none */
+    int64_t heartbeat_ns; /* time after which a silent event stream gets a heartbeat */
+    char *cors;           /* origins with spaces between them; NULL: none */
     bool has_proxy;
     unsigned char proxy[16]; /* the trusted proxy's address as IPv6 */
 
@@ -34,6 +34,7 @@ struct pen_http {
     atomic_bool draining, stopping; /* atomic: relaxed, one request more may still be served */
     atomic_int active;              /* requests whose head was seen and that have not ended.
                                      * atomic: relaxed, read only in a loop that waits for 0 */
+    atomic_int polls, streams;      /* long polls that wait, open event streams. atomic: relaxed */
     atomic_size_t body_bytes;       /* bodies in memory. atomic: relaxed, a sum */
     atomic_uint request_count;      /* atomic: relaxed, values only have to differ */
     uint32_t id_prefix;             /* distinguishes this process's request ids from others' */
