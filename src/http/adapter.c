@@ -5,12 +5,10 @@
  * fills the reply and resumes the connection, and libmicrohttpd then calls the callback again. */
 #include "http/internal/adapter.h"
 
-#include <ctype.h>
 #include <gnutls/gnutls.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <stddef.h>
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/socket.h>
@@ -56,7 +54,6 @@ static const struct {
     {.name = "Origin", .offset = offsetof(struct fields, origin), .single = true},
     {.name = "traceparent", .offset = offsetof(struct fields, traceparent)},
     {.name = "X-Request-Id", .offset = offsetof(struct fields, request_id)},
-    {.name = "Expect", .offset = offsetof(struct fields, expect)},
     {.name = "Last-Event-ID", .offset = offsetof(struct fields, last_event_id)},
     {.name = "Accept", .offset = offsetof(struct fields, accept)},
     {.name = "Accept-Encoding", .offset = offsetof(struct fields, accept_encoding)},
@@ -64,35 +61,15 @@ static const struct {
     {.name = "X-Forwarded-Host", .offset = offsetof(struct fields, forwarded_host), .last = true},
 };
 
-static bool is_name(const char *name, size_t bytes)
-{
-    for (size_t i = 0; i < bytes; i++) {
-        if (!isalnum((unsigned char)name[i]) && name[i] != '-' &&
-            !strchr("!#$%&'*+.^_`|~", name[i]))
-            return false;
-    }
-    return bytes > 0;
-}
-
-static bool is_value(const char *value, size_t bytes)
-{
-    for (size_t i = 0; i < bytes; i++) {
-        const unsigned char c = (unsigned char)value[i];
-        if ((c < ' ' && c != '\t') || c == 127)
-            return false;
-    }
-    return true;
-}
-
 /* Keeps the value of a header field that the server reads; notes a repeated or malformed one. */
 static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *name,
-                                size_t name_bytes, const char *value, size_t value_bytes)
+                                const char *value)
 {
     (void)kind;
     struct fields *fields = cls;
     value = value ? value : "";
-    if (!is_name(name, name_bytes) || !is_value(value, value_bytes))
-        fields->malformed = true;
+    fields->malformed =
+        fields->malformed || !pen_text_is_plain(name, " \t") || !pen_text_is_plain(value, "");
     for (size_t i = 0; i < sizeof known_fields / sizeof known_fields[0]; i++) {
         if (strcasecmp(name, known_fields[i].name) != 0)
             continue;
@@ -244,7 +221,7 @@ static enum MHD_Result begin(struct request *request, const char *method, const 
     request->method = method;
     request->head = strcmp(method, "HEAD") == 0;
     request->is_http_1_0 = strcmp(version, "HTTP/1.1") != 0;
-    MHD_get_connection_values_n(request->connection, MHD_HEADER_KIND, on_field, &request->fields);
+    MHD_get_connection_values(request->connection, MHD_HEADER_KIND, on_field, &request->fields);
     pen_http_request_name(request);
     find_client(request);
     atomic_fetch_add_explicit(&request->http->active, 1, memory_order_relaxed);
@@ -260,24 +237,23 @@ static enum MHD_Result begin(struct request *request, const char *method, const 
  * is being sent on the connection. Then it closes the connection, and the close lingers. */
 static enum MHD_Result cut_short(struct request *request)
 {
-    char text[700];
-    if (!request->reply.body)
-        return MHD_NO;
-    const struct pen_buf *body = &request->reply.body->content;
+    const struct reply *reply = &request->reply;
+    struct pen_buf text = {0};
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_GNUTLS_SESSION);
-    const int length =
-        snprintf(text, sizeof text,
-                 "HTTP/1.1 413 Content Too Large\r\nContent-Type: application/problem+json\r\n"
-                 "X-Request-Id: %s\r\nConnection: close\r\nContent-Length: %zu\r\n\r\n%.*s",
-                 request->id, body->bytes, (int)body->bytes, (const char *)body->data);
-    request->close = true;
-    if (length <= 0 || length >= (int)sizeof text)
-        return MHD_NO;
-    if (info && info->tls_session)
-        gnutls_record_send(info->tls_session, text, (size_t)length);
-    else
-        (void)!send(request->fd, text, (size_t)length, MSG_NOSIGNAL | MSG_DONTWAIT);
+    pen_buf_printf(&text, "HTTP/1.1 %d %s\r\n", reply->status,
+                   MHD_get_reason_phrase_for((unsigned)reply->status));
+    for (int i = 0; i < reply->field_count; i++)
+        pen_buf_printf(&text, "%s: %s\r\n", reply->field[i].name, reply->field[i].value);
+    pen_buf_printf(&text, "X-Request-Id: %s\r\nConnection: close\r\nContent-Length: %zu\r\n\r\n",
+                   request->id, reply->bytes);
+    if (reply->body)
+        pen_buf_add(&text, reply->body->content.data, reply->bytes);
+    if (!text.failed && info && info->tls_session)
+        gnutls_record_send(info->tls_session, text.data, text.bytes);
+    else if (!text.failed)
+        (void)!send(request->fd, text.data, text.bytes, MSG_NOSIGNAL | MSG_DONTWAIT);
+    pen_buf_release(&text);
     return MHD_NO;
 }
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Admission: a request that can be refused by its request line and header fields is refused before
- * its body is read. The body of a refused request, if it has an allowed size, is still read and
- * discarded, so that a client that writes before it reads gets its answer and keeps its connection.
- * With `Expect: 100-continue`, or with a body over the limit, the answer is sent at once and the
- * connection closed. */
+ * its body is read. Its connection then closes, and the close lingers (guard.c), so that a client
+ * that writes before it reads gets its answer. */
 #include "http/internal/admit.h"
 
 #include <ctype.h>
@@ -52,16 +50,12 @@ static void check_traceparent(struct fields *fields)
 static bool check_framing(struct request *request, struct pen_status *st)
 {
     const struct fields *fields = &request->fields;
-    for (const char *c = request->raw_target; *c; c++) {
-        if (*c <= ' ' || *c == 127)
-            return pen_fail(
-                st, PEN_SYNTAX,
-                "malformed HTTP: the request target has a space or a control character");
-    }
+    if (!pen_text_is_plain(request->raw_target, " \t"))
+        return pen_fail(st, PEN_SYNTAX,
+                        "malformed HTTP: the request target has a space or a control character");
     if (fields->malformed)
         return pen_fail(st, PEN_SYNTAX,
-                        "malformed HTTP: a header field has a character that is "
-                        "not allowed");
+                        "malformed HTTP: a header field has a character that is not allowed");
     if (fields->repeated)
         return pen_fail(st, PEN_SYNTAX, "a header field that may be sent only once was repeated");
     if (fields->content_length && fields->transfer_encoding)
@@ -135,15 +129,13 @@ static bool check_token(struct request *request, struct pen_status *st)
     const enum pen_scope needed = request->route ? request->route->scope : PEN_SCOPE_READ;
     if (!tokens || needed == PEN_SCOPE_NONE)
         return true;
-    request->refused_early = true; /* unless it is allowed: the body is not read */
     if (!pen_tokens_check(tokens, request->fields.authorization, &request->holder, st)) {
         pen_http_request_fail(request, st);
         pen_http_reply_field(&request->reply, "WWW-Authenticate", "Bearer realm=\"penumbra\"");
         return false;
     }
     request->address_is_shared = false;
-    request->refused_early = request->holder.scope < needed;
-    return !request->refused_early ||
+    return request->holder.scope >= needed ||
            pen_fail(st, PEN_FORBIDDEN, "this needs a token of scope %s; yours has the scope %s",
                     pen_scope_names[needed - PEN_SCOPE_READ],
                     pen_scope_names[request->holder.scope - PEN_SCOPE_READ]);
@@ -229,17 +221,6 @@ static bool check_drain(const struct request *request, struct pen_status *st)
     return true;
 }
 
-/* Whether to read and discard the body of a refused request, so that the next request can follow.
- * The length of a chunked body is not known yet; pen_http_request_receive bounds it. */
-static bool wants_discard(const struct request *request)
-{
-    const char *expect = request->fields.expect;
-    const bool waits = expect && !request->is_http_1_0 && strcasecmp(expect, "100-continue") == 0;
-    return !request->close && !request->refused_early && !waits &&
-           (request->declared_bytes > 0 || request->fields.transfer_encoding) &&
-           request->declared_bytes <= request->http->limits.body_bytes;
-}
-
 /* A page of an allowed origin asks what it may send. It has no token yet. */
 static bool answer_preflight(struct request *request)
 {
@@ -283,15 +264,7 @@ void pen_http_request_admit(struct request *request, size_t head_bytes)
     request->route = NULL;
     if (request->reply.status == 0)
         pen_http_request_fail(request, &st);
-    request->phase = wants_discard(request) ? PHASE_DISCARD : PHASE_ANSWERED;
-}
-
-/* Answers a request in the middle of its body; the rest of it is read and dropped. */
-static void refuse_body(struct request *request, const struct pen_status *st)
-{
-    pen_http_request_drop_body(request);
-    pen_http_request_fail(request, st);
-    request->phase = PHASE_DISCARD;
+    request->phase = PHASE_ANSWERED;
 }
 
 bool pen_http_request_receive(struct request *request, const char *data, size_t bytes)
@@ -299,17 +272,15 @@ bool pen_http_request_receive(struct request *request, const char *data, size_t 
     struct pen_status st;
     size_t limit = request->http->limits.body_bytes;
     request->received_bytes += bytes;
-    if (request->received_bytes > limit) {
+    if (request->received_bytes > limit)
         pen_fail(&st, PEN_TOO_LARGE, "the body has more than the %zu bytes that are allowed",
                  limit);
-        refuse_body(request, &st);
-        return false;
-    }
-    if (request->phase != PHASE_BODY || !request->route->takes_body)
+    else if (!request->route->takes_body || (pen_http_request_count_body(request, bytes) &&
+                                             pen_buf_add(&request->body, data, bytes)))
         return true;
-    if (pen_http_request_count_body(request, bytes) && pen_buf_add(&request->body, data, bytes))
-        return true;
-    pen_fail(&st, PEN_UNAVAILABLE, "there is no memory for this body now; try again later");
-    refuse_body(request, &st);
-    return true;
+    else
+        pen_fail(&st, PEN_UNAVAILABLE, "there is no memory for this body now; try again later");
+    pen_http_request_drop_body(request);
+    pen_http_request_fail(request, &st);
+    return false;
 }

@@ -10,6 +10,15 @@
 
 #include "http/message.h"
 
+bool pen_text_is_plain(const char *text, const char *excluded)
+{
+    for (; *text; text++) {
+        if ((iscntrl((unsigned char)*text) && *text != '\t') || strchr(excluded, *text))
+            return false;
+    }
+    return true;
+}
+
 bool pen_number_parse(const char *text, long low, long high, long *number)
 {
     enum { DIGITS = 9 };

@@ -42,6 +42,9 @@ bool pen_target_matches(const struct pen_target *target, const char *template, c
 /* The value of a parameter, or NULL if the query does not have it. */
 const char *pen_target_param(const struct pen_target *target, const char *name);
 
+/* Whether text has no control character except tab, and none of those in `excluded`. */
+bool pen_text_is_plain(const char *text, const char *excluded);
+
 /* Whether text is an integer of one to nine digits, from low to high; stores it in *number. */
 bool pen_number_parse(const char *text, long low, long high, long *number);
 

@@ -107,7 +107,7 @@ START_TEST(test_server__pipelined_requests_are_answered_in_order)
     client_send(fd, "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
                     "POST /v1/validate HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\n\r\n{"
                     "GET /v1/jobs HTTP/1.1\r\nHost: localhost\r\n\r\n"
-                    "POST /nowhere HTTP/1.1\r\nHost: localhost\r\nContent-Length: 3\r\n\r\nabc"
+                    "POST /nowhere HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n"
                     "HEAD /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
                     "GET /nowhere HTTP/1.1\r\nHost: localhost\r\n\r\n"
                     "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* One request, from its request line to the end of its answer.
  *
- *   LINE ──admit──► BODY ───────────────────────► dispatch ──► ANSWERED ──► (sent, freed)
- *     │               │ no memory, too long          │            ▲
- *     │               ▼                              ▼            │ pen_http_resume
- *     └─refused──► DISCARD (read, not kept) ──►    WORK ──────────┘
+ *   LINE ──admit──► BODY ──► dispatch ────► ANSWERED ──► (sent, freed)
+ *     │               │          │            ▲   ▲
+ *     │               │          └──► WORK ───┘   │
+ *     └───────────────┴──refused──────────────────┘
  *
- * LINE, BODY, DISCARD and ANSWERED belong to the connection's libmicrohttpd thread. WORK belongs to
+ * LINE, BODY and ANSWERED belong to the connection's libmicrohttpd thread. WORK belongs to
  * exactly one other thread while the connection is suspended: a thread of the executor, which may
  * pass the request to the watcher. The thread that has resumed a request must not touch it again.
  */
@@ -26,13 +26,13 @@
 struct MHD_Connection;
 struct pen_http;
 
-enum phase { PHASE_LINE, PHASE_BODY, PHASE_DISCARD, PHASE_WORK, PHASE_ANSWERED };
+enum phase { PHASE_LINE, PHASE_BODY, PHASE_WORK, PHASE_ANSWERED };
 
 /* The header fields that the server reads; NULL: not sent. Owns: libmicrohttpd, as long as the
  * request lives. */
 struct fields {
     const char *host, *origin, *content_type, *content_length, *transfer_encoding;
-    const char *if_none_match, *range, *if_range, *idempotency_key, *request_id, *expect;
+    const char *if_none_match, *range, *if_range, *idempotency_key, *request_id;
     const char *last_event_id, *accept, *authorization;
     const char *accept_encoding, *content_encoding;
     const char *traceparent;    /* NULL also if it is malformed, which W3C says to ignore */
@@ -69,7 +69,7 @@ struct request {
     char job_id[PEN_ID_BYTES]; /* {id}, in lower case */
 
     uint64_t declared_bytes; /* Content-Length */
-    uint64_t received_bytes; /* of the body, kept or not */
+    uint64_t received_bytes; /* of the body */
     struct pen_buf body;
     size_t counted_bytes; /* of the body, counted in pen_http.body_bytes */
 
