@@ -24,6 +24,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "access/tls.h"
 #include "base/clock.h"
 #include "base/log.h"
 #include "http/internal/adapter.h"
@@ -31,7 +32,6 @@
 #include "http/internal/http.h"
 #include "http/internal/request.h"
 #include "http/internal/streams.h"
-#include "http/internal/tls.h"
 #include "http/internal/watch.h"
 
 enum {

@@ -57,7 +57,7 @@ void pen_http_set_not_ready(struct pen_http *http, const char *reason);
 void pen_http_stop(struct pen_http *http);
 
 /* Reads the route table, for tests: method and path template of entry i, and the scope that it
- * needs (http/token_file.h). Returns false past the end. */
+ * needs (access/token_file.h). Returns false past the end. */
 bool pen_http_route(int i, const char **method, const char **path, int *scope);
 
 #endif

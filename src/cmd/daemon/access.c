@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "access/tls.h"
+#include "access/tokens.h"
 #include "base/buf.h"
 #include "http/server.h"
-#include "http/tls.h"
-#include "http/tokens.h"
 
 /* The length of a host at the start of a text: a name, or an IPv6 address in brackets. */
 static size_t host_length(const char *text)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "http/tokens.h"
+#include "access/tokens.h"
 
 #include <pthread.h>
 #include <sodium.h>

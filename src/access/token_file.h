@@ -9,8 +9,8 @@
  *
  * A token is 256 random bits, so that its hash needs no salt and may be quick to compute. No
  * message quotes the file, since a token may stand in it by mistake. */
-#ifndef PEN_HTTP_TOKEN_FILE_H
-#define PEN_HTTP_TOKEN_FILE_H
+#ifndef PEN_ACCESS_TOKEN_FILE_H
+#define PEN_ACCESS_TOKEN_FILE_H
 
 #include <stdint.h>
 #include <sys/types.h>

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* A certificate that has been replaced is kept until the end: a handshake may still use it. */
-#include "http/tls.h"
+#include "access/tls.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <gnutls/gnutls.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +11,6 @@
 #include <unistd.h>
 
 #include "base/log.h"
-#include "http/internal/tls.h"
 
 enum { CHAIN_MOST = 16 };
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What libmicrohttpd and the acceptor need of the certificate (http/tls.h). */
-#ifndef PEN_HTTP_INTERNAL_TLS_H
-#define PEN_HTTP_INTERNAL_TLS_H
+/* The certificate of the server, read from PEM files and read again when they change. A process has
+ * one at most: GnuTLS asks for it without saying whose server it is for. */
+#ifndef PEN_ACCESS_TLS_H
+#define PEN_ACCESS_TLS_H
 
 #include <gnutls/abstract.h>
 
@@ -11,6 +12,11 @@ struct pen_tls;
 
 /* TLS 1.2 and 1.3 with GnuTLS's usual ciphers. */
 extern const char pen_tls_priorities[];
+
+/* Checks that a file holds a certificate, or a chain that begins with it, another its private key,
+ * both as PEM, and that they fit each other. Fails: PEN_NOT_FOUND, PEN_IO, PEN_SYNTAX,
+ * PEN_CONFLICT (they do not fit), PEN_NO_MEMORY; the message names the file. */
+bool pen_tls_check(const char *cert, const char *key, struct pen_status *st);
 
 /* Reads certificate and key. Owns: close it once no connection is left. Fails: as pen_tls_check. */
 struct pen_tls *pen_tls_open(const char *cert, const char *key, struct pen_status *st);

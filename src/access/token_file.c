@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "http/token_file.h"
+#include "access/token_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
