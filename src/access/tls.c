@@ -2,14 +2,11 @@
 /* A certificate that has been replaced is kept until the end: a handshake may still use it. */
 #include "access/tls.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "access/internal/small_file.h"
 #include "base/log.h"
 
 enum { CHAIN_MOST = 16 };
@@ -24,22 +21,16 @@ struct identity {
     struct identity *before; /* the one that it has replaced */
 };
 
-/* What tells that a file has changed. */
-struct file_state {
-    ino_t inode;
-    off_t bytes;
-    struct timespec changed; /* its contents or its rights */
-};
-
 struct pen_tls {
     char *cert, *key;
-    struct file_state cert_state, key_state;
-    char fault[PEN_MSG_BYTES]; /* why the files could not be read; "": they were */
-    struct identity *identity; /* guarded by the lock below */
+    struct stat cert_seen, key_seen; /* the files as of the last read */
+    struct pen_status fault;         /* PEN_OK, or why the files are broken */
+    struct identity *identity;       /* the last good one */
 };
 
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static struct pen_tls *opened; /* guarded by lock */
+/* The certificate of the open struct pen_tls. Atomic: a handshake sees an identity that is
+ * complete. */
+static _Atomic(struct identity *) in_force;
 
 static void identity_free(struct identity *identity)
 {
@@ -53,60 +44,52 @@ static void identity_free(struct identity *identity)
     free(identity);
 }
 
-/* GnuTLS does not tell why it cannot open a file. */
-static bool load_file(const char *path, gnutls_datum_t *data, struct pen_status *st)
+static bool import_chain(struct identity *identity, const gnutls_datum_t *pem,
+                         struct pen_status *st)
 {
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (fd < 0)
-        return pen_fail(st, errno == ENOENT ? PEN_NOT_FOUND : PEN_IO, "%s: cannot open: %s", path,
-                        strerror(errno));
-    close(fd);
-    const int code = gnutls_load_file(path, data);
-    return code == 0 || pen_fail(st, PEN_IO, "%s: cannot read: %s", path, gnutls_strerror(code));
-}
-
-static bool read_chain(const char *path, struct identity *identity, struct pen_status *st)
-{
-    gnutls_datum_t data;
     unsigned length = CHAIN_MOST;
-    if (!load_file(path, &data, st))
-        return false;
     const int code =
-        gnutls_pcert_list_import_x509_raw(identity->chain, &length, &data, GNUTLS_X509_FMT_PEM, 0);
-    gnutls_free(data.data);
+        gnutls_pcert_list_import_x509_raw(identity->chain, &length, pem, GNUTLS_X509_FMT_PEM, 0);
     identity->length = code < 0 ? 0 : length;
-    return identity->length > 0 ||
-           pen_fail(st, PEN_SYNTAX, "%s: found no certificate, allowed is PEM", path);
+    return identity->length > 0 || pen_fail(st, PEN_SYNTAX, "found no certificate, allowed is PEM");
 }
 
-static bool read_key(const char *path, struct identity *identity, struct pen_status *st)
+static bool import_key(struct identity *identity, const gnutls_datum_t *pem, struct pen_status *st)
 {
-    gnutls_datum_t data;
-    if (!load_file(path, &data, st))
-        return false;
     int code = gnutls_privkey_init(&identity->key);
     if (code == 0)
-        code = gnutls_privkey_import_x509_raw(identity->key, &data, GNUTLS_X509_FMT_PEM, NULL, 0);
-    gnutls_memset(data.data, 0, data.size);
-    gnutls_free(data.data);
-    return code == 0 || pen_fail(st, PEN_SYNTAX,
-                                 "%s: found no private key, allowed is PEM without a password (%s)",
-                                 path, gnutls_strerror(code));
+        code = gnutls_privkey_import_x509_raw(identity->key, pem, GNUTLS_X509_FMT_PEM, NULL, 0);
+    return code == 0 ||
+           pen_fail(st, PEN_SYNTAX, "found no private key, allowed is PEM without a password (%s)",
+                    gnutls_strerror(code));
+}
+
+static bool import_file(const char *path,
+                        bool (*import)(struct identity *, const gnutls_datum_t *,
+                                       struct pen_status *),
+                        struct identity *identity, struct pen_status *st)
+{
+    struct pen_small_file file;
+    bool ok = pen_small_file_read(&file, path, st);
+    const gnutls_datum_t pem = {(unsigned char *)file.text, (unsigned)file.bytes};
+    ok = ok && import(identity, &pem, st);
+    pen_small_file_release(&file);
+    return ok || pen_small_file_name(path, st);
 }
 
 /* Whether the key is that of the first certificate. */
 static bool fits(const struct identity *identity)
 {
     gnutls_pubkey_t own;
-    unsigned char a[64], b[64];
-    size_t a_bytes = sizeof a, b_bytes = sizeof b;
+    unsigned char a[32], b[32]; /* hashes of the public keys */
+    size_t bytes = sizeof a;
     if (gnutls_pubkey_init(&own) != 0)
         return false;
     const bool same = gnutls_pubkey_import_privkey(own, identity->key, 0, 0) == 0 &&
-                      gnutls_pubkey_get_key_id(own, GNUTLS_KEYID_USE_SHA256, a, &a_bytes) == 0 &&
+                      gnutls_pubkey_get_key_id(own, GNUTLS_KEYID_USE_SHA256, a, &bytes) == 0 &&
                       gnutls_pubkey_get_key_id(identity->chain[0].pubkey, GNUTLS_KEYID_USE_SHA256,
-                                               b, &b_bytes) == 0 &&
-                      a_bytes == b_bytes && memcmp(a, b, a_bytes) == 0;
+                                               b, &bytes) == 0 &&
+                      memcmp(a, b, sizeof a) == 0;
     gnutls_pubkey_deinit(own);
     return same;
 }
@@ -118,34 +101,13 @@ static struct identity *read_identity(const char *cert, const char *key, struct 
         pen_fail(st, PEN_NO_MEMORY, "no memory for the certificate");
         return NULL;
     }
-    if (read_chain(cert, identity, st) && read_key(key, identity, st) &&
+    if (import_file(cert, import_chain, identity, st) &&
+        import_file(key, import_key, identity, st) &&
         (fits(identity) ||
          pen_fail(st, PEN_CONFLICT, "%s: this key does not fit the certificate %s", key, cert)))
         return identity;
     identity_free(identity);
     return NULL;
-}
-
-bool pen_tls_check(const char *cert, const char *key, struct pen_status *st)
-{
-    struct identity *identity = read_identity(cert, key, st);
-    identity_free(identity);
-    return identity != NULL;
-}
-
-/* Whether a file has changed since the last look. */
-static bool has_changed(const char *path, struct file_state *last)
-{
-    struct stat info;
-    struct file_state now = {0};
-    if (stat(path, &info) == 0) {
-        now.inode = info.st_ino;
-        now.bytes = info.st_size;
-        now.changed = info.st_ctim;
-    }
-    const bool changed = memcmp(&now, last, sizeof now) != 0;
-    *last = now;
-    return changed;
 }
 
 struct pen_tls *pen_tls_open(const char *cert, const char *key, struct pen_status *st)
@@ -156,16 +118,14 @@ struct pen_tls *pen_tls_open(const char *cert, const char *key, struct pen_statu
         pen_fail(st, PEN_NO_MEMORY, "no memory for the certificate");
         return NULL;
     }
-    has_changed(cert, &tls->cert_state);
-    has_changed(key, &tls->key_state);
+    pen_small_file_has_changed(cert, &tls->cert_seen);
+    pen_small_file_has_changed(key, &tls->key_seen);
     tls->identity = read_identity(cert, key, st);
     if (!tls->identity) {
         pen_tls_close(tls);
         return NULL;
     }
-    pthread_mutex_lock(&lock);
-    opened = tls;
-    pthread_mutex_unlock(&lock);
+    atomic_store(&in_force, tls->identity);
     return tls;
 }
 
@@ -173,10 +133,8 @@ void pen_tls_close(struct pen_tls *tls)
 {
     if (!tls)
         return;
-    pthread_mutex_lock(&lock);
-    if (opened == tls)
-        opened = NULL;
-    pthread_mutex_unlock(&lock);
+    struct identity *own = tls->identity;
+    atomic_compare_exchange_strong(&in_force, &own, NULL);
     identity_free(tls->identity);
     free(tls->cert);
     free(tls->key);
@@ -185,23 +143,22 @@ void pen_tls_close(struct pen_tls *tls)
 
 void pen_tls_refresh(struct pen_tls *tls)
 {
-    struct pen_status st;
-    const bool cert = has_changed(tls->cert, &tls->cert_state),
-               key = has_changed(tls->key, &tls->key_state);
-    if (!cert && !key && !tls->fault[0])
+    struct pen_status st = {.code = PEN_OK};
+    const bool cert = pen_small_file_has_changed(tls->cert, &tls->cert_seen),
+               key = pen_small_file_has_changed(tls->key, &tls->key_seen);
+    if (!cert && !key && tls->fault.code == PEN_OK)
         return;
     struct identity *identity = read_identity(tls->cert, tls->key, &st);
+    const bool is_new = cert || key || strcmp(st.msg, tls->fault.msg) != 0;
+    tls->fault = st;
     if (!identity) {
-        if (strcmp(st.msg, tls->fault) != 0)
+        if (is_new)
             pen_log(PEN_LOG_ERROR, "the certificate stays as it was: %s", st.msg);
-        memcpy(tls->fault, st.msg, sizeof tls->fault);
         return;
     }
-    tls->fault[0] = '\0';
-    pthread_mutex_lock(&lock);
     identity->before = tls->identity;
     tls->identity = identity;
-    pthread_mutex_unlock(&lock);
+    atomic_store(&in_force, identity);
     pen_log(PEN_LOG_INFO, "the certificate was read again");
 }
 
@@ -211,9 +168,7 @@ int pen_tls_certificate(gnutls_session_t session, const gnutls_datum_t *req_ca_d
                         gnutls_privkey_t *privkey)
 {
     (void)session, (void)req_ca_dn, (void)nreqs, (void)pk_algos, (void)pk_algos_length;
-    pthread_mutex_lock(&lock);
-    struct identity *identity = opened ? opened->identity : NULL;
-    pthread_mutex_unlock(&lock);
+    struct identity *identity = atomic_load(&in_force);
     if (!identity)
         return -1;
     *pcert = identity->chain;

@@ -6,79 +6,34 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "access/internal/small_file.h"
 #include "base/log.h"
-#include "io/message.h"
-
-/* Tells one state of the file from another; all zeros: there is none. The time is that of the last
- * change of contents, rights or owner. */
-struct mark {
-    dev_t device;
-    ino_t inode;
-    off_t bytes;
-    struct timespec changed;
-};
 
 struct pen_tokens {
-    char *path;
-    struct mark mark; /* of the last read; only pen_tokens_refresh uses it */
+    struct stat seen; /* the file as of the last read; only pen_tokens_refresh uses it */
     pthread_rwlock_t lock;
     struct pen_token_list list; /* guarded by lock: the last good ones */
-    bool broken;                /* guarded by lock */
-    struct pen_status fault;    /* guarded by lock: while broken */
+    struct pen_status fault;    /* guarded by lock: PEN_OK, or why the file is broken */
+    char path[];
 };
-
-static struct mark read_mark(const char *path)
-{
-    struct stat info;
-    if (stat(path, &info) != 0)
-        return (struct mark){0};
-    return (struct mark){.device = info.st_dev,
-                         .inode = info.st_ino,
-                         .bytes = info.st_size,
-                         .changed = info.st_ctim};
-}
-
-static bool same_mark(const struct mark *a, const struct mark *b)
-{
-    return a->device == b->device && a->inode == b->inode && a->bytes == b->bytes &&
-           a->changed.tv_sec == b->changed.tv_sec && a->changed.tv_nsec == b->changed.tv_nsec;
-}
-
-/* Puts the file's name and the place into the message. */
-static void name_file(const char *path, struct pen_status *st)
-{
-    char text[PEN_MSG_BYTES];
-    pen_status_describe(st, path, text, sizeof text);
-    pen_fail(st, st->code, "%s", text);
-}
-
-static bool read_file(const char *path, struct pen_token_list *list, struct pen_status *st)
-{
-    if (pen_token_list_read(list, path, geteuid(), st))
-        return true;
-    pen_token_list_release(list);
-    name_file(path, st);
-    return false;
-}
 
 struct pen_tokens *pen_tokens_open(const char *path, struct pen_status *st)
 {
-    struct pen_tokens *tokens = sodium_init() >= 0 ? calloc(1, sizeof *tokens) : NULL;
-    if (!tokens || !(tokens->path = strdup(path)) ||
-        pthread_rwlock_init(&tokens->lock, NULL) != 0) {
+    struct pen_tokens *tokens =
+        sodium_init() >= 0 ? calloc(1, sizeof *tokens + strlen(path) + 1) : NULL;
+    if (!tokens || pthread_rwlock_init(&tokens->lock, NULL) != 0) {
         pen_fail(st, PEN_NO_MEMORY, "out of memory");
-        if (tokens)
-            free(tokens->path);
         free(tokens);
         return NULL;
     }
-    tokens->mark = read_mark(path);
-    if (read_file(path, &tokens->list, st))
+    strcpy(tokens->path, path);
+    pen_small_file_has_changed(path, &tokens->seen);
+    if (pen_token_list_read(&tokens->list, path, geteuid(), st))
         return tokens;
+    pen_small_file_name(path, st);
     pen_tokens_close(tokens);
     return NULL;
 }
@@ -89,7 +44,6 @@ void pen_tokens_close(struct pen_tokens *tokens)
         return;
     pen_token_list_release(&tokens->list);
     pthread_rwlock_destroy(&tokens->lock);
-    free(tokens->path);
     free(tokens);
 }
 
@@ -105,33 +59,16 @@ static const char *find_bearer(const char *authorization, size_t *bytes)
     return *bytes > 0 && token[*bytes + strspn(token + *bytes, blanks)] == '\0' ? token : NULL;
 }
 
-static uint64_t serial_of(const struct pen_token *token)
-{
-    uint64_t serial;
-    memcpy(&serial, token->hash, sizeof serial);
-    return serial;
-}
-
-static bool is_expired(const struct pen_token *token)
-{
-    return time(NULL) >= token->expires_s;
-}
-
-/* Compares with all tokens, so that the time does not tell which is alike. */
-static bool find_holder(const struct pen_token_list *list,
-                        const unsigned char hash[PEN_TOKEN_HASH_BYTES],
-                        struct pen_token_holder *out)
+/* Finds a token that is valid. Compares with all, so that the time does not tell which is alike. */
+static const struct pen_token *find_valid(const struct pen_token_list *list,
+                                          const unsigned char hash[PEN_TOKEN_HASH_BYTES])
 {
     const struct pen_token *found = NULL;
     for (size_t i = 0; i < list->count; i++) {
         if (sodium_memcmp(list->token[i].hash, hash, PEN_TOKEN_HASH_BYTES) == 0)
             found = &list->token[i];
     }
-    if (!found || is_expired(found))
-        return false;
-    *out = (struct pen_token_holder){.scope = found->scope, .serial = serial_of(found)};
-    memcpy(out->name, found->name, sizeof out->name);
-    return true;
+    return found && time(NULL) < found->expires_s ? found : NULL;
 }
 
 bool pen_tokens_check(struct pen_tokens *tokens, const char *authorization,
@@ -145,68 +82,57 @@ bool pen_tokens_check(struct pen_tokens *tokens, const char *authorization,
                         "no token was sent; send the field Authorization: Bearer TOKEN");
     pen_token_hash(text, bytes, hash);
     pthread_rwlock_rdlock(&tokens->lock);
-    const bool ok = find_holder(&tokens->list, hash, out);
+    const struct pen_token *found = find_valid(&tokens->list, hash);
+    if (found) {
+        *out = (struct pen_token_holder){.scope = found->scope};
+        memcpy(out->name, found->name, sizeof out->name);
+        memcpy(out->hash, found->hash, sizeof out->hash);
+    }
     pthread_rwlock_unlock(&tokens->lock);
-    return ok || pen_fail(st, PEN_UNAUTHORIZED, "the token is unknown or no longer valid");
+    return found || pen_fail(st, PEN_UNAUTHORIZED, "the token is unknown or no longer valid");
 }
 
 bool pen_tokens_holds(struct pen_tokens *tokens, const struct pen_token_holder *holder)
 {
-    bool holds = false;
     pthread_rwlock_rdlock(&tokens->lock);
-    for (size_t i = 0; i < tokens->list.count && !holds; i++) {
-        const struct pen_token *token = &tokens->list.token[i];
-        holds = serial_of(token) == holder->serial && token->scope >= holder->scope &&
-                strcmp(token->name, holder->name) == 0 && !is_expired(token);
-    }
+    const struct pen_token *token = find_valid(&tokens->list, holder->hash);
+    const bool holds =
+        token && token->scope >= holder->scope && strcmp(token->name, holder->name) == 0;
     pthread_rwlock_unlock(&tokens->lock);
     return holds;
 }
 
-/* Replaces the tokens by those of the list, which it takes over; NULL: only notes the fault. */
-static void replace(struct pen_tokens *tokens, struct pen_token_list *list,
-                    const struct pen_status *fault)
-{
-    struct pen_token_list old = {0};
-    pthread_rwlock_wrlock(&tokens->lock);
-    tokens->broken = !list;
-    if (list) {
-        old = tokens->list;
-        tokens->list = *list;
-    } else {
-        tokens->fault = *fault;
-    }
-    pthread_rwlock_unlock(&tokens->lock);
-    pen_token_list_release(&old);
-}
-
 /* A fault may also pass without a change of the file, such as too many open files. So a broken file
- * is read each time, but its fault is logged once. */
+ * is read each time, but its fault is logged once. Only this thread writes what the lock guards. */
 void pen_tokens_refresh(struct pen_tokens *tokens)
 {
     struct pen_token_list list;
-    struct pen_status st;
-    const struct mark mark = read_mark(tokens->path);
-    const bool changed = !same_mark(&mark, &tokens->mark);
-    if (!changed && !pen_tokens_fault(tokens, &st))
+    struct pen_status st = {.code = PEN_OK};
+    const bool changed = pen_small_file_has_changed(tokens->path, &tokens->seen);
+    if (!changed && tokens->fault.code == PEN_OK)
         return;
-    tokens->mark = mark;
-    if (read_file(tokens->path, &list, &st)) {
-        const size_t count = list.count;
-        replace(tokens, &list, NULL);
-        pen_log(PEN_LOG_INFO, "%s: read again, it has %zu token%s", tokens->path, count,
-                count == 1 ? "" : "s");
-        return;
-    }
-    replace(tokens, NULL, &st);
-    if (changed)
+    const bool ok = pen_token_list_read(&list, tokens->path, geteuid(), &st) ||
+                    pen_small_file_name(tokens->path, &st);
+    const bool is_new = changed || strcmp(st.msg, tokens->fault.msg) != 0;
+    struct pen_token_list old = tokens->list;
+    pthread_rwlock_wrlock(&tokens->lock);
+    tokens->fault = st;
+    if (ok)
+        tokens->list = list;
+    pthread_rwlock_unlock(&tokens->lock);
+    if (ok) {
+        pen_token_list_release(&old);
+        pen_log(PEN_LOG_INFO, "%s: read again, it has %zu token%s", tokens->path, list.count,
+                list.count == 1 ? "" : "s");
+    } else if (is_new) {
         pen_log(PEN_LOG_ERROR, "%s; the tokens that were read before stay in force", st.msg);
+    }
 }
 
 bool pen_tokens_fault(struct pen_tokens *tokens, struct pen_status *st)
 {
     pthread_rwlock_rdlock(&tokens->lock);
-    const bool broken = tokens->broken;
+    const bool broken = tokens->fault.code != PEN_OK;
     if (broken)
         *st = tokens->fault;
     pthread_rwlock_unlock(&tokens->lock);

@@ -13,7 +13,7 @@ struct pen_tokens;
 struct pen_token_holder {
     char name[PEN_TOKEN_NAME_BYTES];
     enum pen_scope scope;
-    uint64_t serial; /* names this very token, for pen_tokens_holds; not to be shown */
+    unsigned char hash[PEN_TOKEN_HASH_BYTES]; /* for pen_tokens_holds; not to be shown */
 };
 
 /* Reads a token file. Owns: close it. Fails: as pen_token_list_read; the message names the file,

@@ -99,7 +99,10 @@ bool pen_access_check_files(const struct pen_access *access, struct pen_status *
 {
     struct pen_tokens *tokens = access->tokens ? pen_tokens_open(access->tokens, st) : NULL;
     bool ok = tokens || !access->tokens;
-    ok = ok && (!access->tls_cert || pen_tls_check(access->tls_cert, access->tls_key, st));
+    struct pen_tls *tls =
+        ok && access->tls_cert ? pen_tls_open(access->tls_cert, access->tls_key, st) : NULL;
+    ok = ok && (tls || !access->tls_cert);
+    pen_tls_close(tls);
     pen_tokens_close(tokens);
     if (!ok)
         st->code = PEN_USAGE;
