@@ -16,7 +16,7 @@ list='
 cases     11 PEN_CASES=all sh tests/run.sh $build
 timed     12 PEN_TIMED=1 sh tests/run.sh $build $timed
 asan      35 $make asan
-tsan      60 $make tsan TESTS="tests/base/ tests/render/ tests/accel/ tests/store/ tests/jobs/ tests/http/ tests/study/"
+tsan      60 $make tsan TESTS="tests/base/ tests/render/ tests/accel/ tests/store/ tests/jobs/ tests/access/ tests/http/ tests/study/"
 load      10 PEN_TIMED=1 $make load
 mutate    12 $make mutate MINUTES=10
 front      2 $make front

@@ -24,13 +24,13 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "access/tls.h"
 #include "base/clock.h"
 #include "base/log.h"
 #include "http/internal/adapter.h"
 #include "http/internal/guard.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
-#include "http/internal/tls.h"
 #include "http/internal/watch.h"
 
 enum {

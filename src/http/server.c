@@ -12,6 +12,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "access/tls.h"
+#include "access/tokens.h"
 #include "base/clock.h"
 #include "base/utf8.h"
 #include "http/internal/addresses.h"
@@ -21,9 +23,7 @@
 #include "http/internal/pictures.h"
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/static_files.h"
-#include "http/internal/tls.h"
 #include "http/internal/watch.h"
-#include "http/tokens.h"
 #include "jobs/jobs.h"
 
 enum { HEARTBEAT_MS = 10000 };

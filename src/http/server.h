@@ -35,7 +35,7 @@ bool pen_http_is_address(const char *text);
 
 /* Starts serving, without the store: until pen_http_open has opened it, what needs the store is
  * answered 503. Owns: stop with pen_http_stop; the strings in options may go after the call. Fails:
- * PEN_UNAVAILABLE (sockets, threads), PEN_NO_MEMORY; as pen_tokens_open and pen_tls_check. */
+ * PEN_UNAVAILABLE (sockets, threads), PEN_NO_MEMORY; as pen_tokens_open and pen_tls_open. */
 struct pen_http *pen_http_start(const struct pen_http_options *options, struct pen_status *st);
 
 /* Opens the store, once; may be tried again after a failure, whose reason clients are told.
@@ -57,7 +57,7 @@ void pen_http_set_not_ready(struct pen_http *http, const char *reason);
 void pen_http_stop(struct pen_http *http);
 
 /* Reads the route table, for tests: method and path template of entry i, and the scope that it
- * needs (http/token_file.h). Returns false past the end. */
+ * needs (access/token_file.h). Returns false past the end. */
 bool pen_http_route(int i, const char **method, const char **path, int *scope);
 
 #endif

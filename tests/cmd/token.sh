@@ -143,6 +143,7 @@ refused "a certificate without key" "found --tls-cert without --tls-key FILE" --
 refused "a key without certificate" "found --tls-key without --tls-cert FILE" --tls-key one.key
 refused "a certificate that is not there" "none: cannot open" --tls-cert none --tls-key one.key
 refused "a key that is not there" "none: cannot open" --tls-cert one.crt --tls-key none
+refused "a certificate that is a folder" ".: not a regular file" --tls-cert . --tls-key one.key
 refused "a certificate that is none" "one.key: found no certificate" --tls-cert one.key --tls-key one.key
 refused "a key that is none" "one.crt: found no private key" --tls-cert one.crt --tls-key one.crt
 refused "a key of another certificate" "two.key: this key does not fit the certificate one.crt" \

@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "access/token_file.h"
 #include "base/embed.h"
 #include "http/server.h"
-#include "http/token_file.h"
 #include "support/suite.h"
 
 enum { OPERATIONS_MAX = 100 };

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "http/token_file.h"
+#include "access/token_file.h"
 #include "support/server.h"
 #include "support/suite.h"
 

@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "access/tls.h"
+#include "access/tokens.h"
 #include "base/buf.h"
 #include "http/server.h"
-#include "http/tls.h"
-#include "http/tokens.h"
 
 /* The length of a host at the start of a text: a name, or an IPv6 address in brackets. */
 static size_t host_length(const char *text)
@@ -99,7 +99,10 @@ bool pen_access_check_files(const struct pen_access *access, struct pen_status *
 {
     struct pen_tokens *tokens = access->tokens ? pen_tokens_open(access->tokens, st) : NULL;
     bool ok = tokens || !access->tokens;
-    ok = ok && (!access->tls_cert || pen_tls_check(access->tls_cert, access->tls_key, st));
+    struct pen_tls *tls =
+        ok && access->tls_cert ? pen_tls_open(access->tls_cert, access->tls_key, st) : NULL;
+    ok = ok && (tls || !access->tls_cert);
+    pen_tls_close(tls);
     pen_tokens_close(tokens);
     if (!ok)
         st->code = PEN_USAGE;

@@ -14,10 +14,10 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "access/token_file.h"
 #include "cmd/files.h"
 #include "cmd/options.h"
 #include "cmd/report.h"
-#include "http/token_file.h"
 
 enum { DAY_S = 24 * 60 * 60 };
 

@@ -16,11 +16,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "access/tokens.h"
 #include "base/buf.h"
 #include "http/internal/reply.h"
 #include "http/internal/routes.h"
 #include "http/message.h"
-#include "http/tokens.h"
 #include "store/store.h"
 
 struct MHD_Connection;

@@ -7,9 +7,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "access/tokens.h"
 #include "base/status.h"
 #include "http/message.h"
-#include "http/tokens.h"
 #include "jobs/jobs.h"
 
 struct request;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What libmicrohttpd and the acceptor need of the certificate (http/tls.h). */
-#ifndef PEN_HTTP_INTERNAL_TLS_H
-#define PEN_HTTP_INTERNAL_TLS_H
+/* The certificate of the server, read from PEM files and read again when they change. A process has
+ * one at most: GnuTLS asks for it without saying whose server it is for. */
+#ifndef PEN_ACCESS_TLS_H
+#define PEN_ACCESS_TLS_H
 
 #include <gnutls/abstract.h>
 
@@ -12,7 +13,10 @@ struct pen_tls;
 /* TLS 1.2 and 1.3 with GnuTLS's usual ciphers. */
 extern const char pen_tls_priorities[];
 
-/* Reads certificate and key. Owns: close it once no connection is left. Fails: as pen_tls_check. */
+/* Reads a file that holds a certificate, or a chain that begins with it, and a file that holds its
+ * private key, both as PEM, of 1 MiB at most. Owns: close it once no connection is left. Fails:
+ * PEN_NOT_FOUND, PEN_IO, PEN_FORBIDDEN (not a regular file), PEN_TOO_LARGE, PEN_SYNTAX,
+ * PEN_CONFLICT (they do not fit each other), PEN_NO_MEMORY; the message names the file. */
 struct pen_tls *pen_tls_open(const char *cert, const char *key, struct pen_status *st);
 void pen_tls_close(struct pen_tls *tls); /* NULL is allowed */
 
@@ -22,9 +26,6 @@ void pen_tls_close(struct pen_tls *tls); /* NULL is allowed */
 void pen_tls_refresh(struct pen_tls *tls);
 
 /* The callback by which GnuTLS gets the certificate of the open struct pen_tls. */
-int pen_tls_certificate(gnutls_session_t session, const gnutls_datum_t *req_ca_dn, int nreqs,
-                        const gnutls_pk_algorithm_t *pk_algos, int pk_algos_length,
-                        gnutls_pcert_st **pcert, unsigned int *pcert_length,
-                        gnutls_privkey_t *privkey);
+gnutls_certificate_retrieve_function2 pen_tls_certificate;
 
 #endif

@@ -7,8 +7,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "access/tokens.h"
 #include "base/log.h"
-#include "http/tokens.h"
 #include "support/suite.h"
 
 enum { TEXT_BYTES = 4096 };

@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-#include "http/token_file.h"
+#include "access/token_file.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <sodium.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
-#include <unistd.h>
 
-enum { FILE_BYTES_MAX = 1 << 20, RANDOM_BYTES = 32 };
+#include "access/internal/small_file.h"
+
+enum { RANDOM_BYTES = 32 };
 _Static_assert(PEN_TOKEN_HASH_BYTES == crypto_generichash_BYTES, "BLAKE2b-256");
 
 static const char prefix[] = "pen_";
@@ -100,49 +98,38 @@ void pen_token_hash(const char *text, size_t bytes, unsigned char hash[PEN_TOKEN
     crypto_generichash(hash, PEN_TOKEN_HASH_BYTES, (const unsigned char *)text, bytes, NULL, 0);
 }
 
-enum { NAME, SCOPE, EXPIRY, HASH, FIELDS };
-
-static bool read_fields(char *const field[FIELDS], const char *line, int number,
-                        struct pen_token *token, struct pen_status *st)
-{
-    static const struct {
-        const char *name, *allowed;
-        bool (*read)(const char *text, struct pen_token *token);
-    } kind[FIELDS] = {
-        [NAME] = {"name", name_allowed, read_name},
-        [SCOPE] = {"scope", "read, submit or admin", read_scope},
-        [EXPIRY] = {"expiry", "a time in UTC such as 2027-01-31T12:00:00Z, or never", read_expiry},
-        [HASH] = {"hash", "64 hex digits", read_hash},
-    };
-    for (int i = 0; i < FIELDS; i++) {
-        if (!kind[i].read(field[i], token))
-            return pen_fail_line(st, PEN_SYNTAX, number, (int)(field[i] - line) + 1,
-                                 "wrong %s, allowed is %s", kind[i].name, kind[i].allowed);
-    }
-    return true;
-}
+/* The fields of a line, in their order. */
+static const struct {
+    const char *name, *allowed;
+    bool (*read)(const char *text, struct pen_token *token);
+} fields[] = {{"name", name_allowed, read_name},
+              {"scope", "read, submit or admin", read_scope},
+              {"expiry", "a time in UTC such as 2027-01-31T12:00:00Z, or never", read_expiry},
+              {"hash", "64 hex digits", read_hash}};
+enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 static bool read_line(struct pen_token_list *list, char *line, int number, struct pen_status *st)
 {
     static const char blanks[] = " \t\r";
-    char *field[FIELDS], *rest = NULL;
+    char *word[FIELDS], *rest = NULL;
     struct pen_token token;
     int count = 0;
-    if (line[strspn(line, blanks)] == '#')
-        return true;
-    for (char *word = strtok_r(line, blanks, &rest); word; word = strtok_r(NULL, blanks, &rest)) {
+    for (char *next = strtok_r(line, blanks, &rest); next; next = strtok_r(NULL, blanks, &rest)) {
         if (count < FIELDS)
-            field[count] = word;
+            word[count] = next;
         count++;
     }
-    if (count == 0)
+    if (count == 0 || word[0][0] == '#')
         return true;
     if (count != FIELDS)
         return pen_fail_line(st, PEN_SYNTAX, number, 1,
                              "found %d field%s, allowed are 4: NAME SCOPE EXPIRY HASH", count,
                              count == 1 ? "" : "s");
-    if (!read_fields(field, line, number, &token, st))
-        return false;
+    for (int i = 0; i < FIELDS; i++) {
+        if (!fields[i].read(word[i], &token))
+            return pen_fail_line(st, PEN_SYNTAX, number, (int)(word[i] - line) + 1,
+                                 "wrong %s, allowed is %s", fields[i].name, fields[i].allowed);
+    }
     if (pen_token_list_add(list, &token, st))
         return true;
     if (st->code == PEN_CONFLICT)
@@ -150,27 +137,21 @@ static bool read_line(struct pen_token_list *list, char *line, int number, struc
     return false;
 }
 
-static bool read_text(struct pen_token_list *list, const struct pen_buf *text,
-                      struct pen_status *st)
+static bool read_lines(struct pen_token_list *list, const struct pen_small_file *file,
+                       struct pen_status *st)
 {
-    char *line = (char *)text->data;
-    if (text->bytes > 0 && strlen(line) != text->bytes)
+    char *line, *rest = file->text;
+    if (strlen(file->text) != file->bytes)
         return pen_fail(st, PEN_SYNTAX, "found a zero byte, allowed is text");
-    for (int number = 1; line && *line; number++) {
-        char *end = strchr(line, '\n');
-        if (end)
-            *end++ = '\0';
+    for (int number = 1; (line = strsep(&rest, "\n")); number++) {
         if (!read_line(list, line, number, st))
             return false;
-        line = end;
     }
     return true;
 }
 
 static bool check_rights(const struct stat *info, uid_t owner, struct pen_status *st)
 {
-    if (!S_ISREG(info->st_mode))
-        return pen_fail(st, PEN_FORBIDDEN, "not a regular file, which a token file must be");
     if (info->st_mode & 077)
         return pen_fail(st, PEN_FORBIDDEN,
                         "found the mode %04o, allowed is 0600, or less: run chmod 600 on it",
@@ -182,38 +163,16 @@ static bool check_rights(const struct stat *info, uid_t owner, struct pen_status
     return true;
 }
 
-static bool read_all(int fd, struct pen_buf *out, struct pen_status *st)
-{
-    char chunk[4096];
-    ssize_t got;
-    while ((got = read(fd, chunk, sizeof chunk)) != 0) {
-        if (got < 0 && errno != EINTR)
-            return pen_fail(st, PEN_IO, "cannot read: %s", strerror(errno));
-        if (got > 0 && !pen_buf_add(out, chunk, (size_t)got))
-            return pen_fail(st, PEN_NO_MEMORY, "out of memory");
-        if (out->bytes > FILE_BYTES_MAX)
-            return pen_fail(st, PEN_TOO_LARGE, "larger than %d bytes", FILE_BYTES_MAX);
-    }
-    return true;
-}
-
 bool pen_token_list_read(struct pen_token_list *list, const char *path, uid_t owner,
                          struct pen_status *st)
 {
-    struct pen_buf text = {0};
-    struct stat info;
+    struct pen_small_file file;
     *list = (struct pen_token_list){0};
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (fd < 0 || fstat(fd, &info) != 0) {
-        pen_fail(st, errno == ENOENT ? PEN_NOT_FOUND : PEN_IO, "cannot open: %s", strerror(errno));
-        if (fd >= 0)
-            close(fd);
-        return false;
-    }
-    const bool ok =
-        check_rights(&info, owner, st) && read_all(fd, &text, st) && read_text(list, &text, st);
-    close(fd);
-    pen_buf_release(&text);
+    const bool ok = pen_small_file_read(&file, path, st) && check_rights(&file.info, owner, st) &&
+                    read_lines(list, &file, st);
+    pen_small_file_release(&file);
+    if (!ok)
+        pen_token_list_release(list);
     return ok;
 }
 
@@ -225,13 +184,10 @@ bool pen_token_list_add(struct pen_token_list *list, const struct pen_token *tok
             memcmp(list->token[i].hash, token->hash, sizeof token->hash) == 0)
             return pen_fail(st, PEN_CONFLICT, "the token \"%s\" is there already", token->name);
     }
-    if ((list->count & (list->count - 1)) == 0) { /* room for a power of two */
-        const size_t room = list->count ? 2 * list->count : 1;
-        struct pen_token *more = realloc(list->token, room * sizeof *more);
-        if (!more)
-            return pen_fail(st, PEN_NO_MEMORY, "out of memory");
-        list->token = more;
-    }
+    struct pen_token *more = realloc(list->token, (list->count + 1) * sizeof *more);
+    if (!more)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    list->token = more;
     list->token[list->count++] = *token;
     return true;
 }

@@ -9,8 +9,8 @@
  *
  * A token is 256 random bits, so that its hash needs no salt and may be quick to compute. No
  * message quotes the file, since a token may stand in it by mistake. */
-#ifndef PEN_HTTP_TOKEN_FILE_H
-#define PEN_HTTP_TOKEN_FILE_H
+#ifndef PEN_ACCESS_TOKEN_FILE_H
+#define PEN_ACCESS_TOKEN_FILE_H
 
 #include <stdint.h>
 #include <sys/types.h>
@@ -53,9 +53,9 @@ void pen_token_hash(const char *text, size_t bytes, unsigned char hash[PEN_TOKEN
 /* Writes the expiry as the file has it. */
 void pen_token_expiry(const struct pen_token *token, char out[PEN_TOKEN_EXPIRY_BYTES]);
 
-/* Reads a file that no one but its owner may read or write: `owner` or root. Owns: release *list in
- * any case. Fails: PEN_NOT_FOUND, PEN_IO, PEN_FORBIDDEN (rights), PEN_TOO_LARGE (more than 1 MiB),
- * PEN_SYNTAX (with line and column), PEN_NO_MEMORY. */
+/* Reads a file that no one but its owner may read or write: `owner` or root. Owns: release *list.
+ * Fails: PEN_NOT_FOUND, PEN_IO, PEN_FORBIDDEN (rights), PEN_TOO_LARGE (more than 1 MiB), PEN_SYNTAX
+ * (with line and column), PEN_NO_MEMORY; *list is then empty. */
 bool pen_token_list_read(struct pen_token_list *list, const char *path, uid_t owner,
                          struct pen_status *st);
 

@@ -2,10 +2,10 @@
 /* The tokens that a server accepts: those of a token file (token_file.h), which is read again when
  * it changes. If it is then broken or unreadable, the tokens that were read before stay in force.
  * No token and no hash appears in a log or a message. Threads: any, unless a function says so. */
-#ifndef PEN_HTTP_TOKENS_H
-#define PEN_HTTP_TOKENS_H
+#ifndef PEN_ACCESS_TOKENS_H
+#define PEN_ACCESS_TOKENS_H
 
-#include "http/token_file.h"
+#include "access/token_file.h"
 
 struct pen_tokens;
 
@@ -13,7 +13,7 @@ struct pen_tokens;
 struct pen_token_holder {
     char name[PEN_TOKEN_NAME_BYTES];
     enum pen_scope scope;
-    uint64_t serial; /* names this very token, for pen_tokens_holds; not to be shown */
+    unsigned char hash[PEN_TOKEN_HASH_BYTES]; /* for pen_tokens_holds; not to be shown */
 };
 
 /* Reads a token file. Owns: close it. Fails: as pen_token_list_read; the message names the file,
