@@ -9,6 +9,7 @@
 #include "film/encode.h"
 #include "io/stats_json.h"
 #include "render/render.h"
+#include "render/transfer.h"
 
 enum { THREADS_MAX = 1024 };
 static const int64_t poll_interval_ns = 10000000;
@@ -172,8 +173,7 @@ static bool render(struct penumbra_scene *scene, const char *view_name, struct r
         !(image->film = pen_film_new(settings->width, settings->height, st)) ||
         !render_film(scene, view, run, image, st))
         return false;
-    image->transfer =
-        settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
+    image->transfer = pen_settings_transfer(settings);
     scene->parse_ms = scene->build_ms = 0;
     return true;
 }

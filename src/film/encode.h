@@ -1,6 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Encodes a film as a file. An 8- or 16-bit code is floor(max * clamp(encode(v)) + 0.5), where
- * encode is the sRGB transfer function or the identity. The bytes of a file are a pure function of
+ * encode is the sRGB transfer function or the identity.
+ *
+ *   transfer   encode    the PNG says         so a screen shows
+ *   srgb       sRGB      sRGB                 the light that the value means
+ *   linear     identity  gamma 1              the same, in fewer steps
+ *   display    identity  sRGB, and a text     the value itself, as programs do that take colours as
+ *                        transfer=display     a screen's from the start
+ *
+ * The bytes of a file are a pure function of
  * the pixels and the options: there are no time stamps, and the compression is fixed. */
 #ifndef PEN_FILM_ENCODE_H
 #define PEN_FILM_ENCODE_H
@@ -12,7 +20,11 @@
 #include "base/status.h"
 #include "film/film.h"
 
-enum pen_transfer { PEN_TRANSFER_SRGB, PEN_TRANSFER_LINEAR };
+enum pen_transfer { PEN_TRANSFER_SRGB, PEN_TRANSFER_LINEAR, PEN_TRANSFER_DISPLAY };
+
+/* The text chunk of a PNG file whose codes are values for a screen. */
+#define PEN_TRANSFER_KEY "transfer"
+#define PEN_TRANSFER_TEXT "display"
 
 /* The sRGB transfer function (IEC 61966-2-1) of a linear value, not clamped. Error: below
  * 1e-15 for values up to 1. */

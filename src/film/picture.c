@@ -3,6 +3,7 @@
 #include "film/internal/picture.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "film/encode.h"
 
@@ -32,7 +33,8 @@ struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_
     *picture = (struct pen_picture){.width = (int)width,
                                     .height = (int)height,
                                     .kind = kind,
-                                    .linear = kind == PICTURE_FLOAT,
+                                    .transfer = kind == PICTURE_FLOAT ? PEN_TRANSFER_LINEAR
+                                                                      : PEN_TRANSFER_SRGB,
                                     .samples = samples,
                                     .owned = samples};
     for (int code = 0; kind == PICTURE_8 && code < 256; code++)
@@ -40,19 +42,38 @@ struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_
     return picture;
 }
 
-struct pen_picture *pen_picture_of_film(const struct pen_film *film, struct pen_status *st)
+struct pen_picture *pen_picture_of_film(const struct pen_film *film, enum pen_transfer transfer,
+                                        struct pen_status *st)
 {
     struct pen_picture *picture = calloc(1, sizeof *picture);
     if (!picture) {
         pen_fail(st, PEN_NO_MEMORY, "out of memory");
         return NULL;
     }
-    *picture = (struct pen_picture){.width = film->width,
-                                    .height = film->height,
-                                    .kind = PICTURE_FLOAT,
-                                    .linear = true,
-                                    .samples = film->rgb};
+    *picture = (struct pen_picture){
+        .width = film->width,
+        .height = film->height,
+        .kind = PICTURE_FLOAT,
+        .transfer = transfer == PEN_TRANSFER_DISPLAY ? transfer : PEN_TRANSFER_LINEAR,
+        .samples = film->rgb};
     return picture;
+}
+
+void pen_picture_set_display(struct pen_picture *picture)
+{
+    picture->transfer = PEN_TRANSFER_DISPLAY;
+}
+
+bool pen_picture_match(struct pen_picture *a, struct pen_picture *b)
+{
+    if (a->transfer == b->transfer)
+        return false;
+    const size_t bytes = (size_t)a->width * (size_t)a->height * 3 * sample_bytes[a->kind];
+    const bool same = a->kind == b->kind && a->width == b->width && a->height == b->height &&
+                      memcmp(a->samples, b->samples, bytes) == 0;
+    if (same || a->transfer == PEN_TRANSFER_DISPLAY || b->transfer == PEN_TRANSFER_DISPLAY)
+        a->transfer = b->transfer = PEN_TRANSFER_DISPLAY;
+    return same;
 }
 
 void pen_picture_free(struct pen_picture *picture)
@@ -101,11 +122,12 @@ static void stored_part(const struct pen_picture *picture, struct pen_picture_pa
 void pen_picture_encoded_part(const struct pen_picture *picture, struct pen_picture_part part,
                               double *out)
 {
+    const bool linear = picture->transfer == PEN_TRANSFER_LINEAR;
     stored_part(picture, part, out);
-    if (!picture->linear)
+    if (!linear && picture->kind != PICTURE_FLOAT)
         return;
     for (size_t i = 0; i < (size_t)part.count * 3; i++)
-        out[i] = pen_encode_unit(out[i], PEN_TRANSFER_SRGB);
+        out[i] = pen_encode_unit(out[i], linear ? PEN_TRANSFER_SRGB : PEN_TRANSFER_DISPLAY);
 }
 
 /* A part of a row of 8-bit sRGB, from the table. */
@@ -121,12 +143,13 @@ static void decoded_part(const struct pen_picture *picture, struct pen_picture_p
 void pen_picture_linear_part(const struct pen_picture *picture, struct pen_picture_part part,
                              double *out)
 {
-    if (picture->kind == PICTURE_8 && !picture->linear) {
+    const bool encoded = picture->transfer == PEN_TRANSFER_SRGB;
+    if (picture->kind == PICTURE_8 && encoded) {
         decoded_part(picture, part, out);
         return;
     }
     stored_part(picture, part, out);
-    if (picture->linear)
+    if (!encoded)
         return;
     for (size_t i = 0; i < (size_t)part.count * 3; i++)
         out[i] = pen_decode_srgb(out[i]);

@@ -4,9 +4,11 @@
 #ifndef PEN_FILM_PICTURE_H
 #define PEN_FILM_PICTURE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/status.h"
+#include "film/encode.h"
 #include "film/film.h"
 
 struct pen_picture;
@@ -20,8 +22,18 @@ struct pen_picture *pen_picture_read(const void *bytes, size_t count, struct pen
  * film then holds a part of it. */
 bool pen_pfm_load(const void *data, size_t bytes, struct pen_film *film, struct pen_status *st);
 
-/* A film as a picture; it borrows the film's pixels. Fails: PEN_NO_MEMORY. */
-struct pen_picture *pen_picture_of_film(const struct pen_film *film, struct pen_status *st);
+/* A film as a picture; it borrows the film's pixels. They are linear values, or values for a screen
+ * if that is the transfer function. Fails: PEN_NO_MEMORY. */
+struct pen_picture *pen_picture_of_film(const struct pen_film *film, enum pen_transfer transfer,
+                                        struct pen_status *st);
+
+/* Reads the samples as values for a screen, whatever the file says. */
+void pen_picture_set_display(struct pen_picture *picture);
+
+/* Makes two pictures alike, so that they can be compared: if one has values for a screen, the
+ * other's samples are read as such, too. Returns whether the files state different transfer
+ * functions although their samples are equal; they are then read alike. */
+bool pen_picture_match(struct pen_picture *a, struct pen_picture *b);
 
 /* NULL is allowed. */
 void pen_picture_free(struct pen_picture *picture);
@@ -29,11 +41,11 @@ void pen_picture_free(struct pen_picture *picture);
 int pen_picture_width(const struct pen_picture *picture);
 int pen_picture_height(const struct pen_picture *picture);
 
-/* Row y (0 is the top one) as width * 3 sRGB-encoded values in [0, 1]. Linear files are encoded:
- * PFM, and PNG whose gAMA chunk states gamma 1. Other PNG files count as sRGB. */
+/* Row y (0 is the top one) as width * 3 values in [0, 1] as a screen shows them. Linear files are
+ * encoded as sRGB: PFM, and PNG whose gAMA chunk states gamma 1. Other PNG files are so already. */
 void pen_picture_encoded_row(const struct pen_picture *picture, int y, double *out);
 
-/* Row y as linear values: in [0, 1] from a PNG file, unchanged from a PFM file. */
+/* Row y as the values of the film: in [0, 1] from a PNG file, unchanged from a PFM file. */
 void pen_picture_linear_row(const struct pen_picture *picture, int y, double *out);
 
 #endif

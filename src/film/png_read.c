@@ -63,13 +63,20 @@ static void convert_to_rgb(struct reader *r)
 }
 
 /* A file that does not state its transfer function counts as sRGB. */
-static bool is_linear(const struct reader *r)
+static enum pen_transfer read_transfer(const struct reader *r)
 {
-    int intent;
+    int intent, count = 0;
     png_fixed_point gamma;
-    if (png_get_sRGB(r->png, r->info, &intent))
-        return false;
-    return png_get_gAMA_fixed(r->png, r->info, &gamma) && gamma == PNG_GAMMA_LINEAR;
+    png_textp text = NULL;
+    png_get_text(r->png, r->info, &text, &count);
+    for (int i = 0; i < count; i++) {
+        if (strcmp(text[i].key, PEN_TRANSFER_KEY) == 0 && text[i].text &&
+            strcmp(text[i].text, PEN_TRANSFER_TEXT) == 0)
+            return PEN_TRANSFER_DISPLAY;
+    }
+    const bool linear = !png_get_sRGB(r->png, r->info, &intent) &&
+                        png_get_gAMA_fixed(r->png, r->info, &gamma) && gamma == PNG_GAMMA_LINEAR;
+    return linear ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
 }
 
 /* Makes the picture, once the header has been read. */
@@ -81,7 +88,7 @@ static bool make_picture(struct reader *r)
     r->picture = pen_picture_new(width, height, wide ? PICTURE_16 : PICTURE_8, r->st);
     if (!r->picture)
         return false;
-    r->picture->linear = is_linear(r);
+    r->picture->transfer = read_transfer(r);
     return true;
 }
 

@@ -83,22 +83,27 @@ static void add_alpha(struct pen_png_writer *w, int y)
     }
 }
 
+static void add_text(struct pen_png_writer *w, const char *key, const char *value)
+{
+    const png_text text = {.compression = PNG_TEXT_COMPRESSION_NONE,
+                           .key = (png_charp)(uintptr_t)key,
+                           .text = (png_charp)(uintptr_t)value};
+    png_set_text(w->png, w->info, &text, 1);
+}
+
 static void write_header(struct pen_png_writer *w)
 {
     png_set_IHDR(w->png, w->info, (png_uint_32)w->film.width, (png_uint_32)w->film.height,
                  w->options.bits, w->options.mask ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_RGB,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    if (w->options.transfer == PEN_TRANSFER_SRGB)
-        png_set_sRGB_gAMA_and_cHRM(w->png, w->info, PNG_sRGB_INTENT_PERCEPTUAL);
-    else
+    if (w->options.transfer == PEN_TRANSFER_LINEAR)
         png_set_gAMA_fixed(w->png, w->info, PNG_GAMMA_LINEAR);
-    if (w->options.description) {
-        char key[] = "Description";
-        png_text text = {.compression = PNG_TEXT_COMPRESSION_NONE,
-                         .key = key,
-                         .text = (png_charp)(uintptr_t)w->options.description};
-        png_set_text(w->png, w->info, &text, 1);
-    }
+    else
+        png_set_sRGB_gAMA_and_cHRM(w->png, w->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    if (w->options.transfer == PEN_TRANSFER_DISPLAY)
+        add_text(w, PEN_TRANSFER_KEY, PEN_TRANSFER_TEXT);
+    if (w->options.description)
+        add_text(w, "Description", w->options.description);
     png_set_filter(w->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_PAETH);
     png_set_compression_strategy(w->png, Z_RLE);
     png_write_info(w->png, w->info);

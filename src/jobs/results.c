@@ -14,6 +14,7 @@
 #include "jobs/internal/stored_request.h"
 #include "jobs/internal/view_pixels.h"
 #include "render/layer_file.h"
+#include "render/transfer.h"
 
 enum { ALL_VIEWS = -1, SHEET_PIXELS_MAX = 16 * 1024 * 1024 };
 
@@ -348,7 +349,8 @@ static bool make_preview(struct pen_jobs *jobs, const struct wanted *want, struc
     unsigned char *mask = film ? calloc((size_t)s->width, (size_t)s->height) : NULL;
     if (film && !mask)
         pen_fail(st, PEN_NO_MEMORY, "no memory for a preview");
-    struct pen_png_options options = {.bits = 8, .transfer = pen_view_transfer(s), .mask = mask};
+    struct pen_png_options options = {
+        .bits = 8, .transfer = pen_settings_transfer(s), .mask = mask};
     bool ok =
         mask &&
         pen_view_pixels_load(jobs->store, want->id, want->view, s, film, mask, NULL, &filled, st) &&

@@ -6,6 +6,7 @@
 #include "jobs/internal/view_pixels.h"
 
 #include "render/render.h"
+#include "render/transfer.h"
 
 /* The number of pixels in the tiles before tile `index`. All rows of tiles have the full height,
  * except possibly the last. */
@@ -97,14 +98,9 @@ bool pen_view_pixels_load(struct pen_store *store, const char *id, int view,
     return !load.outside || pen_fail(st, PEN_STORAGE, "job %s has pixels outside its image", id);
 }
 
-enum pen_transfer pen_view_transfer(const struct pen_settings *settings)
-{
-    return settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
-}
-
 static struct pen_png_options png_options(const struct pen_settings *settings, int bits)
 {
-    return (struct pen_png_options){.bits = bits, .transfer = pen_view_transfer(settings)};
+    return (struct pen_png_options){.bits = bits, .transfer = pen_settings_transfer(settings)};
 }
 
 struct pen_png_writer *pen_view_png_begin(const struct pen_film *film,

@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "film/encode.h"
+#include "render/transfer.h"
 
 static size_t pixels_of(const struct pen_adaptive *a)
 {
@@ -82,8 +83,7 @@ static double channel_error(const double encoded[2], double of_mean)
 void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel, float rgb[3])
 {
     const struct pen_pixel_sums *sums = &a->sums[pixel];
-    const enum pen_transfer transfer =
-        a->settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
+    const enum pen_transfer transfer = pen_settings_transfer(a->settings);
     const double each[2] = {sums->kept[0] > 0 ? 1.0 / sums->kept[0] : 0,
                             sums->kept[1] > 0 ? 1.0 / sums->kept[1] : 0};
     double mean[3], error = 0;

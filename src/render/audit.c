@@ -12,6 +12,7 @@
 #include "math/sample.h"
 #include "render/internal/kernel_input.h"
 #include "render/internal/refine.h"
+#include "render/transfer.h"
 
 /* 99.99 % of Student's distribution with 7 degrees of freedom are within this. */
 static const double STUDENT = 7.8846;
@@ -117,9 +118,7 @@ static enum verdict judge(double shown, double mean, const double *replicate, do
 
 static enum verdict audit_pixel(const struct job *job, int thread, size_t at)
 {
-    const enum pen_transfer transfer = job->task->settings->transfer == PEN_SETTING_LINEAR
-                                           ? PEN_TRANSFER_LINEAR
-                                           : PEN_TRANSFER_SRGB;
+    const enum pen_transfer transfer = pen_settings_transfer(job->task->settings);
     struct pen_pixel_sums again[PEN_AUDIT_REPLICATES];
     enum verdict worst = RIGHT;
     double mean[3];

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "film/encode.h"
+#include "render/transfer.h"
 
 /* What white stands for, for people. */
 static void describe(const struct pen_layer_task *task, double white, char *text, size_t bytes)
@@ -27,11 +28,11 @@ static void describe(const struct pen_layer_task *task, double white, char *text
 bool pen_layer_encode(const struct pen_layer_task *task, const struct pen_film *film,
                       const char *format, struct pen_buf *out, double *white, struct pen_status *st)
 {
-    const bool colour =
-        task->layer == PEN_LAYER_ALBEDO && task->settings->transfer != PEN_SETTING_LINEAR;
+    const bool colour = task->layer == PEN_LAYER_ALBEDO;
     char text[256];
     struct pen_png_options options = {.bits = strcmp(format, "png16") == 0 ? 16 : 8,
-                                      .transfer = colour ? PEN_TRANSFER_SRGB : PEN_TRANSFER_LINEAR};
+                                      .transfer = colour ? pen_settings_transfer(task->settings)
+                                                         : PEN_TRANSFER_LINEAR};
     *white = 0;
     if (strcmp(format, "pfm") == 0)
         return pen_pfm_write(film, out, st);

@@ -10,7 +10,7 @@
 
 #include "accel/accel.h"
 
-enum pen_transfer_name { PEN_SETTING_SRGB, PEN_SETTING_LINEAR };
+enum pen_transfer_name { PEN_SETTING_SRGB, PEN_SETTING_LINEAR, PEN_SETTING_DISPLAY };
 enum pen_light_pattern { PEN_PATTERN_SOBOL, PEN_PATTERN_GRID, PEN_PATTERN_RANDOM };
 enum pen_precision { PEN_PRECISION_ROBUST, PEN_PRECISION_FAST };
 

@@ -11,6 +11,7 @@
 #include "film/metrics.h"
 #include "film/ssim.h"
 #include "render/layers.h"
+#include "render/transfer.h"
 #include "study/accuracy_summary.h"
 #include "study/host.h"
 #include "study/internal/accuracy_run.h"
@@ -103,8 +104,11 @@ bool pen_accuracy_measure(const struct pen_accuracy_state *state, const float *r
 {
     const struct pen_film film = film_of(state, rgb),
                           reference = film_of(state, state->out->reference.rgb);
-    struct pen_picture *a = pen_picture_of_film(&film, st);
-    struct pen_picture *b = a ? pen_picture_of_film(&reference, st) : NULL;
+    struct pen_picture *a =
+        pen_picture_of_film(&film, pen_settings_transfer(state->task->settings), st);
+    struct pen_picture *b =
+        a ? pen_picture_of_film(&reference, pen_settings_transfer(state->task->settings), st)
+          : NULL;
     struct pen_difference d;
     struct pen_flip flip;
     const bool ok = b && check_cancel(state, st) && pen_picture_compare(a, b, 0, &d, st) &&

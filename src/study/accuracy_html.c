@@ -8,6 +8,7 @@
 
 #include "film/error_map.h"
 #include "film/flip.h"
+#include "render/transfer.h"
 #include "study/accuracy.h"
 #include "study/accuracy_summary.h"
 #include "study/internal/accuracy_plot.h"
@@ -34,12 +35,6 @@ static struct pen_film film_of(const struct page *page, const float *rgb)
     return (struct pen_film){s->width, s->height, (float *)(uintptr_t)rgb};
 }
 
-static enum pen_transfer transfer_of(const struct page *page)
-{
-    return page->accuracy->task->settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR
-                                                                          : PEN_TRANSFER_SRGB;
-}
-
 static const json_t *row_of(const struct page *page, int row)
 {
     return pen_bench_report_row(page->report, (size_t)row);
@@ -56,8 +51,11 @@ static bool make_map(const struct page *page, int row, float *errors, struct pen
 {
     const struct pen_film a = film_of(page, page->accuracy->row[row].rgb),
                           b = film_of(page, page->accuracy->reference.rgb);
-    struct pen_picture *left = pen_picture_of_film(&a, st);
-    struct pen_picture *right = left ? pen_picture_of_film(&b, st) : NULL;
+    struct pen_picture *left =
+        pen_picture_of_film(&a, pen_settings_transfer(page->accuracy->task->settings), st);
+    struct pen_picture *right =
+        left ? pen_picture_of_film(&b, pen_settings_transfer(page->accuracy->task->settings), st)
+             : NULL;
     struct pen_flip flip;
     const bool ok = right && pen_picture_flip(left, right, errors, &flip, st);
     pen_picture_free(left);
@@ -158,7 +156,8 @@ static void write_picture(const struct page *page, const float *rgb, int width, 
 {
     const struct pen_film film = film_of(page, rgb);
     pen_buf_puts(page->out, "<figure>");
-    pen_page_picture(&film, transfer_of(page), width, caption, page->out);
+    pen_page_picture(&film, pen_settings_transfer(page->accuracy->task->settings), width, caption,
+                     page->out);
     pen_buf_printf(page->out, "<figcaption>%s</figcaption></figure>\n", caption);
 }
 
@@ -190,7 +189,8 @@ static void write_crop(const struct page *page, const float *rgb, const char *ca
                line * sizeof(float));
     pen_buf_puts(page->out, "<figure class=\"crop\">");
     if (crop.rgb)
-        pen_page_picture(&crop, transfer_of(page), CROP_SHOWN, caption, page->out);
+        pen_page_picture(&crop, pen_settings_transfer(page->accuracy->task->settings), CROP_SHOWN,
+                         caption, page->out);
     else
         page->out->failed = true;
     pen_buf_printf(page->out, "<figcaption>%s</figcaption></figure>\n", caption);

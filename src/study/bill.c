@@ -7,6 +7,7 @@
 #include "base/clock.h"
 #include "film/flip.h"
 #include "film/metrics.h"
+#include "render/transfer.h"
 #include "study/host.h"
 #include "study/internal/bill_state.h"
 #include "study/leave_out.h"
@@ -103,8 +104,8 @@ static bool compare_row(const struct pen_bill *bill, struct pen_bill_row *row,
     const struct pen_settings *s = bill->task->settings;
     const struct pen_film whole = {s->width, s->height, bill->row[0].rgb},
                           without = {s->width, s->height, row->rgb};
-    struct pen_picture *a = pen_picture_of_film(&whole, st);
-    struct pen_picture *b = a ? pen_picture_of_film(&without, st) : NULL;
+    struct pen_picture *a = pen_picture_of_film(&whole, pen_settings_transfer(s), st);
+    struct pen_picture *b = a ? pen_picture_of_film(&without, pen_settings_transfer(s), st) : NULL;
     struct pen_difference d;
     struct pen_flip flip;
     const bool ok =

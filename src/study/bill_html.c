@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "io/figures.h"
+#include "render/transfer.h"
 #include "study/internal/bill_formats.h"
 #include "study/internal/page.h"
 
@@ -18,9 +19,7 @@ static void write_picture(const struct pen_bill *bill, const struct pen_bill_row
     char name[80];
     snprintf(name, sizeof name, "%s%s", row->effect ? "without " : "", pen_bill_name(row));
     pen_buf_puts(out, "<figure>");
-    pen_page_picture(&film,
-                     s->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB,
-                     PICTURE_WIDTH, name, out);
+    pen_page_picture(&film, pen_settings_transfer(s), PICTURE_WIDTH, name, out);
     pen_buf_printf(out, "<figcaption>%s: %.1f ms</figcaption></figure>\n", name, row->median_ms);
 }
 

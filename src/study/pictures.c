@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "film/film.h"
 #include "film/metrics.h"
+#include "render/transfer.h"
 
 struct pen_bench_pictures {
     const struct pen_bench *bench;
@@ -232,8 +233,8 @@ static bool measure_view(const struct pen_bench_pictures *pictures, int row, int
     struct pen_film b = {
         .width = s->width, .height = s->height, .rgb = *reference_of(pictures, out->same_as, view)};
     struct pen_difference difference;
-    struct pen_picture *left = pen_picture_of_film(&a, st);
-    struct pen_picture *right = left ? pen_picture_of_film(&b, st) : NULL;
+    struct pen_picture *left = pen_picture_of_film(&a, pen_settings_transfer(s), st);
+    struct pen_picture *right = left ? pen_picture_of_film(&b, pen_settings_transfer(s), st) : NULL;
     bool ok = right && pen_picture_compare(left, right, 0, &difference, st);
     pen_picture_free(left);
     pen_picture_free(right);

@@ -8,6 +8,7 @@
 #include "bench/load_scene.h"
 #include "film/encode.h"
 #include "render/render.h"
+#include "render/transfer.h"
 
 /* The mean of two renders with fixed numbers of samples. */
 struct bench_reference {
@@ -33,9 +34,7 @@ static inline struct pen_render_stats bench_render(const struct bench_reference 
 
 static inline double bench_encoded(const struct bench_reference *r, float linear)
 {
-    return pen_encode_unit((double)linear, r->settings->transfer == PEN_SETTING_LINEAR
-                                               ? PEN_TRANSFER_LINEAR
-                                               : PEN_TRANSFER_SRGB);
+    return pen_encode_unit((double)linear, pen_settings_transfer(r->settings));
 }
 
 /* The root mean square of the differences of all values, as api/scene-format.md defines the error

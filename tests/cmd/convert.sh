@@ -60,8 +60,8 @@ check "a built-in scene converted, the same picture" cmp a.png b.png
 "$penumbra" render - -o a.png --set width=40 --set height=30 <"$classroom"
 "$penumbra" render "$classroom" -o b.png --set width=40 --set height=30
 check "render from standard input" cmp a.png b.png
-expect "the classroom's picture is encoded linearly" "$(jq -c .render want.json)" \
-    '{"width":1000,"height":1000,"transfer":"linear"}'
+expect "the classroom's colours are a screen's" "$(jq -c .render want.json)" \
+    '{"width":1000,"height":1000,"transfer":"display"}'
 
 sed -n '/^```xml$/,/^```$/p' "$root/README.md" | sed '1d;$d' >readme.xml
 exits "the README's scene" 0 "$penumbra" validate readme.xml

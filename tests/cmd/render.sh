@@ -216,6 +216,23 @@ exits "scenes --json" 0 "$penumbra" scenes --json
 expect "scenes --json prints a list" "$(jq -r '.scenes | map(.name) | index("spheres") != null' stdout)" true
 exits "scenes with an unknown name" 4 "$penumbra" scenes rom
 
+# The classroom's colours are a screen's: the numbers stay, and the file says sRGB.
+cat >screen.xml <<'END'
+<scene background-color="40 90 160">
+    <ambient-light color="220 150 90"/>
+    <geometries><sphere center="0 0 -90" radius="40"/></geometries>
+    <render width="30" height="30"/>
+</scene>
+END
+exits "XML's picture" 0 "$penumbra" render screen.xml -o screen.png
+expect "is sRGB to others, and says more to compare" "$(grep -aoE 'sRGB|transfer.display' screen.png | tr '\0\n' ' ,')" "sRGB,transfer display,"
+exits "XML's pixels" 0 "$penumbra" render screen.xml -o screen.pfm
+exits "both are the same" 0 "$penumbra" compare screen.png screen.pfm --max-error 1e-6
+exits "the same numbers with another tag" 0 "$penumbra" render screen.xml --set transfer=linear -o tag.png
+exits "are the same picture" 0 "$penumbra" compare screen.png tag.png --max-error 0
+prints "and compare tells of the tags" stdout "tags          differ, and the values are equal"
+exits "audit reads the numbers" 0 "$penumbra" audit screen.xml screen.png --max-wrong 0.05
+
 # compare
 exits "compare equal pictures" 0 "$penumbra" compare a.png front.png --max-error 0
 prints "their error is 0" stdout "rmse          0"

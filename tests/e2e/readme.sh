@@ -49,4 +49,10 @@ sed -n "1,/jq .errors\$/p" example | tr -d '\n' | sed "s/^[^']*'//; s/'.*//" >ex
 sed '1,/jq .errors$/d; /^```$/d' example >example.wanted
 curl -s "$url/v1/validate" -d @example.json | jq .errors >example.got
 expect error-example "$(cat example.got)" "$(cat example.wanted)"
+# The scene in JSON and its twin in XML have one picture.
+for kind in json xml; do
+    awk -v fence="^\`\`\`$kind\$" '$0 ~ fence { on = 1; next } on && /^```$/ { exit } on' "$root/README.md" >"scene.$kind"
+    "$build/penumbra" render "scene.$kind" --set width=200 --set height=150 -o "$kind.png" 2>/dev/null
+done
+expect twins "$(cmp json.png xml.png && echo same)" same
 finish

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "film/encode.h"
+#include "film/metrics.h"
 #include "film/picture.h"
 #include "support/alloc.h"
 #include "support/random.h"
@@ -84,6 +85,43 @@ START_TEST(test_files__png_holds_the_codes_of_the_formula)
         pen_picture_free(picture);
         pen_buf_release(&out);
     }
+}
+END_TEST
+
+/* A file whose codes are values for a screen says so in a text, which our reader obeys; to others
+ * it is sRGB. Pictures that have the same samples under other tags are found equal. */
+START_TEST(test_files__values_for_a_screen_stay_as_they_are)
+{
+    const struct pen_png_options display = {.bits = 8, .transfer = PEN_TRANSFER_DISPLAY};
+    struct pen_film film = make_film();
+    struct pen_buf shown = write_png(&film, display),
+                   linear = write_png(
+                       &film, (struct pen_png_options){.bits = 8, .transfer = PEN_TRANSFER_LINEAR});
+    ck_assert(chunk(&shown, "sRGB") && chunk(&shown, "gAMA") && chunk(&shown, "cHRM"));
+    ck_assert_mem_eq(chunk(&shown, "gAMA"), "\x00\x00\xB1\x8F", 4);
+    ck_assert_mem_eq(chunk(&shown, "tEXt"), "transfer\0display", 16);
+    struct pen_status st;
+    struct pen_picture *a = pen_picture_read(shown.data, shown.bytes, &st),
+                       *b = pen_picture_read(linear.data, linear.bytes, &st),
+                       *numbers = pen_picture_of_film(&film, PEN_TRANSFER_LINEAR, &st);
+    double row[2][3 * W];
+    struct pen_difference d;
+    for (int y = 0; y < H; y++) {
+        pen_picture_linear_row(a, y, row[0]);
+        pen_picture_linear_row(b, y, row[1]);
+        ck_assert_mem_eq(row[0], row[1], sizeof row[0]);
+        pen_picture_encoded_row(a, y, row[1]);
+        ck_assert_mem_eq(row[0], row[1], sizeof row[0]);
+    }
+    ck_assert(pen_picture_compare(a, b, 0, &d, &st) && d.rmse > 0.01);
+    ck_assert(!pen_picture_match(a, numbers) && pen_picture_compare(a, numbers, 0, &d, &st));
+    ck_assert(d.max_error <= 0.5 / 255 + 1e-9);
+    ck_assert(pen_picture_match(a, b) && pen_picture_compare(a, b, 0, &d, &st) && d.rmse == 0);
+    pen_picture_free(a);
+    pen_picture_free(b);
+    pen_picture_free(numbers);
+    pen_buf_release(&shown);
+    pen_buf_release(&linear);
 }
 END_TEST
 
@@ -506,9 +544,10 @@ START_TEST(test_files__every_failed_allocation_is_an_error)
 END_TEST
 
 PEN_SUITE("files", test_files__png_holds_the_codes_of_the_formula,
-          test_files__png_states_its_transfer, test_files__pixels_not_rendered_yet_are_transparent,
-          test_files__pfm_keeps_every_bit, test_files__pfm_is_made_in_place,
-          test_files__pfm_of_other_programs_is_read, test_files__damaged_pfm_is_refused,
-          test_files__every_kind_of_png_is_read, test_files__every_truncated_png_is_refused,
+          test_files__png_states_its_transfer, test_files__values_for_a_screen_stay_as_they_are,
+          test_files__pixels_not_rendered_yet_are_transparent, test_files__pfm_keeps_every_bit,
+          test_files__pfm_is_made_in_place, test_files__pfm_of_other_programs_is_read,
+          test_files__damaged_pfm_is_refused, test_files__every_kind_of_png_is_read,
+          test_files__every_truncated_png_is_refused,
           test_files__damaged_files_end_in_an_error_or_a_picture, test_files__png_size_is_bounded,
           test_files__every_failed_allocation_is_an_error)

@@ -19,7 +19,8 @@ static struct pen_difference compare(float *a, float *b, double tolerance)
 {
     struct pen_status st;
     struct pen_film fa = {W, H, a}, fb = {W, H, b};
-    struct pen_picture *pa = pen_picture_of_film(&fa, &st), *pb = pen_picture_of_film(&fb, &st);
+    struct pen_picture *pa = pen_picture_of_film(&fa, PEN_TRANSFER_LINEAR, &st),
+                       *pb = pen_picture_of_film(&fb, PEN_TRANSFER_LINEAR, &st);
     struct pen_difference d;
     ck_assert(pa && pb && pen_picture_compare(pa, pb, tolerance, &d, &st));
     pen_picture_free(pa);
@@ -107,7 +108,7 @@ START_TEST(test_metrics__relative_errors_of_encoded_files)
     for (int i = 0; i < 256 * 3; i++)
         rgb[i] = (float)pen_decode_srgb(i / 3 / 255.0);
     const struct pen_film film = {256, 1, rgb};
-    struct pen_picture *exact = pen_picture_of_film(&film, &st);
+    struct pen_picture *exact = pen_picture_of_film(&film, PEN_TRANSFER_LINEAR, &st);
     for (int bits = 8; bits <= 16; bits += 8) {
         const struct pen_png_options options = {.bits = bits};
         struct pen_buf file = {0};
@@ -156,14 +157,14 @@ START_TEST(test_metrics__different_sizes_are_an_error)
     float a[W * H * 3];
     fill(a, 0.5);
     struct pen_film film = {W, H, a}, transposed = {H, W, a};
-    struct pen_picture *p = pen_picture_of_film(&film, &st),
-                       *q = pen_picture_of_film(&transposed, &st);
+    struct pen_picture *p = pen_picture_of_film(&film, PEN_TRANSFER_LINEAR, &st),
+                       *q = pen_picture_of_film(&transposed, PEN_TRANSFER_LINEAR, &st);
     struct pen_difference d;
     ck_assert(!pen_picture_compare(p, q, 0, &d, &st) && st.code == PEN_INVALID);
     ck_assert_str_eq(st.msg, "pictures of 4 x 3 and 3 x 4 pixels do not compare");
     alloc_fail_after(0);
     bool ok = pen_picture_compare(p, p, 0, &d, &st);
-    struct pen_picture *none = pen_picture_of_film(&film, &st);
+    struct pen_picture *none = pen_picture_of_film(&film, PEN_TRANSFER_LINEAR, &st);
     alloc_succeed();
     ck_assert(!ok && !none && st.code == PEN_NO_MEMORY);
     pen_picture_free(p);

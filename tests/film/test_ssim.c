@@ -224,8 +224,8 @@ START_TEST(test_ssim__different_sizes_are_an_error)
     pair.height = 3;
     fill(pair.a, 1);
     const struct pen_film film = {4, 3, pair.a}, transposed = {3, 4, pair.a};
-    struct pen_picture *p = pen_picture_of_film(&film, &st),
-                       *q = pen_picture_of_film(&transposed, &st);
+    struct pen_picture *p = pen_picture_of_film(&film, PEN_TRANSFER_LINEAR, &st),
+                       *q = pen_picture_of_film(&transposed, PEN_TRANSFER_LINEAR, &st);
     ck_assert(!pen_picture_ssim(p, q, &s, &st) && st.code == PEN_INVALID);
     pen_picture_free(p);
     pen_picture_free(q);

@@ -50,7 +50,7 @@ START_TEST(test_xml__without_a_camera_the_classrooms_is_used)
     ck_assert(camera->plane_width == 500 && camera->plane_height == 500);
     ck_assert_int_eq(desc.settings.width, 1000);
     ck_assert_int_eq(desc.settings.height, 1000);
-    ck_assert_int_eq(desc.settings.transfer, PEN_SETTING_LINEAR);
+    ck_assert_int_eq(desc.settings.transfer, PEN_SETTING_DISPLAY);
     check_vector(desc.background, 75.0 / 255, 127.0 / 255, 190.0 / 255);
     check_vector(desc.ambient, 1, 191.0 / 255, 0.2);
     ck_assert_int_eq(desc.objects[0].material, -1);
@@ -64,7 +64,7 @@ START_TEST(test_xml__a_camera_element_has_the_defaults_of_the_format)
     ck_assert(desc.views[0].camera.fov_degrees == 50);
     ck_assert_int_eq(desc.settings.width, 800);
     ck_assert_int_eq(desc.settings.height, 600);
-    ck_assert_int_eq(desc.settings.transfer, PEN_SETTING_LINEAR);
+    ck_assert_int_eq(desc.settings.transfer, PEN_SETTING_DISPLAY);
     must_load("<scene><render height='7' transfer='srgb'/></scene>");
     ck_assert_int_eq(desc.settings.width, 1000);
     ck_assert_int_eq(desc.settings.height, 7);

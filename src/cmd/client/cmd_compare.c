@@ -31,6 +31,7 @@ struct figures {
     struct pen_difference difference;
     double ssim;
     struct pen_flip flip;
+    bool tags_differ; /* although the samples are equal */
 };
 
 static const struct pen_option options[] = {
@@ -98,14 +99,15 @@ static void print_json(const struct figures *f)
     const struct pen_difference *d = &f->difference;
     const struct pen_flip *flip = &f->flip;
     pen_report_exact(json_pack(
-        "{s:f, s:o, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:[i, i], s:I, s:I, s:I, s:f}",
+        "{s:f, s:o, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:[i, i], s:I, s:I, s:I, s:f, "
+        "s:b}",
         "rmse", d->rmse, "relative_mse", real_or_null(d->relative_mse), "psnr",
         real_or_null(d->psnr), "ssim", f->ssim, "flip", flip->mean, "flip_min", flip->min,
         "flip_first_quartile", flip->first_quartile, "flip_weighted_median", flip->weighted_median,
         "flip_third_quartile", flip->third_quartile, "flip_max", flip->max, "max_error",
         d->max_error, "max_at", d->max_x, d->max_y, "pixels", (json_int_t)f->width * f->height,
         "differing", (json_int_t)d->differing, "over_tolerance", (json_int_t)d->over, "rmse_within",
-        d->rmse_within));
+        d->rmse_within, "tags_differ", f->tags_differ));
 }
 
 static void print_text(const struct figures *f, const struct values *values)
@@ -122,6 +124,8 @@ static void print_text(const struct figures *f, const struct values *values)
         printf(" at %d,%d", d->max_x, d->max_y);
     printf("\ndiffering     %" PRId64 " of %" PRId64 " pixels\n", d->differing,
            (int64_t)f->width * f->height);
+    if (f->tags_differ)
+        printf("tags          differ, and the values are equal\n");
     if (values->tolerance >= 0)
         printf("beyond %g  %" PRId64 " pixels, rmse of the others %.9g\n", values->tolerance,
                d->over, d->rmse_within);
@@ -213,13 +217,14 @@ static bool make_results(const struct pen_picture *a, const struct pen_picture *
     return ok;
 }
 
-static int compare(const struct pen_picture *a, const struct pen_picture *b,
-                   const struct values *values)
+static int compare(struct pen_picture *a, struct pen_picture *b, const struct values *values)
 {
     struct pen_status st;
     struct figures figures;
+    const bool tags_differ = pen_picture_match(a, b);
     if (!make_results(a, b, values, &figures, &st))
         return pen_report_json(NULL, values->json, &st);
+    figures.tags_differ = tags_differ;
     if (values->json)
         print_json(&figures);
     else if (!values->quiet)

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cmd/files.h"
+#include "render/transfer.h"
 #include "study/report.h"
 
 const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
@@ -63,17 +64,12 @@ bool pen_output_is_standard(const struct pen_option_list *outputs)
     return false;
 }
 
-static enum pen_transfer transfer_of(const struct pen_settings *settings)
-{
-    return settings->transfer == PEN_SETTING_LINEAR ? PEN_TRANSFER_LINEAR : PEN_TRANSFER_SRGB;
-}
-
 bool pen_output_begin(struct pen_output *output, const char *format, const struct pen_film *film,
                       const struct pen_settings *settings, struct pen_buf *out,
                       struct pen_status *st)
 {
     struct pen_png_options options = {.bits = strcmp(format, "png16") == 0 ? 16 : 8,
-                                      .transfer = transfer_of(settings)};
+                                      .transfer = pen_settings_transfer(settings)};
     *output = (struct pen_output){.film = film, .out = out};
     if (strcmp(format, "pfm") == 0)
         return true;
@@ -105,8 +101,8 @@ void pen_output_pixel(const float rgb[3], const struct pen_settings *settings, i
 {
     unsigned char narrow[3];
     uint16_t wide[3];
-    pen_encode_8(rgb, 3, transfer_of(settings), narrow);
-    pen_encode_16(rgb, 3, transfer_of(settings), wide);
+    pen_encode_8(rgb, 3, pen_settings_transfer(settings), narrow);
+    pen_encode_16(rgb, 3, pen_settings_transfer(settings), wide);
     for (int c = 0; c < 3; c++) {
         png8[c] = narrow[c];
         png16[c] = wide[c];

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 
+#include "film/encode.h"
 #include "film/picture.h"
 
 enum picture_kind { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
@@ -13,7 +14,7 @@ enum picture_kind { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
 struct pen_picture {
     int width, height;
     enum picture_kind kind;
-    bool linear;         /* else sRGB-encoded; floats are always linear */
+    enum pen_transfer transfer; /* of the samples; floats are not encoded */
     const void *samples; /* width * height * 3 of unsigned char, uint16_t or float; top row first */
     void *owned;         /* the samples if the picture owns them, else NULL */
     double decoded[256]; /* the linear value of each code, for PICTURE_8 */

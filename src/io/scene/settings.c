@@ -31,8 +31,10 @@ static const struct pen_word accelerators[] = {
     {"cbr", PEN_ACCEL_CBR, NULL},       {"manual", PEN_ACCEL_MANUAL, NULL},
     {"median", PEN_ACCEL_MEDIAN, NULL}, {0}};
 
-static const struct pen_word transfers[] = {
-    {"srgb", PEN_SETTING_SRGB, NULL}, {"linear", PEN_SETTING_LINEAR, NULL}, {0}};
+static const struct pen_word transfers[] = {{"srgb", PEN_SETTING_SRGB, NULL},
+                                            {"linear", PEN_SETTING_LINEAR, NULL},
+                                            {"display", PEN_SETTING_DISPLAY, NULL},
+                                            {0}};
 
 static const struct pen_word qualities[] = {{"draft", PEN_QUALITY_DRAFT, NULL},
                                             {"good", PEN_QUALITY_GOOD, NULL},

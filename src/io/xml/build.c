@@ -450,7 +450,7 @@ static void add_defaults(struct pen_xml_builder *b)
                               "direction", 0, 0, -1, "view_plane", "distance", 100, "width", 500,
                               "height", 500));
     }
-    add_default(b, render, "transfer", json_string("linear"));
+    add_default(b, render, "transfer", json_string("display"));
     add_default(b, b->document, "format", json_string("penumbra-scene/1"));
 }
 

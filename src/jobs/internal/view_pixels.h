@@ -27,9 +27,6 @@ bool pen_view_pixels_load(struct pen_store *store, const char *id, int view,
                           unsigned char *mask, unsigned char *begins, int64_t *filled,
                           struct pen_status *st);
 
-/* The transfer function of the settings. */
-enum pen_transfer pen_view_transfer(const struct pen_settings *settings);
-
 /* Begins the PNG of a film whose rows are not finished yet, with the bytes of pen_view_encode. Owns
  * and fails: as pen_png_begin. */
 struct pen_png_writer *pen_view_png_begin(const struct pen_film *film,
