@@ -207,14 +207,15 @@ static int create_like(char *name, const struct stat *old)
     return fd;
 }
 
+/* `durable`: both the contents and the rename are on the disk afterwards. */
 static bool replace(const char *path, const struct stat *old, const void *data, size_t bytes,
-                    struct pen_status *st)
+                    bool durable, struct pen_status *st)
 {
     char *name = NULL;
     if (asprintf(&name, "%s.XXXXXX", path) < 0)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory");
     int fd = create_like(name, old);
-    bool ok = fd >= 0 && write_all(fd, data, bytes) && fsync(fd) == 0;
+    bool ok = fd >= 0 && write_all(fd, data, bytes) && (!durable || fsync(fd) == 0);
     int cause = errno;
     if (fd >= 0 && close(fd) != 0 && ok) {
         ok = false;
@@ -227,7 +228,7 @@ static bool replace(const char *path, const struct stat *old, const void *data, 
     if (!ok && fd >= 0)
         unlink(name);
     free(name);
-    if (ok)
+    if (ok && durable)
         flush_folder(path);
     errno = cause;
     return ok || fail_errno(st, PEN_IO, "write", path);
@@ -266,7 +267,8 @@ bool pen_file_check(const char *path, struct pen_status *st)
     return access(path, W_OK) == 0 || fail_errno(st, PEN_IO, "write", path);
 }
 
-bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen_status *st)
+static bool write_file(const char *path, const void *data, size_t bytes, bool durable,
+                       struct pen_status *st)
 {
     struct stat info;
     if (strcmp(path, "-") == 0)
@@ -277,9 +279,19 @@ bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen
         if (!S_ISREG(info.st_mode))
             return write_directly(path, data, bytes, st);
         char *target = realpath(path, NULL); /* replaces the target of a link, not the link */
-        bool ok = replace(target ? target : path, &info, data, bytes, st);
+        bool ok = replace(target ? target : path, &info, data, bytes, durable, st);
         free(target);
         return ok;
     }
-    return replace(path, NULL, data, bytes, st);
+    return replace(path, NULL, data, bytes, durable, st);
+}
+
+bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen_status *st)
+{
+    return write_file(path, data, bytes, false, st);
+}
+
+bool pen_file_write_durable(const char *path, const void *data, size_t bytes, struct pen_status *st)
+{
+    return write_file(path, data, bytes, true, st);
 }

@@ -49,13 +49,15 @@ bool pen_name_ends_in(const char *name, const char *ending);
 bool pen_file_read(const char *path, size_t max_bytes, struct pen_buf *out, struct pen_status *st);
 
 /* Replaces a file as a whole:
- *  1. writes a new file in the same folder and flushes it to disk;
- *  2. renames it over the old one, whose mode it has, and whose owner where the
- *     system allows it;
- *  3. flushes the folder.
+ *  1. writes a new file in the same folder;
+ *  2. renames it over the old one, whose mode it has, and whose owner where the system allows it.
+ * So a reader never sees a part of it. The system writes both to the disk when it likes; the
+ * durable one waits for that, which takes 2 to 60 ms.
  * `-` is standard output. A path that is not a regular file (a pipe, /dev/null) is written to
  * directly. Fails: PEN_IO, PEN_NO_MEMORY. */
 bool pen_file_write(const char *path, const void *data, size_t bytes, struct pen_status *st);
+bool pen_file_write_durable(const char *path, const void *data, size_t bytes,
+                            struct pen_status *st);
 
 /* Checks before long work that pen_file_write can create its file: creates one in the same folder
  * and removes it again. Fails: PEN_IO, with the message that pen_file_write would give. */

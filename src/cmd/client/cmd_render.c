@@ -251,6 +251,8 @@ static bool render_view(struct render *r, struct pen_status *st)
 /* Renders some pixels of the picture again, and says how many can be wrong. */
 static bool audit_view(struct render *r, struct pen_status *st)
 {
+    if (r->values->audit < 0)
+        return true;
     const struct pen_audit_task task = {.scene = r->scene,
                                         .view = r->view,
                                         .settings = &r->input.desc.settings,
@@ -259,8 +261,6 @@ static bool audit_view(struct render *r, struct pen_status *st)
                                         .pixels = (uint64_t)r->values->audit_pixels,
                                         .threshold = r->values->audit,
                                         .seed = pen_audit_seed(r->film)};
-    if (r->values->audit < 0)
-        return true;
     if (!pen_audit_run(r->pool, &task, &r->audit, st))
         return false;
     if (!r->values->quiet && !r->values->json)

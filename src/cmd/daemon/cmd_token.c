@@ -97,7 +97,7 @@ static bool write_file(const struct pen_token_list *list, const char *path, stru
     pen_token_list_print(list, &text);
     umask(0077);
     const bool ok = text.failed ? pen_fail(st, PEN_NO_MEMORY, "out of memory")
-                                : pen_file_write(path, text.data, text.bytes, st);
+                                : pen_file_write_durable(path, text.data, text.bytes, st);
     pen_buf_release(&text);
     return ok;
 }
