@@ -12,10 +12,9 @@
 
 enum {
     PART_BYTES = 64 << 10,
-    GZIP_BITS = 15 + 16, /* zlib's way to say gzip */
-    LEVEL = 5,           /* beyond it, reports take twice the time and become 2 % smaller */
-    SMALL_BYTES = 1400,  /* one packet */
-    MUCH_BYTES = 64 << 10,
+    GZIP_BITS = 15 + 16,    /* zlib's way to say gzip */
+    LEVEL = 5,              /* beyond it, reports take twice the time and become 2 % smaller */
+    SMALL_BYTES = 1400,     /* one packet */
     LARGE_BYTES = 32 << 20, /* would keep a thread for too long */
 };
 
@@ -146,21 +145,6 @@ static bool is_compressible(const struct reply *reply)
            reply->status != 206 && find_field(reply, "Content-Encoding") < 0;
 }
 
-/* Whether this client gets a compressible answer compressed. */
-static bool wants_gzip(const struct request *request)
-{
-    const size_t bytes = request->reply.bytes;
-    return bytes >= SMALL_BYTES && bytes <= LARGE_BYTES &&
-           pen_encoding_is_gzip(request->fields.accept_encoding);
-}
-
-bool pen_http_request_encodes_much(const struct request *request)
-{
-    const struct reply *reply = &request->reply;
-    return reply->bytes > MUCH_BYTES && reply->status != 304 && is_compressible(reply) &&
-           wants_gzip(request) && !pen_http_blob_has_gzip(reply->body);
-}
-
 void pen_http_request_encode(struct request *request)
 {
     struct reply *reply = &request->reply;
@@ -168,7 +152,8 @@ void pen_http_request_encode(struct request *request)
         return;
     if (find_field(reply, "Vary") < 0)
         pen_http_reply_field(reply, "Vary", "Accept-Encoding");
-    if (!wants_gzip(request))
+    if (reply->bytes < SMALL_BYTES || reply->bytes > LARGE_BYTES ||
+        !pen_encoding_is_gzip(request->fields.accept_encoding))
         return;
     if (reply->status == 304) { /* it has no body */
         change_tag(reply);

@@ -96,37 +96,17 @@ static bool is_unwanted(const struct request *request)
            pen_clock_ns() - request->queued_ns > patience_ns && poll(&client, 1, 0) > 0;
 }
 
-/* Answers 503 instead if there is no memory for the answer. */
-static void count_answer(struct request *request)
+/* Runs the handler, and answers 503 instead if there is no memory for the answer. */
+static void run(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_status st;
+    if (is_unwanted(request))
+        request->gone = true;
+    else if (pen_http_request_decode(request) &&
+             request->route->handle(request, jobs) == OUTCOME_WATCHED)
+        return;
     if (!pen_http_pictures_count(request->http->pictures, request->reply.body, &st))
         pen_http_request_fail(request, &st);
-}
-
-/* Decodes the body, and runs the handler. */
-static enum outcome handle(struct request *request, struct thread *thread)
-{
-    enum outcome outcome = OUTCOME_ANSWERED;
-    const bool unwanted = is_unwanted(request);
-    request->gone = request->gone || unwanted;
-    if (!unwanted && pen_http_request_decode(request))
-        outcome = request->route->handle(request, thread->jobs);
-    if (outcome == OUTCOME_ANSWERED)
-        count_answer(request);
-    return outcome;
-}
-
-static void run(struct request *request, struct thread *thread)
-{
-    const enum outcome outcome = handle(request, thread);
-    if (outcome == OUTCOME_WATCHED)
-        return;
-    if (outcome == OUTCOME_MOVED) {
-        if (pen_http_executor_submit(thread->executor, request->queue, request))
-            return;
-        pen_http_executor_refuse(thread->executor, request);
-    }
     pen_http_request_encode(request);
     pen_http_request_drop_body(request);
     pen_http_resume(request);
@@ -137,7 +117,7 @@ static void *work(void *arg)
     struct thread *thread = arg;
     struct request *request;
     while ((request = next_request(thread->executor, thread->id)) != NULL)
-        run(request, thread);
+        run(request, thread->jobs);
     return NULL;
 }
 
@@ -215,7 +195,6 @@ void pen_http_executor_free(struct executor *executor)
 bool pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request)
 {
     struct queue *queue = &executor->queue[id];
-    request->queue = id;
     request->queued_ns = pen_clock_ns();
     request->next = NULL;
     pthread_mutex_lock(&executor->lock);

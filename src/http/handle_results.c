@@ -11,8 +11,6 @@
 #include "http/internal/watch.h"
 #include "io/document.h"
 
-enum { SHORT_READ = 1 << 20 }; /* bytes that a store thread reads for an answer; it takes 2 ms */
-
 static const char forever[] = "private, max-age=86400, immutable";
 
 /* Answers with a problem. Adds Retry-After if the job has not ended, because its result may still
@@ -103,32 +101,18 @@ static bool find_kept(const struct request *request, struct pen_jobs *jobs,
     return pen_http_pictures_find(http->pictures, key, out);
 }
 
-/* Whether an answer that takes so much memory is left to a compute thread. */
-static bool is_moved(struct request *request, size_t bytes)
-{
-    if (bytes <= SHORT_READ || request->queue != QUEUE_STORE)
-        return false;
-    request->queue = QUEUE_COMPUTE;
-    return true;
-}
-
 /* A picture that is being made. */
 struct making {
     struct request *request;
     struct picture_room room;
-    bool is_moved; /* it is left to a compute thread */
 };
 
-/* Work goes to its thread before memory is set aside for it. What was set aside before is not
- * needed. */
+/* What was set aside before is not needed. */
 static bool reserve(void *user, size_t bytes, struct pen_status *st)
 {
     struct making *making = user;
     struct request *request = making->request;
     pen_http_pictures_give_up(request->http->pictures, &making->room);
-    making->is_moved = is_moved(request, bytes);
-    if (making->is_moved)
-        return pen_fail(st, PEN_UNAVAILABLE, "the picture is large");
     making->room.bytes = bytes;
     return pen_http_pictures_reserve(request->http->pictures, &making->room, st);
 }
@@ -140,8 +124,6 @@ static enum outcome answer_made(struct making *making, struct pen_jobs *jobs, bo
     struct request *request = making->request;
     struct pictures *pictures = request->http->pictures;
     struct picture picture;
-    if (making->is_moved)
-        return OUTCOME_MOVED;
     if (!made)
         pen_http_pictures_give_up(pictures, &making->room);
     if (!made || !pen_http_pictures_take(pictures, key, image, &making->room, &picture, st))
@@ -192,71 +174,14 @@ enum outcome pen_http_handle_stats(struct request *request, struct pen_jobs *job
     return OUTCOME_ANSWERED;
 }
 
-/* A large scene is kept as pictures are: it never changes. Small ones are not, since they would
- * take the places of pictures in the list. */
-enum { KEPT_SCENE = 64 << 10 };
-
-static struct picture_key scene_key(const struct request *request)
-{
-    return (struct picture_key){.job = request->job_id, .layer = "scene", .format = "scene"};
-}
-
-static void answer_scene(struct request *request, const struct picture *scene)
-{
-    const struct content content = {
-        .blob = scene->blob, .type = scene->type, .etag = scene->etag, .cache_control = forever};
-    pen_http_request_content(request, &content);
-}
-
-bool pen_http_quick_scene(struct request *request)
-{
-    const struct picture_key key = scene_key(request);
-    struct picture scene;
-    if (!find_quickly(request, &key, &scene))
-        return false;
-    answer_scene(request, &scene);
-    if (!pen_http_request_encodes_much(request))
-        return true;
-    pen_http_reply_release(&request->reply);
-    return false;
-}
-
-/* Reads the scene from the store. */
-static bool read_scene(struct request *request, struct pen_jobs *jobs,
-                       const struct picture_key *key, struct picture *scene, struct pen_status *st)
-{
-    struct pen_image image = {0};
-    if (!pen_jobs_scene(jobs, request->job_id, &image.bytes, st))
-        return false;
-    const bool xml = pen_text_is_xml((const char *)image.bytes.data, image.bytes.bytes);
-    strcpy(image.type, xml ? "application/xml" : "application/json");
-    pen_http_etag(&image.bytes, image.etag);
-    return pen_http_pictures_take(request->http->pictures,
-                                  image.bytes.bytes > KEPT_SCENE ? key : NULL, &image, NULL, scene,
-                                  st);
-}
-
 enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *jobs)
 {
-    const struct picture_key key = scene_key(request);
-    struct picture scene;
+    struct pen_buf text = {0};
     struct pen_status st;
-    size_t bytes;
-    if (find_kept(request, jobs, &key, &scene)) {
-        answer_scene(request, &scene);
-        if (!pen_http_request_encodes_much(request) ||
-            !is_moved(request, scene.blob->content.bytes))
-            return OUTCOME_ANSWERED;
-        pen_http_reply_release(&request->reply);
-        return OUTCOME_MOVED;
-    }
-    if (!pen_jobs_scene_bytes(jobs, request->job_id, &bytes, &st))
+    if (!pen_jobs_scene(jobs, request->job_id, &text, &st))
         return answer_status(request, jobs, &st);
-    if (is_moved(request, bytes))
-        return OUTCOME_MOVED;
-    if (!read_scene(request, jobs, &key, &scene, &st))
-        return answer_status(request, jobs, &st);
-    answer_scene(request, &scene);
+    const bool xml = pen_text_is_xml((const char *)text.data, text.bytes);
+    answer_hashed(request, pen_http_blob_take(&text), xml ? "application/xml" : "application/json");
     return OUTCOME_ANSWERED;
 }
 

@@ -90,23 +90,20 @@ enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *j
     return OUTCOME_ANSWERED;
 }
 
-/* Whether a write reaches the disk is told by jobs that were stored (handle_jobs.c), else by a
+/* Whether a write reaches the disk: as the last job that was stored says (handle_jobs.c), or else a
  * probe, at most once a second, so that a monitor that polls often does not wear the disk. While
- * one thread probes, which may have to wait for a large job to be stored, others are told the
- * result before, if that is not old. If it is, they wait on the thread for changes: of the store
- * threads, one at most waits for writers. Returns whether *st is the answer. */
-static bool probe(struct request *request, struct pen_jobs *jobs, struct pen_status *st)
+ * one thread probes, which may have to wait for a large job to be stored, others use the last
+ * result, if it is not old. */
+static void probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
 {
-    struct pen_http *http = request->http;
     pthread_mutex_lock(&http->ready_lock);
     const int64_t age = http->ready_ns ? pen_clock_ns() - http->ready_ns : INT64_MAX;
     const bool known = age < probe_again_ns || (http->probing && age < probe_late_ns);
-    const bool waits = !known && http->probing && request->queue == QUEUE_STORE;
     *st = http->ready;
     http->probing = http->probing || !known;
     pthread_mutex_unlock(&http->ready_lock);
-    if (known || waits)
-        return known;
+    if (known)
+        return;
     *st = (struct pen_status){.code = PEN_OK};
     pen_store_intake(pen_jobs_store(jobs), st);
     pthread_mutex_lock(&http->ready_lock);
@@ -114,14 +111,18 @@ static bool probe(struct request *request, struct pen_jobs *jobs, struct pen_sta
     http->ready_ns = pen_clock_ns();
     http->ready = *st;
     pthread_mutex_unlock(&http->ready_lock);
-    return true;
 }
 
-/* Fails if pen_http_set_not_ready has set a reason, with that reason, or if the token file is
- * broken. */
-static bool check_reason(struct pen_http *http, struct pen_status *st)
+/* Fails with the reason why the daemon is not ready: it ends, the store takes no writes, a reason
+ * that pen_http_set_not_ready has set, or a broken token file. */
+static bool check_ready(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
 {
     struct pen_status fault;
+    if (atomic_load_explicit(&http->draining, memory_order_relaxed))
+        return pen_fail(st, PEN_UNAVAILABLE, "the daemon is draining");
+    probe(http, jobs, &fault);
+    if (fault.code != PEN_OK)
+        return pen_fail(st, PEN_UNAVAILABLE, "the store does not take writes: %s", fault.msg);
     pthread_mutex_lock(&http->ready_lock);
     bool ok =
         !http->not_ready_reason[0] || pen_fail(st, PEN_UNAVAILABLE, "%s", http->not_ready_reason);
@@ -133,20 +134,8 @@ static bool check_reason(struct pen_http *http, struct pen_status *st)
 
 enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jobs)
 {
-    struct pen_http *http = request->http;
     struct pen_status st;
-    bool ready = true;
-    if (atomic_load_explicit(&http->draining, memory_order_relaxed)) {
-        ready = pen_fail(&st, PEN_UNAVAILABLE, "the daemon is draining");
-    } else if (!probe(request, jobs, &st)) {
-        request->queue = QUEUE_CHANGES;
-        return OUTCOME_MOVED;
-    } else if (st.code != PEN_OK) {
-        ready = pen_fail(&st, PEN_UNAVAILABLE, "the store does not take writes: %s", st.msg);
-    } else {
-        ready = check_reason(http, &st);
-    }
-    if (ready)
+    if (check_ready(request->http, jobs, &st))
         return answer_health(request, "ready",
                              (int64_t)pen_store_tally(pen_jobs_store(jobs), PEN_TALLY_DAMAGED));
     pen_http_request_hide_reason(request, &st);

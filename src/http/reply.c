@@ -86,11 +86,6 @@ void pen_http_blob_unref(struct blob *blob)
     free(blob);
 }
 
-bool pen_http_blob_has_gzip(const struct blob *blob)
-{
-    return atomic_load_explicit(&blob->gzip, memory_order_acquire) != NULL;
-}
-
 struct blob *pen_http_blob_gzip(struct blob *blob)
 {
     struct blob *gzip = atomic_load_explicit(&blob->gzip, memory_order_acquire);

@@ -57,8 +57,7 @@ static const struct route table[] = {
           .params = preview_params),
     ROUTE("GET", "/v1/jobs/{id}/stats", READ, stats, .queue = QUEUE_COMPUTE),
     ROUTE("GET", "/v1/jobs/{id}/report", READ, report, .queue = QUEUE_COMPUTE),
-    ROUTE("GET", "/v1/jobs/{id}/scene", READ, scene, .quick = pen_http_quick_scene,
-          .queue = QUEUE_STORE),
+    ROUTE("GET", "/v1/jobs/{id}/scene", READ, scene, .queue = QUEUE_COMPUTE),
     ROUTE("POST", "/v1/jobs/{id}/cancel", SUBMIT, cancel, .queue = QUEUE_CHANGES),
     ROUTE("POST", "/v1/validate", READ, validate, .quick = pen_http_quick_refusal,
           .queue = QUEUE_COMPUTE, .only_answers = true, .takes_body = true),
@@ -68,7 +67,7 @@ static const struct route table[] = {
     ROUTE("GET", "/v1/scenes/{name}", READ, builtin, .queue = QUEUE_NONE),
     ROUTE("GET", "/v1/workers", READ, workers, .queue = QUEUE_STORE),
     ROUTE("GET", "/healthz", NONE, healthz, .queue = QUEUE_NONE),
-    ROUTE("GET", "/readyz", NONE, readyz, .queue = QUEUE_STORE),
+    ROUTE("GET", "/readyz", NONE, readyz, .queue = QUEUE_CHANGES),
     ROUTE("GET", "/metrics", READ, metrics, .queue = QUEUE_STORE),
     ROUTE("GET", "/openapi.yaml", NONE, api_file, .queue = QUEUE_NONE),
     ROUTE("GET", "/scene.schema.json", NONE, api_file, .queue = QUEUE_NONE),
@@ -217,9 +216,11 @@ enum queue_id pen_http_route_queue(const struct route *route, const struct reque
         return QUEUE_COMPUTE;
     if (route->handle != pen_http_handle_image)
         return route->queue;
+    const char *view = pen_target_param(target, "view");
     const char *layer = pen_target_param(target, "layer");
     const char *format = pen_target_param(target, "format");
-    bool stored =
-        (!layer || strcmp(layer, "beauty") == 0) && (!format || strcmp(format, "png") == 0);
+    const bool stored = (!view || strcmp(view, "all") != 0) &&
+                        (!layer || strcmp(layer, "beauty") == 0) &&
+                        (!format || strcmp(format, "png") == 0);
     return stored ? QUEUE_STORE : QUEUE_COMPUTE;
 }

@@ -40,9 +40,6 @@ void pen_http_blob_count(struct blob *blob, atomic_size_t *sum);
 struct blob *pen_http_blob_ref(struct blob *blob);
 void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
 
-/* Whether these bytes were compressed already. */
-bool pen_http_blob_has_gzip(const struct blob *blob);
-
 /* A reference to these bytes compressed with gzip; they are compressed once. Fails: NULL when out
  * of memory. */
 struct blob *pen_http_blob_gzip(struct blob *blob);

@@ -73,11 +73,10 @@ struct request {
     struct pen_buf body;
     size_t counted_bytes; /* of the body, counted in pen_http.body_bytes */
 
-    enum queue_id queue; /* in which it waits, or whose thread has it */
-    int64_t queued_ns;   /* when it came into that queue */
-    bool changed;        /* it has changed the store */
-    bool gone;           /* its client has gone: there is nobody to answer. guarded by the
-                          * watcher's lock, while the watcher has the request */
+    int64_t queued_ns; /* when it came into its queue */
+    bool changed;      /* it has changed the store */
+    bool gone;         /* its client has gone: there is nobody to answer. guarded by the
+                        * watcher's lock, while the watcher has the request */
     struct reply reply;
     struct stream *stream; /* of an event stream; NULL: none */
 
