@@ -13,6 +13,6 @@ route_handler pen_http_handle_events;
 route_handler pen_http_handle_validate, pen_http_handle_scenes, pen_http_handle_builtin,
     pen_http_handle_api_file, pen_http_handle_workers;
 route_handler pen_http_handle_healthz, pen_http_handle_readyz, pen_http_handle_metrics;
-route_quick pen_http_quick_job, pen_http_quick_image, pen_http_quick_refusal;
+route_quick pen_http_quick_job, pen_http_quick_refusal;
 
 #endif
