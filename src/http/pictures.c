@@ -79,8 +79,8 @@ bool pen_http_pictures_find(struct pictures *pictures, const char *job,
     return found;
 }
 
-/* Counts an answer, if it is large; if need be, drops pictures that nobody reads, the oldest first. Called with the
- * lock held. */
+/* Counts an answer, if it is large; if need be, drops pictures that nobody reads, the oldest first.
+ * Called with the lock held. */
 static bool count(struct pictures *pictures, struct blob *blob, struct pen_status *st)
 {
     const size_t bytes = blob->content.bytes;

@@ -64,11 +64,6 @@ void pen_http_request_free(struct request *request)
     free(request);
 }
 
-bool pen_http_request_only_answers(const struct request *request)
-{
-    return request->head || strcmp(request->method, "GET") == 0 || request->route->only_answers;
-}
-
 bool pen_http_request_has_store(const struct request *request, struct pen_status *st)
 {
     struct pen_http *http = request->http;

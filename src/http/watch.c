@@ -107,9 +107,8 @@ static void enlist(struct watch *watch, struct request *request)
 static void pass_on(struct watch *watch, struct request *request)
 {
     if (request->route->handle_again && request->reply.status == 0) {
-        if (pen_http_executor_submit(watch->http->executor, request->route->queue, request))
-            return;
-        pen_http_executor_refuse(watch->http->executor, request);
+        pen_http_executor_submit(watch->http->executor, request->route->queue, request);
+        return;
     }
     pen_http_request_encode(request);
     pen_http_resume(request);

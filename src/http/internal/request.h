@@ -98,9 +98,6 @@ void pen_http_request_free(struct request *request); /* NULL is allowed */
 /* Takes the client's own request id if it can be written into logs safely, else makes one. */
 void pen_http_request_name(struct request *request);
 
-/* Whether nothing comes of the request but its answer. */
-bool pen_http_request_only_answers(const struct request *request);
-
 /* Whether the store is open, so that another thread can answer. Fails: PEN_UNAVAILABLE, with the
  * reason. */
 bool pen_http_request_has_store(const struct request *request, struct pen_status *st);
