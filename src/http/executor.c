@@ -2,11 +2,9 @@
 /* The queues and one lock, which is held for a few instructions at a time. */
 #include "http/internal/executor.h"
 
-#include <poll.h>
 #include <pthread.h>
 #include <stdlib.h>
 
-#include "base/clock.h"
 #include "http/internal/encoding.h"
 #include "http/internal/http.h"
 #include "http/internal/pictures.h"
@@ -23,9 +21,6 @@ enum {
 static const enum queue_id queue_of[THREADS] = {
     QUEUE_STORE,   QUEUE_STORE,   QUEUE_STORE,   QUEUE_STORE,   QUEUE_CHANGES,
     QUEUE_CHANGES, QUEUE_CHANGES, QUEUE_CHANGES, QUEUE_COMPUTE, QUEUE_COMPUTE};
-
-/* A request that has waited for longer is dropped if its client has gone. */
-static const int64_t patience_ns = INT64_C(1000000000);
 
 struct queue {
     struct request *first, **last; /* guarded by lock, as the count */
@@ -66,23 +61,12 @@ static struct request *next_request(struct executor *executor, struct queue *que
     return request;
 }
 
-/* Whether nothing comes of the request but an answer for which nobody waits any more. A client that
- * has ended its side alone looks the same, so this counts only after a wait. */
-static bool is_unwanted(const struct request *request)
-{
-    struct pollfd client = {.fd = request->fd, .events = POLLRDHUP};
-    return request->route->only_answers && !request->job_id[0] &&
-           pen_clock_ns() - request->queued_ns > patience_ns && poll(&client, 1, 0) > 0;
-}
-
 /* Runs the handler, and answers 503 instead if there is no memory for the answer. */
 static void run(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_status st;
-    if (is_unwanted(request))
-        request->gone = true;
-    else if (pen_http_request_decode(request) &&
-             request->route->handle(request, jobs) == OUTCOME_WATCHED)
+    if (pen_http_request_decode(request) &&
+        request->route->handle(request, jobs) == OUTCOME_WATCHED)
         return;
     if (!pen_http_pictures_count(request->http->pictures, request->reply.body, &st))
         pen_http_request_fail(request, &st);
@@ -183,7 +167,6 @@ static const char *enqueue(struct executor *executor, struct queue *queue, struc
 void pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request)
 {
     struct pen_status st;
-    request->queued_ns = pen_clock_ns();
     pthread_mutex_lock(&executor->lock);
     const char *refusal = enqueue(executor, &executor->queue[id], request);
     pthread_mutex_unlock(&executor->lock);

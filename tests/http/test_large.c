@@ -9,7 +9,6 @@
 
 #include "base/clock.h"
 #include "http/internal/encoding.h"
-#include "http/internal/http.h"
 #include "store/store.h"
 #include "support/server.h"
 #include "support/suite.h"
@@ -50,60 +49,6 @@ static void expect_status(int fd, int status)
 }
 
 enum { TRIES = 3 }; /* in one of them nothing is held up between what has to happen together */
-
-/* Waits until bodies of so many bytes have arrived and are not done with. Returns false if they are
- * not there together: then the server has nothing to do any more. */
-static bool wait_for_bodies(struct server *server, size_t bytes)
-{
-    for (int idle = 0; idle < 200; idle++) {
-        if (atomic_load(&server->http->body_bytes) >= bytes)
-            return true;
-        if (atomic_load(&server->http->active) > 0)
-            idle = 0;
-        client_pause(5 * client_patience());
-    }
-    return false;
-}
-
-/* While a body is parsed, large ones come whose clients go. Returns whether all those take little
- * time: to parse them would take longer than the first one. */
-static bool are_dropped(struct server *server, const struct pen_buf *before,
-                        const struct pen_buf *large)
-{
-    enum { GONE = 16 };
-    const int fd = send_request(server, before);
-    bool in_time = wait_for_bodies(server, before->bytes - 200);
-    const int64_t begun_ns = pen_clock_ns();
-    for (int i = 0; i < GONE; i++)
-        close(send_request(server, large));
-    in_time = in_time && wait_for_bodies(server, before->bytes + GONE * large->bytes - 2000);
-    expect_status(fd, 200);
-    const int64_t first_ns = pen_clock_ns();
-    close(fd);
-    while (atomic_load(&server->http->active) > 0 && pen_clock_ns() - first_ns < 60 * second_ns)
-        client_pause(5);
-    const int64_t parsed_ns = first_ns - begun_ns, all_ns = pen_clock_ns() - first_ns;
-    printf("# a body %.3f s, then %d that nobody waits for %.3f s\n", (double)parsed_ns * 1e-9,
-           GONE, (double)all_ns * 1e-9);
-    return in_time && all_ns < parsed_ns / 3;
-}
-
-/* Clients that have gone wait for nothing, so their bodies are not parsed. */
-START_TEST(test_large__bodies_of_clients_that_have_gone_are_dropped)
-{
-    struct server server;
-    struct pen_buf before = scene_request("POST /v1/validate", 60000, 1);
-    struct pen_buf large = scene_request("POST /v1/validate", 20000, 1);
-    bool dropped = false;
-    server_start(&server, &(struct server_options){0});
-    for (int i = 0; i < TRIES && !dropped; i++)
-        dropped = are_dropped(&server, &before, &large);
-    ck_assert(dropped);
-    pen_buf_release(&before);
-    pen_buf_release(&large);
-    server_stop(&server);
-}
-END_TEST
 
 /* A client that has only ended its side gets its answer. */
 START_TEST(test_large__a_client_that_ends_its_side_is_answered)
@@ -314,5 +259,4 @@ END_TEST
 
 PEN_SUITE("large", test_large__a_client_that_ends_its_side_is_answered,
           test_large__scene_is_given_back, test_large__scenes_do_not_hold_up_short_reads, PEN_TIMED,
-          test_large__bodies_of_clients_that_have_gone_are_dropped,
           test_large__labels_of_jobs_that_are_waited_for_cost_little)

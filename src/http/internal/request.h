@@ -73,10 +73,9 @@ struct request {
     struct pen_buf body;
     size_t counted_bytes; /* of the body, counted in pen_http.body_bytes */
 
-    int64_t queued_ns; /* when it came into its queue */
-    bool changed;      /* it has changed the store */
-    bool gone;         /* its client has gone: there is nobody to answer. guarded by the
-                        * watcher's lock, while the watcher has the request */
+    bool changed; /* it has changed the store */
+    bool gone;    /* its client has gone: there is nobody to answer. guarded by the
+                   * watcher's lock, while the watcher has the request */
     struct reply reply;
     struct stream *stream; /* of an event stream; NULL: none */
 

@@ -51,8 +51,6 @@ struct route {
     enum queue_id queue;
     bool takes_body;   /* a scene or a job; otherwise a body is discarded */
     bool submits;      /* refused while draining */
-    bool only_answers; /* a POST of which nothing comes but its answer, at least until its handler
-                        * has made a job */
     bool handle_again; /* a request that has waited in the watcher goes to the handler again,
                         * instead of being answered with its job */
     const struct param_rule *params; /* ends with a NULL name; NULL: none */
