@@ -18,13 +18,7 @@ static enum outcome answer_errors(struct request *request, const struct pen_erro
     const enum pen_code code = errors->count ? errors->item[0].code : PEN_INTERNAL;
     struct pen_buf text = {0};
     pen_problem_list_write(&text, errors, request->id);
-    pen_http_reply_problem(&request->reply, pen_code_http(code), &text);
-    return OUTCOME_ANSWERED;
-}
-
-static enum outcome answer_status(struct request *request, const struct pen_status *st)
-{
-    pen_http_request_fail(request, st);
+    pen_http_reply_problem(&request->reply, pen_code_http(code), pen_http_blob_take(&text));
     return OUTCOME_ANSWERED;
 }
 
@@ -107,8 +101,7 @@ enum outcome pen_http_handle_validate(struct request *request, struct pen_jobs *
     json_t *answer = NULL;
     if (!pen_jobs_validate(jobs, &in, &answer, &errors))
         return answer_errors(request, &errors);
-    pen_http_reply_json(&request->reply, 200, answer);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_json(request, 200, answer);
 }
 
 bool pen_http_quick_job(struct request *request)
@@ -149,7 +142,7 @@ static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs,
     *again = false;
     if (!pen_http_snapshot_cache_read(http->snapshot_cache, changes, jobs, request->job_id,
                                       &snapshot, &st))
-        return answer_status(request, &st);
+        return pen_http_request_fail(request, &st);
     enum watch_result result = WATCH_CLOSED;
     if (wait && !pen_http_snapshot_is_due(&snapshot, request))
         result = pen_http_watch_add(http->watch, request, changes);
@@ -161,7 +154,7 @@ static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs,
     pen_http_snapshot_release(&snapshot);
     if (refused) {
         pen_http_watch_fail(result, &st);
-        return answer_status(request, &st);
+        return pen_http_request_fail(request, &st);
     }
     *again = result == WATCH_CHANGED;
     return result == WATCH_ACCEPTED ? OUTCOME_WATCHED : OUTCOME_ANSWERED;
@@ -186,7 +179,9 @@ static void reply_error(struct request *request, const struct snapshot *snapshot
     json_t *job = json_loadb((const char *)text->data, text->bytes, 0, NULL);
     json_t *error = json_object_get(job, "error");
     json_object_set_new(error, "request_id", json_string(request->id));
-    pen_http_reply_problem_json(&request->reply, json_is_object(error) ? json_incref(error) : NULL);
+    pen_http_reply_problem(&request->reply,
+                           (int)json_integer_value(json_object_get(error, "status")),
+                           pen_http_blob_json(error));
     json_decref(job);
 }
 
@@ -320,13 +315,11 @@ enum outcome pen_http_handle_list(struct request *request, struct pen_jobs *jobs
     struct pen_status st;
     json_t *list = pen_jobs_list(jobs, &query, &st);
     if (!list)
-        return answer_status(request, &st);
+        return pen_http_request_fail(request, &st);
     const char *next = json_string_value(json_object_get(list, "next"));
     if (next)
         link_next(request, next);
-    pen_http_reply_json(&request->reply, 200, list);
-    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
-    return OUTCOME_ANSWERED;
+    return pen_http_request_json(request, 200, list);
 }
 
 enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jobs)
@@ -336,10 +329,9 @@ enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jo
     char text[CLIENT_BYTES];
     const char *owner = pen_http_request_owner(request, text);
     if (!pen_jobs_cancel(jobs, request->job_id, owner, &job, &st))
-        return answer_status(request, &st);
+        return pen_http_request_fail(request, &st);
     request->changed = job.cancelled_now;
-    pen_http_reply_json(&request->reply, 202, job.json);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_json(request, 202, job.json);
 }
 
 enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jobs)
@@ -350,7 +342,7 @@ enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jo
     const char *stats = pen_http_request_param(request, "stats");
     bool keep_stats = !stats || strcmp(stats, "true") != 0;
     if (!pen_jobs_delete(jobs, request->job_id, owner, keep_stats, &st))
-        return answer_status(request, &st);
+        return pen_http_request_fail(request, &st);
     request->changed = true;
     request->reply.status = 204;
     return OUTCOME_ANSWERED;

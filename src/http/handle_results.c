@@ -34,8 +34,7 @@ static enum outcome answer_image(struct request *request, struct pen_image *imag
                                     .type = image->type,
                                     .etag = image->etag,
                                     .cache_control = cache_control};
-    pen_http_request_content(request, &content);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_content(request, &content);
 }
 
 /* Answers with a representation whose entity tag is its hash. */
@@ -46,8 +45,7 @@ static enum outcome answer_hashed(struct request *request, struct blob *blob, co
         pen_http_etag(&blob->content, etag);
     const struct content content = {
         .blob = blob, .type = type, .etag = etag, .cache_control = forever};
-    pen_http_request_content(request, &content);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_content(request, &content);
 }
 
 enum outcome pen_http_handle_image(struct request *request, struct pen_jobs *jobs)
@@ -72,8 +70,7 @@ enum outcome pen_http_handle_image(struct request *request, struct pen_jobs *job
                                     .etag = picture.etag,
                                     .cache_control = forever,
                                     .ranges = true};
-    pen_http_request_content(request, &content);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_content(request, &content);
 }
 
 enum outcome pen_http_handle_preview(struct request *request, struct pen_jobs *jobs)

@@ -8,56 +8,30 @@
 #include "http/internal/http.h"
 #include "http/internal/request.h"
 #include "http/internal/static_files.h"
-#include "io/builtin.h"
 
 static const int64_t probe_again_ns = INT64_C(1000000000);
 static const int64_t probe_late_ns = 5 * INT64_C(1000000000);
 
-static enum outcome answer_file(struct request *request, const struct static_file *file)
+/* The file that the path ends with; a scene is in a folder. */
+enum outcome pen_http_handle_file(struct request *request, struct pen_jobs *jobs)
 {
+    (void)jobs;
+    const struct pen_target *target = &request->target;
+    char name[64];
+    struct pen_status st;
+    snprintf(name, sizeof name, "%s%s", request->arg ? "scenes/" : "",
+             target->segment[target->segment_count - 1]);
+    const struct static_file *file = pen_http_static_files_find(request->http->static_files, name);
+    if (!file) {
+        pen_fail(&st, PEN_NOT_FOUND,
+                 "there is no built-in file \"%.80s\"; GET /v1/scenes lists all scenes", name);
+        return pen_http_request_fail(request, &st);
+    }
     const struct content content = {.blob = pen_http_blob_ref(file->blob),
                                     .type = file->type,
                                     .etag = file->etag,
                                     .cache_control = "no-cache"};
-    pen_http_request_content(request, &content);
-    return OUTCOME_ANSWERED;
-}
-
-enum outcome pen_http_handle_scenes(struct request *request, struct pen_jobs *jobs)
-{
-    (void)jobs;
-    return answer_file(request, pen_http_static_files_find(request->http->static_files, "scenes"));
-}
-
-enum outcome pen_http_handle_builtin(struct request *request, struct pen_jobs *jobs)
-{
-    (void)jobs;
-    char name[64];
-    int length = snprintf(name, sizeof name, "scenes/%s", request->arg);
-    const struct static_file *file =
-        length < (int)sizeof name ? pen_http_static_files_find(request->http->static_files, name)
-                                  : NULL;
-    if (file)
-        return answer_file(request, file);
-    struct pen_status st;
-    pen_fail(&st, PEN_NOT_FOUND,
-             "there is no built-in scene \"%.80s\"; GET /v1/scenes lists all of them",
-             request->arg);
-    pen_http_request_fail(request, &st);
-    return OUTCOME_ANSWERED;
-}
-
-enum outcome pen_http_handle_api_file(struct request *request, struct pen_jobs *jobs)
-{
-    (void)jobs;
-    const struct static_file *file =
-        pen_http_static_files_find(request->http->static_files, request->target.segment[0]);
-    if (file)
-        return answer_file(request, file);
-    struct pen_status st;
-    pen_fail(&st, PEN_NOT_FOUND, "this build does not carry %s", request->target.segment[0]);
-    pen_http_request_fail(request, &st);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_content(request, &content);
 }
 
 /* `damaged`: how many stored blobs are, as far as the background check knows. */
@@ -66,9 +40,7 @@ static enum outcome answer_health(struct request *request, const char *state, in
     json_t *answer = json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION);
     if (damaged > 0)
         json_object_set_new(answer, "damaged", json_integer(damaged));
-    pen_http_reply_json(&request->reply, 200, answer);
-    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
-    return OUTCOME_ANSWERED;
+    return pen_http_request_json(request, 200, answer);
 }
 
 enum outcome pen_http_handle_healthz(struct request *request, struct pen_jobs *jobs)
@@ -81,13 +53,8 @@ enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *j
 {
     struct pen_status st;
     json_t *workers = pen_jobs_workers(jobs, &st);
-    if (!workers) {
-        pen_http_request_fail(request, &st);
-        return OUTCOME_ANSWERED;
-    }
-    pen_http_reply_json(&request->reply, 200, workers);
-    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
-    return OUTCOME_ANSWERED;
+    return workers ? pen_http_request_json(request, 200, workers)
+                   : pen_http_request_fail(request, &st);
 }
 
 /* Whether a write reaches the disk: as the last job that was stored says (handle_jobs.c), or else a
@@ -139,6 +106,5 @@ enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jo
         return answer_health(request, "ready",
                              (int64_t)pen_store_tally(pen_jobs_store(jobs), PEN_TALLY_DAMAGED));
     pen_http_request_hide_reason(request, &st);
-    pen_http_request_fail(request, &st);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_fail(request, &st);
 }

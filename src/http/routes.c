@@ -63,14 +63,14 @@ static const struct route table[] = {
           .queue = QUEUE_COMPUTE, .takes_body = true),
     ROUTE("POST", "/v1/explain", SUBMIT, explain, .queue = QUEUE_CHANGES, .takes_body = true,
           .submits = true, .handle_again = true),
-    ROUTE("GET", "/v1/scenes", READ, scenes, .queue = QUEUE_NONE),
-    ROUTE("GET", "/v1/scenes/{name}", READ, builtin, .queue = QUEUE_NONE),
+    ROUTE("GET", "/v1/scenes", READ, file, .queue = QUEUE_NONE),
+    ROUTE("GET", "/v1/scenes/{name}", READ, file, .queue = QUEUE_NONE),
     ROUTE("GET", "/v1/workers", READ, workers, .queue = QUEUE_STORE),
     ROUTE("GET", "/healthz", NONE, healthz, .queue = QUEUE_NONE),
     ROUTE("GET", "/readyz", NONE, readyz, .queue = QUEUE_CHANGES),
     ROUTE("GET", "/metrics", READ, metrics, .queue = QUEUE_STORE),
-    ROUTE("GET", "/openapi.yaml", NONE, api_file, .queue = QUEUE_NONE),
-    ROUTE("GET", "/scene.schema.json", NONE, api_file, .queue = QUEUE_NONE),
+    ROUTE("GET", "/openapi.yaml", NONE, file, .queue = QUEUE_NONE),
+    ROUTE("GET", "/scene.schema.json", NONE, file, .queue = QUEUE_NONE),
 };
 
 enum { LARGE_BODY = 64 << 10 }; /* bytes; larger bodies take some milliseconds to parse */

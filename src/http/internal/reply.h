@@ -51,7 +51,7 @@ struct blob *pen_http_blob_json(const json_t *json);
 enum { ETAG_BYTES = 40 };
 void pen_http_etag(const struct pen_buf *content, char etag[ETAG_BYTES]);
 
-enum { REPLY_FIELDS = 10, REPLY_TEXT = 320 };
+enum { REPLY_FIELDS = 10 };
 
 struct reply {
     int status;          /* 0: not set yet */
@@ -59,13 +59,11 @@ struct reply {
     size_t first, bytes; /* the part of the body that is sent */
     struct reply_field {
         const char *name;
-        char *value; /* in `text`, or allocated where that is full */
+        char *value;
     } field[REPLY_FIELDS];
     int field_count;
     bool streaming; /* an event stream, or HEAD of one: `body` is NULL, the length unknown */
     bool failed;
-    size_t used; /* bytes of `text` */
-    char text[REPLY_TEXT];
 };
 
 /* Frees what the reply owns; it is then empty. */
@@ -81,23 +79,9 @@ void pen_http_reply_remove(struct reply *reply, int place);
 /* Sets status and body; takes the blob. A NULL blob is an allocation that failed. */
 void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, const char *type);
 
-/* As pen_http_reply_body; takes the reference to json. NULL is an allocation that failed. */
-void pen_http_reply_json(struct reply *reply, int status, json_t *json);
-
-/* A problem document, with Retry-After where trying again helps. Takes the contents of the buffer,
- * or the reference to the problem; a buffer that has failed, or NULL, is an allocation that failed.
+/* Answers with a problem document, as pen_http_reply_body; with Retry-After where trying again
+ * helps.
  */
-void pen_http_reply_problem(struct reply *reply, int status, struct pen_buf *text);
-void pen_http_reply_problem_json(struct reply *reply, json_t *problem);
-
-/* The header fields that make a GET conditional or partial; NULL: not sent. */
-struct reply_conditions {
-    const char *if_none_match, *range, *if_range;
-};
-
-/* Answers 200, 304 or 206 with a representation; takes the blob. Returns false if the range lies
- * outside it; the reply is then unchanged. */
-bool pen_http_reply_content(struct reply *reply, struct blob *blob, const char *type,
-                            const char *etag, const struct reply_conditions *conditions);
+void pen_http_reply_problem(struct reply *reply, int status, struct blob *text);
 
 #endif
