@@ -68,9 +68,9 @@ static void run(struct request *request, struct pen_jobs *jobs)
     if (pen_http_request_decode(request) &&
         request->route->handle(request, jobs) == OUTCOME_WATCHED)
         return;
+    pen_http_request_encode(request);
     if (!pen_http_pictures_count(request->http->pictures, request->reply.body, &st))
         pen_http_request_fail(request, &st);
-    pen_http_request_encode(request);
     pen_http_request_drop_body(request);
     pen_http_resume(request);
 }

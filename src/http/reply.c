@@ -59,8 +59,6 @@ struct blob *pen_http_blob_take(struct pen_buf *content)
 
 void pen_http_blob_count(struct blob *blob, atomic_size_t *sum)
 {
-    if (!blob || !sum)
-        return;
     blob->sum = sum;
     atomic_fetch_add_explicit(sum, blob->content.bytes, memory_order_relaxed);
 }
@@ -77,7 +75,7 @@ void pen_http_blob_unref(struct blob *blob)
         return;
     if (blob->sum)
         atomic_fetch_sub_explicit(blob->sum, blob->content.bytes, memory_order_relaxed);
-    pen_http_blob_unref(atomic_load_explicit(&blob->gzip, memory_order_acquire));
+    pen_http_blob_unref(blob->gzip);
     if (blob->is_mapped)
         munmap(blob->content.data, blob->content.bytes);
     else
@@ -87,20 +85,11 @@ void pen_http_blob_unref(struct blob *blob)
 
 struct blob *pen_http_blob_gzip(struct blob *blob)
 {
-    struct blob *gzip = atomic_load_explicit(&blob->gzip, memory_order_acquire);
     struct pen_buf text = {0};
-    if (gzip)
-        return pen_http_blob_ref(gzip);
-    if (!pen_http_gzip(blob->content.data, blob->content.bytes, &text) ||
-        !(gzip = pen_http_blob_take(&text)))
-        return NULL;
-    pen_http_blob_count(gzip, blob->sum);
-    struct blob *other = NULL;
-    if (atomic_compare_exchange_strong_explicit(&blob->gzip, &other, gzip, memory_order_acq_rel,
-                                                memory_order_acquire))
-        return pen_http_blob_ref(gzip);
-    pen_http_blob_unref(gzip); /* another thread was quicker */
-    return pen_http_blob_ref(other);
+    if (blob->gzip)
+        return pen_http_blob_ref(blob->gzip);
+    return pen_http_gzip(blob->content.data, blob->content.bytes, &text) ? pen_http_blob_take(&text)
+                                                                         : NULL;
 }
 
 static int append(const char *text, size_t bytes, void *content)

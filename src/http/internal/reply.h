@@ -24,8 +24,8 @@ struct blob {
     bool is_mapped;     /* content.data is a mapping of a file */
     atomic_size_t *sum; /* in which its bytes are counted while it exists; NULL: none. atomic:
                          * relaxed, a sum */
-    _Atomic(struct blob *) gzip; /* these bytes compressed; NULL: not yet. atomic: acquire-release,
-                                  * the thread that finds it reads it */
+    struct blob *gzip;  /* these bytes compressed, of a file that many clients ask for; NULL: not
+                         * kept */
 };
 
 enum { PEN_BLOB_FILE_BYTES = 64 << 10 };
@@ -34,14 +34,12 @@ enum { PEN_BLOB_FILE_BYTES = 64 << 10 };
  * Fails: NULL when out of memory, or if the buffer has failed. */
 struct blob *pen_http_blob_take(struct pen_buf *content);
 
-/* Counts the blob's bytes in *sum while the blob exists, and those of its compressed form, once
- * there is one, while that exists. */
+/* Counts the blob's bytes in *sum while the blob exists. */
 void pen_http_blob_count(struct blob *blob, atomic_size_t *sum);
 struct blob *pen_http_blob_ref(struct blob *blob);
 void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
 
-/* A reference to these bytes compressed with gzip; they are compressed once. Fails: NULL when out
- * of memory. */
+/* A reference to these bytes compressed with gzip. Fails: NULL when out of memory. */
 struct blob *pen_http_blob_gzip(struct blob *blob);
 
 /* A JSON text with a line end. Fails: NULL when out of memory. */
