@@ -110,39 +110,23 @@ static int find_field(const struct reply *reply, const char *name)
     return -1;
 }
 
-/* Whether a body of this type becomes smaller: texts do, and pictures are compressed already. */
-static bool is_text(const char *type)
-{
-    static const char *const types[] = {"application/json", "application/problem+json",
-                                        "application/xml",  "application/yaml",
-                                        "image/svg+xml",    "text/csv",
-                                        "text/html",        "text/markdown",
-                                        "text/plain"};
-    size_t length = strcspn(type, ";");
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
-        if (strlen(types[i]) == length && strncmp(types[i], type, length) == 0)
-            return true;
-    }
-    return false;
-}
-
 /* A strong tag names the bytes that are sent, so the compressed ones have a tag of their own. */
 static void change_tag(struct reply *reply)
 {
     const int at = find_field(reply, "ETag");
-    char tag[ETAG_BYTES * 2];
-    if (at < 0 || (size_t)snprintf(tag, sizeof tag, "%s", reply->field[at].value) < 2)
+    if (at < 0)
         return;
-    pen_http_reply_remove(reply, at);
+    const char *tag = reply->field[at].value;
     pen_http_reply_field(reply, "ETag", "%.*s" PEN_GZIP_TAG "\"", (int)strlen(tag) - 1, tag);
+    pen_http_reply_remove(reply, at);
 }
 
-/* Whether the answer may be compressed, if the client accepts that and the length is worth it. */
+/* Whether compression makes the body smaller: pictures are compressed already. */
 static bool is_compressible(const struct reply *reply)
 {
     const int type = find_field(reply, "Content-Type");
-    return !reply->failed && reply->body && type >= 0 && is_text(reply->field[type].value) &&
-           reply->status != 206 && find_field(reply, "Content-Encoding") < 0;
+    return !reply->failed && reply->body && type >= 0 &&
+           strncmp(reply->field[type].value, "image/", 6) != 0;
 }
 
 void pen_http_request_encode(struct request *request)

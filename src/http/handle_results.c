@@ -140,9 +140,9 @@ enum outcome pen_http_handle_report(struct request *request, struct pen_jobs *jo
     struct pen_image report = {0};
     struct pen_status st;
     const char *format = choose_format(request, &st);
-    pen_http_reply_field(&request->reply, "Vary", "Accept, Accept-Encoding");
     if (!format || !make_report(request, jobs, &format, &report, &st))
         return answer_status(request, jobs, &st);
+    pen_http_reply_field(&request->reply, "Vary", "Accept, Accept-Encoding");
     if (strcmp(format, "html") == 0)
         pen_http_reply_field(&request->reply, "Content-Security-Policy",
                              "default-src 'none'; style-src 'unsafe-inline'; img-src data:");
