@@ -167,7 +167,7 @@ static enum pen_range_kind read_range(const struct request *request, const struc
     return pen_range_parse(fields->range, content->blob->content.bytes, first, count);
 }
 
-static void fail_range(struct request *request, struct blob *blob)
+static enum outcome fail_range(struct request *request, struct blob *blob)
 {
     struct pen_status st;
     const size_t bytes = blob->content.bytes;
@@ -176,36 +176,35 @@ static void fail_range(struct request *request, struct blob *blob)
              request->fields.range, bytes);
     pen_http_request_fail(request, &st);
     pen_http_reply_field(&request->reply, "Content-Range", "bytes */%zu", bytes);
+    pen_http_reply_field(&request->reply, "Accept-Ranges", "bytes");
+    return OUTCOME_ANSWERED;
 }
 
 enum outcome pen_http_request_content(struct request *request, const struct content *content)
 {
     struct reply *reply = &request->reply;
     const char *known = request->fields.if_none_match;
-    const bool unchanged = known && pen_etag_known(known, content->etag);
+    enum pen_range_kind range = PEN_RANGE_WHOLE;
     uint64_t first, count;
-    const enum pen_range_kind range =
-        unchanged ? PEN_RANGE_WHOLE : read_range(request, content, &first, &count);
-    if (range == PEN_RANGE_OUTSIDE) {
-        fail_range(request, content->blob);
-    } else {
-        /* The Content-Length of a 304 is that of the 200. */
-        pen_http_reply_body(reply,
-                            unchanged                 ? 304
-                            : range == PEN_RANGE_PART ? 206
-                                                      : 200,
-                            content->blob, content->type);
-        pen_http_reply_field(reply, "ETag", "%s", content->etag);
-        pen_http_reply_field(reply, "Cache-Control", "%s", content->cache_control);
-    }
-    if (range == PEN_RANGE_PART) {
+    int status = 200;
+    if (known && pen_etag_known(known, content->etag))
+        status = 304;
+    else if ((range = read_range(request, content, &first, &count)) == PEN_RANGE_OUTSIDE)
+        return fail_range(request, content->blob);
+    else if (range == PEN_RANGE_PART)
+        status = 206;
+    /* The Content-Length of a 304 is that of the 200. */
+    pen_http_reply_body(reply, status, content->blob, content->type);
+    pen_http_reply_field(reply, "ETag", "%s", content->etag);
+    pen_http_reply_field(reply, "Cache-Control", "%s", content->cache_control);
+    if (content->ranges)
+        pen_http_reply_field(reply, "Accept-Ranges", "bytes");
+    if (status == 206) {
         reply->first = (size_t)first;
         reply->bytes = (size_t)count;
         pen_http_reply_field(reply, "Content-Range", "bytes %zu-%zu/%zu", reply->first,
                              reply->first + reply->bytes - 1, content->blob->content.bytes);
     }
-    if (content->ranges)
-        pen_http_reply_field(reply, "Accept-Ranges", "bytes");
     return OUTCOME_ANSWERED;
 }
 
