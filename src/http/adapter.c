@@ -187,10 +187,7 @@ static enum MHD_Result dispatch(struct request *request)
     }
     request->phase = PHASE_WORK;
     pen_http_suspend(request);
-    if (!pen_http_executor_submit(request->http->executor, id, request)) {
-        pen_http_executor_refuse(request->http->executor, request);
-        pen_http_resume(request);
-    }
+    pen_http_executor_submit(request->http->executor, id, request);
     return MHD_YES;
 }
 

@@ -12,10 +12,9 @@
 
 enum {
     PART_BYTES = 64 << 10,
-    GZIP_BITS = 15 + 16, /* zlib's way to say gzip */
-    LEVEL = 5,           /* beyond it, reports take twice the time and become 2 % smaller */
-    SMALL_BYTES = 1400,  /* one packet */
-    MUCH_BYTES = 64 << 10,
+    GZIP_BITS = 15 + 16,    /* zlib's way to say gzip */
+    LEVEL = 5,              /* beyond it, reports take twice the time and become 2 % smaller */
+    SMALL_BYTES = 1400,     /* one packet */
     LARGE_BYTES = 32 << 20, /* would keep a thread for too long */
 };
 
@@ -111,54 +110,23 @@ static int find_field(const struct reply *reply, const char *name)
     return -1;
 }
 
-/* Whether a body of this type becomes smaller: texts do, and pictures are compressed already. */
-static bool is_text(const char *type)
-{
-    static const char *const types[] = {"application/json", "application/problem+json",
-                                        "application/xml",  "application/yaml",
-                                        "image/svg+xml",    "text/csv",
-                                        "text/html",        "text/markdown",
-                                        "text/plain"};
-    size_t length = strcspn(type, ";");
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
-        if (strlen(types[i]) == length && strncmp(types[i], type, length) == 0)
-            return true;
-    }
-    return false;
-}
-
 /* A strong tag names the bytes that are sent, so the compressed ones have a tag of their own. */
 static void change_tag(struct reply *reply)
 {
     const int at = find_field(reply, "ETag");
-    char tag[ETAG_BYTES * 2];
-    if (at < 0 || (size_t)snprintf(tag, sizeof tag, "%s", reply->field[at].value) < 2)
+    if (at < 0)
         return;
-    pen_http_reply_remove(reply, at);
+    const char *tag = reply->field[at].value;
     pen_http_reply_field(reply, "ETag", "%.*s" PEN_GZIP_TAG "\"", (int)strlen(tag) - 1, tag);
+    pen_http_reply_remove(reply, at);
 }
 
-/* Whether the answer may be compressed, if the client accepts that and the length is worth it. */
+/* Whether compression makes the body smaller: pictures are compressed already. */
 static bool is_compressible(const struct reply *reply)
 {
     const int type = find_field(reply, "Content-Type");
-    return !reply->failed && reply->body && type >= 0 && is_text(reply->field[type].value) &&
-           reply->status != 206 && find_field(reply, "Content-Encoding") < 0;
-}
-
-/* Whether this client gets a compressible answer compressed. */
-static bool wants_gzip(const struct request *request)
-{
-    const size_t bytes = request->reply.bytes;
-    return bytes >= SMALL_BYTES && bytes <= LARGE_BYTES &&
-           pen_encoding_is_gzip(request->fields.accept_encoding);
-}
-
-bool pen_http_request_encodes_much(const struct request *request)
-{
-    const struct reply *reply = &request->reply;
-    return reply->bytes > MUCH_BYTES && reply->status != 304 && is_compressible(reply) &&
-           wants_gzip(request) && !pen_http_blob_has_gzip(reply->body);
+    return !reply->failed && reply->body && type >= 0 &&
+           strncmp(reply->field[type].value, "image/", 6) != 0;
 }
 
 void pen_http_request_encode(struct request *request)
@@ -168,7 +136,8 @@ void pen_http_request_encode(struct request *request)
         return;
     if (find_field(reply, "Vary") < 0)
         pen_http_reply_field(reply, "Vary", "Accept-Encoding");
-    if (!wants_gzip(request))
+    if (reply->bytes < SMALL_BYTES || reply->bytes > LARGE_BYTES ||
+        !pen_encoding_is_gzip(request->fields.accept_encoding))
         return;
     if (reply->status == 304) { /* it has no body */
         change_tag(reply);

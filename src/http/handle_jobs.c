@@ -18,13 +18,7 @@ static enum outcome answer_errors(struct request *request, const struct pen_erro
     const enum pen_code code = errors->count ? errors->item[0].code : PEN_INTERNAL;
     struct pen_buf text = {0};
     pen_problem_list_write(&text, errors, request->id);
-    pen_http_reply_problem(&request->reply, pen_code_http(code), &text);
-    return OUTCOME_ANSWERED;
-}
-
-static enum outcome answer_status(struct request *request, const struct pen_status *st)
-{
-    pen_http_request_fail(request, st);
+    pen_http_reply_problem(&request->reply, pen_code_http(code), pen_http_blob_take(&text));
     return OUTCOME_ANSWERED;
 }
 
@@ -71,33 +65,44 @@ static void note_readiness(struct pen_http *http, const struct pen_errors *error
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* The body as a submission of this client, for a job that is to be stored; `client` takes its text.
- */
-static struct pen_submission read_job(const struct request *request, char client[CLIENT_BYTES])
+/* Makes a job of the body. Returns whether it is there; otherwise the request is answered. */
+static bool submit(struct request *request, struct pen_jobs *jobs, bool explain,
+                   struct pen_submitted *out)
 {
+    char client[CLIENT_BYTES];
     struct pen_submission in = read_submission(request);
+    struct pen_errors errors = {0};
     in.client = pen_http_request_client(request, client);
-    return in;
+    in.explain = explain;
+    if (explain)
+        in.idempotency_key = NULL;
+    const bool ok = pen_jobs_submit(jobs, &in, out, &errors);
+    if (!ok || !out->repeated)
+        note_readiness(request->http, &errors);
+    if (!ok) {
+        answer_errors(request, &errors);
+        return false;
+    }
+    memcpy(request->job_id, out->id, sizeof request->job_id);
+    request->changed = !out->repeated;
+    return true;
+}
+
+/* Answers with a job that has not ended. */
+static enum outcome answer_accepted(struct request *request, struct blob *job)
+{
+    pen_http_reply_body(&request->reply, 202, job, "application/json");
+    pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", request->job_id);
+    pen_http_reply_field(&request->reply, "Retry-After", "1");
+    return OUTCOME_ANSWERED;
 }
 
 enum outcome pen_http_handle_submit(struct request *request, struct pen_jobs *jobs)
 {
-    char client[CLIENT_BYTES];
-    struct pen_submission in = read_job(request, client);
     struct pen_submitted out = {0};
-    struct pen_errors errors = {0};
-    if (!pen_jobs_submit(jobs, &in, &out, &errors)) {
-        note_readiness(request->http, &errors);
-        return answer_errors(request, &errors);
-    }
-    memcpy(request->job_id, out.id, sizeof request->job_id); /* for the log */
-    request->changed = !out.repeated;
-    if (request->changed)
-        note_readiness(request->http, &errors);
-    pen_http_reply_body(&request->reply, 202, pen_http_blob_take(&out.answer), "application/json");
-    pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", out.id);
-    pen_http_reply_field(&request->reply, "Retry-After", "1");
-    return OUTCOME_ANSWERED;
+    if (!submit(request, jobs, false, &out))
+        return OUTCOME_ANSWERED;
+    return answer_accepted(request, pen_http_blob_take(&out.answer));
 }
 
 enum outcome pen_http_handle_validate(struct request *request, struct pen_jobs *jobs)
@@ -107,8 +112,7 @@ enum outcome pen_http_handle_validate(struct request *request, struct pen_jobs *
     json_t *answer = NULL;
     if (!pen_jobs_validate(jobs, &in, &answer, &errors))
         return answer_errors(request, &errors);
-    pen_http_reply_json(&request->reply, 200, answer);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_json(request, 200, answer);
 }
 
 bool pen_http_quick_job(struct request *request)
@@ -126,141 +130,109 @@ bool pen_http_quick_job(struct request *request)
     return due;
 }
 
-/* Answers with a job as it was read; the request may wait no longer. */
-typedef void reply_fn(struct request *request, struct pen_jobs *jobs,
-                      const struct snapshot *snapshot);
-
-static void reply_job(struct request *request, struct pen_jobs *jobs,
-                      const struct snapshot *snapshot)
-{
-    (void)jobs;
-    pen_http_snapshot_reply(snapshot, request);
-}
-
-/* Reads the job, and answers or gives the request to the watcher. */
-static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs, bool wait,
-                                 reply_fn *reply)
-{
-    struct pen_http *http = request->http;
-    struct snapshot snapshot;
-    struct pen_status st;
-    uint32_t changes = pen_http_watch_changes(http->watch);
-    if (!pen_http_snapshot_cache_read(http->snapshot_cache, changes, jobs, request->job_id,
-                                      &snapshot, &st))
-        return answer_status(request, &st);
-    enum watch_result result = WATCH_CLOSED;
-    if (wait && !pen_http_snapshot_is_due(&snapshot, request))
-        result = pen_http_watch_add(http->watch, request, changes);
-    /* A request that the watcher has accepted must not be touched here any more. Where the request
-     * has made the job, being unable to wait for it is no failure. */
-    const bool refused = result == WATCH_FULL && !request->route->handle_again;
-    if (result == WATCH_CLOSED || (result == WATCH_FULL && !refused))
-        reply(request, jobs, &snapshot);
-    pen_http_snapshot_release(&snapshot);
-    if (refused) {
-        pen_fail(&st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
-                 WATCH_MAX);
-        return answer_status(request, &st);
-    }
-    return result == WATCH_ACCEPTED ? OUTCOME_WATCHED : OUTCOME_ANSWERED;
-}
-
-enum outcome pen_http_handle_job(struct request *request, struct pen_jobs *jobs)
-{
-    long wait = pen_http_request_number(request, "wait", 0);
-    request->deadline_ns = request->begun_ns + wait * INT64_C(1000000000);
-    return read_or_wait(request, jobs, wait > 0, reply_job);
-}
-
 /* Answers with the error of a failed job. */
-static void reply_error(struct request *request, const struct snapshot *snapshot)
+static void answer_error(struct request *request, const struct snapshot *snapshot)
 {
     const struct pen_buf *text = &snapshot->json->content;
     json_t *job = json_loadb((const char *)text->data, text->bytes, 0, NULL);
     json_t *error = json_object_get(job, "error");
     json_object_set_new(error, "request_id", json_string(request->id));
-    pen_http_reply_problem_json(&request->reply, json_is_object(error) ? json_incref(error) : NULL);
+    pen_http_reply_problem(&request->reply,
+                           (int)json_integer_value(json_object_get(error, "status")),
+                           pen_http_blob_json(error));
     json_decref(job);
 }
 
-/* Nobody knows of the job but a client that has gone: it is not made any more, nor kept. */
+/* Only a client that has gone knows of the job: it is cancelled, and not kept. */
 static void drop_job(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_job_snapshot job;
     struct pen_status st;
-    if (!pen_jobs_cancel(jobs, request->job_id, NULL, &job, &st))
-        return;
-    json_decref(job.json);
-    pen_jobs_delete(jobs, request->job_id, NULL, false, &st);
+    if (pen_jobs_cancel(jobs, request->job_id, NULL, &job, &st)) {
+        json_decref(job.json);
+        pen_jobs_delete(jobs, request->job_id, NULL, false, &st);
+    }
+    pen_fail(&st, PEN_UNAVAILABLE, "the client closed its side before the explanation");
+    pen_http_request_fail(request, &st);
 }
 
 /* Answers with the explanation, the error that took its place, or the job if it takes long. The job
  * of an explanation that was answered is not kept, nor is a cancelled one. A failed job stays,
  * since its error says how to repeat it from the job's scene. */
-static void reply_explanation(struct request *request, struct pen_jobs *jobs,
-                              const struct snapshot *snapshot)
+static void answer_explanation(struct request *request, struct pen_jobs *jobs,
+                               const struct snapshot *snapshot)
 {
+    struct reply *reply = &request->reply;
     struct pen_image report = {0};
     struct pen_status st;
     if (!pen_job_state_ended(snapshot->state)) {
-        if (request->gone) {
+        if (request->gone)
             drop_job(request, jobs);
-            pen_fail(&st, PEN_UNAVAILABLE, "the client closed its side before the explanation");
-            pen_http_request_fail(request, &st);
-            return;
-        }
-        pen_http_reply_body(&request->reply, 202, pen_http_blob_ref(snapshot->json),
-                            "application/json");
-        pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", request->job_id);
-        pen_http_reply_field(&request->reply, "Retry-After", "1");
+        else
+            answer_accepted(request, pen_http_blob_ref(snapshot->json));
         return;
     }
     if (snapshot->state == PEN_JOB_FAILED)
-        reply_error(request, snapshot);
+        answer_error(request, snapshot);
     else if (pen_jobs_report(jobs, request->job_id, "json", &report, &st))
-        pen_http_reply_body(&request->reply, 200, pen_http_blob_take(&report.bytes), report.type);
+        pen_http_reply_body(reply, 200, pen_http_blob_take(&report.bytes), report.type);
     else
         pen_http_request_fail(request, &st);
-    if (request->reply.status != 200)
-        pen_http_reply_field(&request->reply, "Location", "/v1/jobs/%s", request->job_id);
-    if ((request->reply.status == 200 && !request->reply.failed) ||
-        snapshot->state == PEN_JOB_CANCELLED)
+    if (reply->status != 200)
+        pen_http_reply_field(reply, "Location", "/v1/jobs/%s", request->job_id);
+    if ((reply->status == 200 && !reply->failed) || snapshot->state == PEN_JOB_CANCELLED)
         pen_jobs_delete(jobs, request->job_id, NULL, false,
                         &st); /* if it fails, the list has one job more */
 }
 
-/* Makes the job. Returns whether it is there; otherwise the request is answered. */
-static bool submit_explanation(struct request *request, struct pen_jobs *jobs)
+/* Reads the job, and answers, or gives the request to the watcher until its deadline. */
+static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs)
 {
-    char client[CLIENT_BYTES];
-    struct pen_submission in = read_job(request, client);
-    struct pen_submitted out = {0};
-    struct pen_errors errors = {0};
-    in.explain = true;
-    in.idempotency_key = NULL;
-    const bool ok = pen_jobs_submit(jobs, &in, &out, &errors);
-    note_readiness(request->http, &errors);
-    if (ok) {
-        memcpy(request->job_id, out.id, sizeof request->job_id);
-        request->changed = true;
-    } else {
-        answer_errors(request, &errors);
+    struct pen_http *http = request->http;
+    const bool explains = request->route->handle_again;
+    const uint32_t changes = pen_http_watch_changes(http->watch);
+    enum watch_result result = WATCH_CLOSED;
+    struct snapshot snapshot;
+    struct pen_status st;
+    if (!pen_http_snapshot_cache_read(http->snapshot_cache, changes, jobs, request->job_id,
+                                      &snapshot, &st))
+        return pen_http_request_fail(request, &st);
+    if (pen_clock_ns() < request->deadline_ns && !pen_http_snapshot_is_due(&snapshot, request))
+        result = pen_http_watch_add(http->watch, request, changes);
+    /* A request that the watcher has accepted must not be touched here any more. */
+    if (result != WATCH_ACCEPTED && explains) {
+        answer_explanation(request, jobs, &snapshot); /* its job is made in any case */
+    } else if (result == WATCH_CLOSED) {
+        pen_http_snapshot_reply(&snapshot, request);
+    } else if (result == WATCH_FULL) {
+        pen_fail(&st, PEN_UNAVAILABLE, "%d requests are waiting already; try again later",
+                 WATCH_MAX);
+        pen_http_request_fail(request, &st);
     }
-    pen_buf_release(&out.answer);
-    pen_http_request_drop_body(request);
-    return ok;
+    pen_http_snapshot_release(&snapshot);
+    return result == WATCH_ACCEPTED ? OUTCOME_WATCHED : OUTCOME_ANSWERED;
+}
+
+enum outcome pen_http_handle_job(struct request *request, struct pen_jobs *jobs)
+{
+    const long wait = pen_http_request_number(request, "wait", 0);
+    request->deadline_ns = request->begun_ns + wait * INT64_C(1000000000);
+    return read_or_wait(request, jobs);
 }
 
 /* The first call makes the job and waits for it, the second one answers. */
 enum outcome pen_http_handle_explain(struct request *request, struct pen_jobs *jobs)
 {
     if (!request->job_id[0]) {
-        if (!submit_explanation(request, jobs))
+        struct pen_submitted out = {0};
+        if (!submit(request, jobs, true, &out))
             return OUTCOME_ANSWERED;
+        pen_buf_release(&out.answer);
+        pen_http_request_drop_body(request);
         request->fields.if_none_match = NULL; /* of a POST it says nothing */
         request->deadline_ns = pen_clock_ns() + EXPLAIN_WAIT_S * INT64_C(1000000000);
     }
-    return read_or_wait(request, jobs, pen_clock_ns() < request->deadline_ns, reply_explanation);
+    return read_or_wait(request, jobs);
 }
 
 /* Appends name=value, percent-encoded, if the query of this request has the parameter. */
@@ -278,12 +250,11 @@ static void add_param(struct pen_buf *query, const char *name, const char *value
 static void link_next(struct request *request, const char *next)
 {
     struct pen_buf query = {0};
-    add_param(&query, "state", pen_http_request_param(request, "state"));
-    add_param(&query, "kind", pen_http_request_param(request, "kind"));
-    add_param(&query, "name", pen_http_request_param(request, "name"));
-    add_param(&query, "label", pen_http_request_param(request, "label"));
-    add_param(&query, "limit", pen_http_request_param(request, "limit"));
-    add_param(&query, "cursor", next);
+    for (const struct param_rule *rule = request->route->params; rule->name; rule++) {
+        const bool is_cursor = strcmp(rule->name, "cursor") == 0;
+        add_param(&query, rule->name,
+                  is_cursor ? next : pen_http_request_param(request, rule->name));
+    }
     if (query.failed)
         request->reply.failed = true;
     else
@@ -307,13 +278,11 @@ enum outcome pen_http_handle_list(struct request *request, struct pen_jobs *jobs
     struct pen_status st;
     json_t *list = pen_jobs_list(jobs, &query, &st);
     if (!list)
-        return answer_status(request, &st);
+        return pen_http_request_fail(request, &st);
     const char *next = json_string_value(json_object_get(list, "next"));
     if (next)
         link_next(request, next);
-    pen_http_reply_json(&request->reply, 200, list);
-    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
-    return OUTCOME_ANSWERED;
+    return pen_http_request_json(request, 200, list);
 }
 
 enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jobs)
@@ -323,10 +292,9 @@ enum outcome pen_http_handle_cancel(struct request *request, struct pen_jobs *jo
     char text[CLIENT_BYTES];
     const char *owner = pen_http_request_owner(request, text);
     if (!pen_jobs_cancel(jobs, request->job_id, owner, &job, &st))
-        return answer_status(request, &st);
+        return pen_http_request_fail(request, &st);
     request->changed = job.cancelled_now;
-    pen_http_reply_json(&request->reply, 202, job.json);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_json(request, 202, job.json);
 }
 
 enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jobs)
@@ -337,7 +305,7 @@ enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jo
     const char *stats = pen_http_request_param(request, "stats");
     bool keep_stats = !stats || strcmp(stats, "true") != 0;
     if (!pen_jobs_delete(jobs, request->job_id, owner, keep_stats, &st))
-        return answer_status(request, &st);
+        return pen_http_request_fail(request, &st);
     request->changed = true;
     request->reply.status = 204;
     return OUTCOME_ANSWERED;

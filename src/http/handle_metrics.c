@@ -165,10 +165,8 @@ enum outcome pen_http_handle_metrics(struct request *request, struct pen_jobs *j
     struct pen_status st;
     struct pen_buf out = {0};
     int64_t now_ms;
-    if (!pen_store_counts(store, &counts, &st) || !pen_store_now(store, &now_ms, &st)) {
-        pen_http_request_fail(request, &st);
-        return OUTCOME_ANSWERED;
-    }
+    if (!pen_store_counts(store, &counts, &st) || !pen_store_now(store, &now_ms, &st))
+        return pen_http_request_fail(request, &st);
     add_queue(&out, &counts, now_ms);
     add_work(&out, store);
     add_store(&out, store, counts.bytes);

@@ -2,16 +2,11 @@
 /* The handlers of a job's results: picture, preview, statistics, report, scene. */
 #include <string.h>
 
-#include "http/internal/encoding.h"
 #include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/pictures.h"
 #include "http/internal/request.h"
-#include "http/internal/snapshot_cache.h"
-#include "http/internal/watch.h"
 #include "io/document.h"
-
-enum { SHORT_READ = 1 << 20 }; /* bytes that a store thread reads for an answer; it takes 2 ms */
 
 static const char forever[] = "private, max-age=86400, immutable";
 
@@ -20,165 +15,72 @@ static const char forever[] = "private, max-age=86400, immutable";
 static enum outcome answer_status(struct request *request, struct pen_jobs *jobs,
                                   const struct pen_status *st)
 {
-    pen_http_request_fail(request, st);
-    if (st->code != PEN_CONFLICT)
-        return OUTCOME_ANSWERED;
-    struct pen_http *http = request->http;
-    struct snapshot snapshot;
+    enum pen_job_state state;
+    int64_t revision;
     struct pen_status ignored;
-    if (!pen_http_snapshot_cache_read(http->snapshot_cache, pen_http_watch_changes(http->watch),
-                                      jobs, request->job_id, &snapshot, &ignored))
-        return OUTCOME_ANSWERED;
-    if (!pen_job_state_ended(snapshot.state))
+    pen_http_request_fail(request, st);
+    if (st->code == PEN_CONFLICT &&
+        pen_jobs_state(jobs, request->job_id, &state, &revision, &ignored) &&
+        !pen_job_state_ended(state))
         pen_http_reply_field(&request->reply, "Retry-After", "1");
-    pen_http_snapshot_release(&snapshot);
     return OUTCOME_ANSWERED;
 }
 
-/* Answers with a picture; takes the reference to its blob. */
-static void answer_picture(struct request *request, const struct picture *picture, bool final)
+/* Answers with what was made for this client alone. */
+static enum outcome answer_image(struct request *request, struct pen_image *image,
+                                 const char *cache_control)
 {
-    const struct content content = {.blob = picture->blob,
-                                    .type = picture->type,
-                                    .etag = picture->etag,
-                                    .cache_control = final ? forever : "no-cache",
-                                    .ranges = final};
-    pen_http_request_content(request, &content);
+    const struct content content = {.blob = pen_http_blob_take(&image->bytes),
+                                    .type = image->type,
+                                    .etag = image->etag,
+                                    .cache_control = cache_control};
+    return pen_http_request_content(request, &content);
 }
 
 /* Answers with a representation whose entity tag is its hash. */
-static void answer_hashed(struct request *request, struct blob *blob, const char *type)
+static enum outcome answer_hashed(struct request *request, struct blob *blob, const char *type)
 {
     char etag[ETAG_BYTES] = "";
     if (blob)
         pen_http_etag(&blob->content, etag);
     const struct content content = {
         .blob = blob, .type = type, .etag = etag, .cache_control = forever};
-    pen_http_request_content(request, &content);
-}
-
-static struct picture_key key_of(const struct request *request)
-{
-    return (struct picture_key){.job = request->job_id,
-                                .view = pen_http_request_param(request, "view"),
-                                .layer = pen_http_request_param(request, "layer"),
-                                .format = pen_http_request_param(request, "format")};
-}
-
-/* Looks for an answer in memory without a read of the store. */
-static bool find_quickly(const struct request *request, const struct picture_key *key,
-                         struct picture *out)
-{
-    struct pen_http *http = request->http;
-    struct snapshot snapshot;
-    if (!pen_http_snapshot_cache_peek(http->snapshot_cache, pen_http_watch_changes(http->watch),
-                                      request->job_id, &snapshot))
-        return false;
-    pen_http_snapshot_release(&snapshot); /* the job is there */
-    return pen_http_pictures_find(http->pictures, key, out);
-}
-
-bool pen_http_quick_image(struct request *request)
-{
-    const struct picture_key key = key_of(request);
-    struct picture picture;
-    if (!find_quickly(request, &key, &picture))
-        return false;
-    answer_picture(request, &picture, true);
-    return true;
-}
-
-/* Looks for an answer in memory, if the job is there. Where the store says that it is not, or does
- * not answer, the caller's own read says so too. */
-static bool find_kept(const struct request *request, struct pen_jobs *jobs,
-                      const struct picture_key *key, struct picture *out)
-{
-    struct pen_http *http = request->http;
-    struct snapshot snapshot;
-    struct pen_status ignored;
-    if (!pen_http_snapshot_cache_read(http->snapshot_cache, pen_http_watch_changes(http->watch),
-                                      jobs, request->job_id, &snapshot, &ignored))
-        return false;
-    pen_http_snapshot_release(&snapshot);
-    return pen_http_pictures_find(http->pictures, key, out);
-}
-
-/* Whether an answer that takes so much memory is left to a compute thread. */
-static bool is_moved(struct request *request, size_t bytes)
-{
-    if (bytes <= SHORT_READ || request->queue != QUEUE_STORE)
-        return false;
-    request->queue = QUEUE_COMPUTE;
-    return true;
-}
-
-/* A picture that is being made. */
-struct making {
-    struct request *request;
-    struct picture_room room;
-    bool is_moved; /* it is left to a compute thread */
-};
-
-/* Work goes to its thread before memory is set aside for it. What was set aside before is not
- * needed. */
-static bool reserve(void *user, size_t bytes, struct pen_status *st)
-{
-    struct making *making = user;
-    struct request *request = making->request;
-    pen_http_pictures_give_up(request->http->pictures, &making->room);
-    making->is_moved = is_moved(request, bytes);
-    if (making->is_moved)
-        return pen_fail(st, PEN_UNAVAILABLE, "the picture is large");
-    making->room.bytes = bytes;
-    return pen_http_pictures_reserve(request->http->pictures, &making->room, st);
-}
-
-static enum outcome answer_made(struct making *making, struct pen_jobs *jobs, bool made,
-                                struct pen_image *image, const struct picture_key *key,
-                                struct pen_status *st)
-{
-    struct request *request = making->request;
-    struct pictures *pictures = request->http->pictures;
-    struct picture picture;
-    if (making->is_moved)
-        return OUTCOME_MOVED;
-    if (!made)
-        pen_http_pictures_give_up(pictures, &making->room);
-    if (!made || !pen_http_pictures_take(pictures, key, image, &making->room, &picture, st))
-        return answer_status(request, jobs, st);
-    answer_picture(request, &picture, key != NULL);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_content(request, &content);
 }
 
 enum outcome pen_http_handle_image(struct request *request, struct pen_jobs *jobs)
 {
-    const struct picture_key key = key_of(request);
-    struct making making = {.request = request};
-    const struct pen_image_query query = {.view = key.view,
-                                          .layer = key.layer,
-                                          .format = key.format,
-                                          .reserve = reserve,
-                                          .user = &making};
-    struct pen_image image = {0};
+    const struct pen_image_query query = {.view = pen_http_request_param(request, "view"),
+                                          .layer = pen_http_request_param(request, "layer"),
+                                          .format = pen_http_request_param(request, "format")};
+    struct pictures *pictures = request->http->pictures;
+    struct pen_image image;
     struct picture picture;
+    enum pen_job_state state;
+    int64_t revision;
     struct pen_status st;
-    if (find_kept(request, jobs, &key, &picture)) {
-        answer_picture(request, &picture, true);
-        return OUTCOME_ANSWERED;
-    }
-    const bool made = pen_jobs_image(jobs, request->job_id, &query, &image, &st);
-    return answer_made(&making, jobs, made, &image, &key, &st);
+    if (!pen_jobs_state(jobs, request->job_id, &state, &revision, &st))
+        return answer_status(request, jobs, &st);
+    if (!pen_http_pictures_find(pictures, request->job_id, &query, &picture) &&
+        !(pen_jobs_image(jobs, request->job_id, &query, &image, &st) &&
+          pen_http_pictures_take(pictures, request->job_id, &query, &image, &picture, &st)))
+        return answer_status(request, jobs, &st);
+    const struct content content = {.blob = picture.blob,
+                                    .type = picture.type,
+                                    .etag = picture.etag,
+                                    .cache_control = forever,
+                                    .ranges = true};
+    return pen_http_request_content(request, &content);
 }
 
 enum outcome pen_http_handle_preview(struct request *request, struct pen_jobs *jobs)
 {
-    struct making making = {.request = request};
-    const struct pen_image_query query = {
-        .view = pen_http_request_param(request, "view"), .reserve = reserve, .user = &making};
-    struct pen_image image = {0};
+    const struct pen_image_query query = {.view = pen_http_request_param(request, "view")};
+    struct pen_image image;
     struct pen_status st;
-    const bool made = pen_jobs_preview(jobs, request->job_id, &query, &image, &st);
-    return answer_made(&making, jobs, made, &image, NULL, &st);
+    if (!pen_jobs_preview(jobs, request->job_id, &query, &image, &st))
+        return answer_status(request, jobs, &st);
+    return answer_image(request, &image, "no-cache");
 }
 
 enum outcome pen_http_handle_stats(struct request *request, struct pen_jobs *jobs)
@@ -187,77 +89,20 @@ enum outcome pen_http_handle_stats(struct request *request, struct pen_jobs *job
     json_t *stats = pen_jobs_stats(jobs, request->job_id, &st);
     if (!stats)
         return answer_status(request, jobs, &st);
-    answer_hashed(request, pen_http_blob_json(stats), "application/json");
+    struct blob *text = pen_http_blob_json(stats);
     json_decref(stats);
-    return OUTCOME_ANSWERED;
-}
-
-/* A large scene is kept as pictures are: it never changes. Small ones are not, since they would
- * take the places of pictures in the list. */
-enum { KEPT_SCENE = 64 << 10 };
-
-static struct picture_key scene_key(const struct request *request)
-{
-    return (struct picture_key){.job = request->job_id, .layer = "scene", .format = "scene"};
-}
-
-static void answer_scene(struct request *request, const struct picture *scene)
-{
-    const struct content content = {
-        .blob = scene->blob, .type = scene->type, .etag = scene->etag, .cache_control = forever};
-    pen_http_request_content(request, &content);
-}
-
-bool pen_http_quick_scene(struct request *request)
-{
-    const struct picture_key key = scene_key(request);
-    struct picture scene;
-    if (!find_quickly(request, &key, &scene))
-        return false;
-    answer_scene(request, &scene);
-    if (!pen_http_request_encodes_much(request))
-        return true;
-    pen_http_reply_release(&request->reply);
-    return false;
-}
-
-/* Reads the scene from the store. */
-static bool read_scene(struct request *request, struct pen_jobs *jobs,
-                       const struct picture_key *key, struct picture *scene, struct pen_status *st)
-{
-    struct pen_image image = {0};
-    if (!pen_jobs_scene(jobs, request->job_id, &image.bytes, st))
-        return false;
-    const bool xml = pen_text_is_xml((const char *)image.bytes.data, image.bytes.bytes);
-    strcpy(image.type, xml ? "application/xml" : "application/json");
-    pen_http_etag(&image.bytes, image.etag);
-    return pen_http_pictures_take(request->http->pictures,
-                                  image.bytes.bytes > KEPT_SCENE ? key : NULL, &image, NULL, scene,
-                                  st);
+    return answer_hashed(request, text, "application/json");
 }
 
 enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *jobs)
 {
-    const struct picture_key key = scene_key(request);
-    struct picture scene;
+    struct pen_buf text = {0};
     struct pen_status st;
-    size_t bytes;
-    if (find_kept(request, jobs, &key, &scene)) {
-        answer_scene(request, &scene);
-        if (!pen_http_request_encodes_much(request) ||
-            !is_moved(request, scene.blob->content.bytes))
-            return OUTCOME_ANSWERED;
-        pen_http_reply_release(&request->reply);
-        return OUTCOME_MOVED;
-    }
-    if (!pen_jobs_scene_bytes(jobs, request->job_id, &bytes, &st))
+    if (!pen_jobs_scene(jobs, request->job_id, &text, &st))
         return answer_status(request, jobs, &st);
-    if (is_moved(request, bytes))
-        return OUTCOME_MOVED;
-    if (!read_scene(request, jobs, &key, &scene, &st))
-        return answer_status(request, jobs, &st);
-    answer_scene(request, &scene);
-    return OUTCOME_ANSWERED;
+    const bool xml = pen_text_is_xml((const char *)text.data, text.bytes);
+    return answer_hashed(request, pen_http_blob_take(&text),
+                         xml ? "application/xml" : "application/json");
 }
 
 /* The format of a report that the client prefers; HTML if it accepts anything. */
@@ -295,16 +140,11 @@ enum outcome pen_http_handle_report(struct request *request, struct pen_jobs *jo
     struct pen_image report = {0};
     struct pen_status st;
     const char *format = choose_format(request, &st);
-    pen_http_reply_field(&request->reply, "Vary", "Accept, Accept-Encoding");
     if (!format || !make_report(request, jobs, &format, &report, &st))
         return answer_status(request, jobs, &st);
+    pen_http_reply_field(&request->reply, "Vary", "Accept, Accept-Encoding");
     if (strcmp(format, "html") == 0)
         pen_http_reply_field(&request->reply, "Content-Security-Policy",
                              "default-src 'none'; style-src 'unsafe-inline'; img-src data:");
-    const struct content content = {.blob = pen_http_blob_take(&report.bytes),
-                                    .type = report.type,
-                                    .etag = report.etag,
-                                    .cache_control = forever};
-    pen_http_request_content(request, &content);
-    return OUTCOME_ANSWERED;
+    return answer_image(request, &report, forever);
 }

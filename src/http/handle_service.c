@@ -8,56 +8,30 @@
 #include "http/internal/http.h"
 #include "http/internal/request.h"
 #include "http/internal/static_files.h"
-#include "io/builtin.h"
 
 static const int64_t probe_again_ns = INT64_C(1000000000);
 static const int64_t probe_late_ns = 5 * INT64_C(1000000000);
 
-static enum outcome answer_file(struct request *request, const struct static_file *file)
+/* The file that the path ends with; a scene is in a folder. */
+enum outcome pen_http_handle_file(struct request *request, struct pen_jobs *jobs)
 {
+    (void)jobs;
+    const struct pen_target *target = &request->target;
+    char name[64];
+    struct pen_status st;
+    snprintf(name, sizeof name, "%s%s", request->arg ? "scenes/" : "",
+             target->segment[target->segment_count - 1]);
+    const struct static_file *file = pen_http_static_files_find(request->http->static_files, name);
+    if (!file) {
+        pen_fail(&st, PEN_NOT_FOUND,
+                 "there is no built-in file \"%.80s\"; GET /v1/scenes lists all scenes", name);
+        return pen_http_request_fail(request, &st);
+    }
     const struct content content = {.blob = pen_http_blob_ref(file->blob),
                                     .type = file->type,
                                     .etag = file->etag,
                                     .cache_control = "no-cache"};
-    pen_http_request_content(request, &content);
-    return OUTCOME_ANSWERED;
-}
-
-enum outcome pen_http_handle_scenes(struct request *request, struct pen_jobs *jobs)
-{
-    (void)jobs;
-    return answer_file(request, pen_http_static_files_find(request->http->static_files, "scenes"));
-}
-
-enum outcome pen_http_handle_builtin(struct request *request, struct pen_jobs *jobs)
-{
-    (void)jobs;
-    char name[64];
-    int length = snprintf(name, sizeof name, "scenes/%s", request->arg);
-    const struct static_file *file =
-        length < (int)sizeof name ? pen_http_static_files_find(request->http->static_files, name)
-                                  : NULL;
-    if (file)
-        return answer_file(request, file);
-    struct pen_status st;
-    pen_fail(&st, PEN_NOT_FOUND,
-             "there is no built-in scene \"%.80s\"; GET /v1/scenes lists all of them",
-             request->arg);
-    pen_http_request_fail(request, &st);
-    return OUTCOME_ANSWERED;
-}
-
-enum outcome pen_http_handle_api_file(struct request *request, struct pen_jobs *jobs)
-{
-    (void)jobs;
-    const struct static_file *file =
-        pen_http_static_files_find(request->http->static_files, request->target.segment[0]);
-    if (file)
-        return answer_file(request, file);
-    struct pen_status st;
-    pen_fail(&st, PEN_NOT_FOUND, "this build does not carry %s", request->target.segment[0]);
-    pen_http_request_fail(request, &st);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_content(request, &content);
 }
 
 /* `damaged`: how many stored blobs are, as far as the background check knows. */
@@ -66,9 +40,7 @@ static enum outcome answer_health(struct request *request, const char *state, in
     json_t *answer = json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION);
     if (damaged > 0)
         json_object_set_new(answer, "damaged", json_integer(damaged));
-    pen_http_reply_json(&request->reply, 200, answer);
-    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
-    return OUTCOME_ANSWERED;
+    return pen_http_request_json(request, 200, answer);
 }
 
 enum outcome pen_http_handle_healthz(struct request *request, struct pen_jobs *jobs)
@@ -81,32 +53,24 @@ enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *j
 {
     struct pen_status st;
     json_t *workers = pen_jobs_workers(jobs, &st);
-    if (!workers) {
-        pen_http_request_fail(request, &st);
-        return OUTCOME_ANSWERED;
-    }
-    pen_http_reply_json(&request->reply, 200, workers);
-    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
-    return OUTCOME_ANSWERED;
+    return workers ? pen_http_request_json(request, 200, workers)
+                   : pen_http_request_fail(request, &st);
 }
 
-/* Whether a write reaches the disk is told by jobs that were stored (handle_jobs.c), else by a
+/* Whether a write reaches the disk: as the last job that was stored says (handle_jobs.c), or else a
  * probe, at most once a second, so that a monitor that polls often does not wear the disk. While
- * one thread probes, which may have to wait for a large job to be stored, others are told the
- * result before, if that is not old. If it is, they wait on the thread for changes: of the store
- * threads, one at most waits for writers. Returns whether *st is the answer. */
-static bool probe(struct request *request, struct pen_jobs *jobs, struct pen_status *st)
+ * one thread probes, which may have to wait for a large job to be stored, others use the last
+ * result, if it is not old. */
+static void probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
 {
-    struct pen_http *http = request->http;
     pthread_mutex_lock(&http->ready_lock);
     const int64_t age = http->ready_ns ? pen_clock_ns() - http->ready_ns : INT64_MAX;
     const bool known = age < probe_again_ns || (http->probing && age < probe_late_ns);
-    const bool waits = !known && http->probing && request->queue == QUEUE_STORE;
     *st = http->ready;
     http->probing = http->probing || !known;
     pthread_mutex_unlock(&http->ready_lock);
-    if (known || waits)
-        return known;
+    if (known)
+        return;
     *st = (struct pen_status){.code = PEN_OK};
     pen_store_intake(pen_jobs_store(jobs), st);
     pthread_mutex_lock(&http->ready_lock);
@@ -114,14 +78,18 @@ static bool probe(struct request *request, struct pen_jobs *jobs, struct pen_sta
     http->ready_ns = pen_clock_ns();
     http->ready = *st;
     pthread_mutex_unlock(&http->ready_lock);
-    return true;
 }
 
-/* Fails if pen_http_set_not_ready has set a reason, with that reason, or if the token file is
- * broken. */
-static bool check_reason(struct pen_http *http, struct pen_status *st)
+/* Fails with the reason why the daemon is not ready: it ends, the store takes no writes, a reason
+ * that pen_http_set_not_ready has set, or a broken token file. */
+static bool check_ready(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
 {
     struct pen_status fault;
+    if (atomic_load_explicit(&http->draining, memory_order_relaxed))
+        return pen_fail(st, PEN_UNAVAILABLE, "the daemon is draining");
+    probe(http, jobs, &fault);
+    if (fault.code != PEN_OK)
+        return pen_fail(st, PEN_UNAVAILABLE, "the store does not take writes: %s", fault.msg);
     pthread_mutex_lock(&http->ready_lock);
     bool ok =
         !http->not_ready_reason[0] || pen_fail(st, PEN_UNAVAILABLE, "%s", http->not_ready_reason);
@@ -133,23 +101,10 @@ static bool check_reason(struct pen_http *http, struct pen_status *st)
 
 enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jobs)
 {
-    struct pen_http *http = request->http;
     struct pen_status st;
-    bool ready = true;
-    if (atomic_load_explicit(&http->draining, memory_order_relaxed)) {
-        ready = pen_fail(&st, PEN_UNAVAILABLE, "the daemon is draining");
-    } else if (!probe(request, jobs, &st)) {
-        request->queue = QUEUE_CHANGES;
-        return OUTCOME_MOVED;
-    } else if (st.code != PEN_OK) {
-        ready = pen_fail(&st, PEN_UNAVAILABLE, "the store does not take writes: %s", st.msg);
-    } else {
-        ready = check_reason(http, &st);
-    }
-    if (ready)
+    if (check_ready(request->http, jobs, &st))
         return answer_health(request, "ready",
                              (int64_t)pen_store_tally(pen_jobs_store(jobs), PEN_TALLY_DAMAGED));
     pen_http_request_hide_reason(request, &st);
-    pen_http_request_fail(request, &st);
-    return OUTCOME_ANSWERED;
+    return pen_http_request_fail(request, &st);
 }

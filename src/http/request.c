@@ -64,11 +64,6 @@ void pen_http_request_free(struct request *request)
     free(request);
 }
 
-bool pen_http_request_only_answers(const struct request *request)
-{
-    return request->head || strcmp(request->method, "GET") == 0 || request->route->only_answers;
-}
-
 bool pen_http_request_has_store(const struct request *request, struct pen_status *st)
 {
     struct pen_http *http = request->http;
@@ -125,12 +120,13 @@ void pen_http_request_refuse(struct request *request, int http_status, const str
     struct pen_buf text = {0};
     pen_problem_write(&text, st, http_status, request->id);
     pen_http_reply_problem(&request->reply, http_status ? http_status : pen_code_http(st->code),
-                           &text);
+                           pen_http_blob_take(&text));
 }
 
-void pen_http_request_fail(struct request *request, const struct pen_status *st)
+enum outcome pen_http_request_fail(struct request *request, const struct pen_status *st)
 {
     pen_http_request_refuse(request, 0, st);
+    return OUTCOME_ANSWERED;
 }
 
 const char *pen_http_request_param(const struct request *request, const char *name)
@@ -159,24 +155,63 @@ const char *pen_http_request_owner(const struct request *request, char text[CLIE
                                                      : NULL;
 }
 
-void pen_http_request_content(struct request *request, const struct content *content)
+/* The part that a GET asks for. If-Range must be the entity tag, byte by byte; a date never
+ * matches, since the server sends no dates. */
+static enum pen_range_kind read_range(const struct request *request, const struct content *content,
+                                      uint64_t *first, uint64_t *count)
 {
     const struct fields *fields = &request->fields;
-    bool ranges = content->ranges && !request->head; /* Range is defined for GET only */
-    struct reply_conditions conditions = {.if_none_match = fields->if_none_match,
-                                          .range = ranges ? fields->range : NULL,
-                                          .if_range = fields->if_range};
-    size_t size = content->blob ? content->blob->content.bytes : 0;
-    if (pen_http_reply_content(&request->reply, content->blob, content->type, content->etag,
-                               &conditions)) {
-        pen_http_reply_field(&request->reply, "Cache-Control", "%s", content->cache_control);
-    } else {
-        struct pen_status st;
-        pen_fail(&st, PEN_RANGE, "the range %s lies outside the picture's %zu bytes", fields->range,
-                 size);
-        pen_http_request_fail(request, &st);
-        pen_http_reply_field(&request->reply, "Content-Range", "bytes */%zu", size);
-    }
+    if (!content->ranges || !content->blob || !fields->range || request->head ||
+        (fields->if_range && strcmp(fields->if_range, content->etag) != 0))
+        return PEN_RANGE_WHOLE;
+    return pen_range_parse(fields->range, content->blob->content.bytes, first, count);
+}
+
+static enum outcome fail_range(struct request *request, struct blob *blob)
+{
+    struct pen_status st;
+    const size_t bytes = blob->content.bytes;
+    pen_http_blob_unref(blob);
+    pen_fail(&st, PEN_RANGE, "the range %s lies outside the picture's %zu bytes",
+             request->fields.range, bytes);
+    pen_http_request_fail(request, &st);
+    pen_http_reply_field(&request->reply, "Content-Range", "bytes */%zu", bytes);
+    pen_http_reply_field(&request->reply, "Accept-Ranges", "bytes");
+    return OUTCOME_ANSWERED;
+}
+
+enum outcome pen_http_request_content(struct request *request, const struct content *content)
+{
+    struct reply *reply = &request->reply;
+    const char *known = request->fields.if_none_match;
+    enum pen_range_kind range = PEN_RANGE_WHOLE;
+    uint64_t first, count;
+    int status = 200;
+    if (known && pen_etag_known(known, content->etag))
+        status = 304;
+    else if ((range = read_range(request, content, &first, &count)) == PEN_RANGE_OUTSIDE)
+        return fail_range(request, content->blob);
+    else if (range == PEN_RANGE_PART)
+        status = 206;
+    /* The Content-Length of a 304 is that of the 200. */
+    pen_http_reply_body(reply, status, content->blob, content->type);
+    pen_http_reply_field(reply, "ETag", "%s", content->etag);
+    pen_http_reply_field(reply, "Cache-Control", "%s", content->cache_control);
     if (content->ranges)
-        pen_http_reply_field(&request->reply, "Accept-Ranges", "bytes");
+        pen_http_reply_field(reply, "Accept-Ranges", "bytes");
+    if (status == 206) {
+        reply->first = (size_t)first;
+        reply->bytes = (size_t)count;
+        pen_http_reply_field(reply, "Content-Range", "bytes %zu-%zu/%zu", reply->first,
+                             reply->first + reply->bytes - 1, content->blob->content.bytes);
+    }
+    return OUTCOME_ANSWERED;
+}
+
+enum outcome pen_http_request_json(struct request *request, int http_status, json_t *json)
+{
+    pen_http_reply_body(&request->reply, http_status, pen_http_blob_json(json), "application/json");
+    json_decref(json);
+    pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
+    return OUTCOME_ANSWERED;
 }

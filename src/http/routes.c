@@ -51,27 +51,26 @@ static const struct route table[] = {
     ROUTE("DELETE", "/v1/jobs/{id}", SUBMIT, delete, .queue = QUEUE_CHANGES,
           .params = delete_params),
     ROUTE("GET", "/v1/jobs/{id}/events", READ, events, .queue = QUEUE_STORE),
-    ROUTE("GET", "/v1/jobs/{id}/image", READ, image, .quick = pen_http_quick_image,
-          .queue = QUEUE_COMPUTE, .params = image_params),
+    ROUTE("GET", "/v1/jobs/{id}/image", READ, image, .queue = QUEUE_COMPUTE,
+          .params = image_params),
     ROUTE("GET", "/v1/jobs/{id}/preview", READ, preview, .queue = QUEUE_COMPUTE,
           .params = preview_params),
     ROUTE("GET", "/v1/jobs/{id}/stats", READ, stats, .queue = QUEUE_COMPUTE),
     ROUTE("GET", "/v1/jobs/{id}/report", READ, report, .queue = QUEUE_COMPUTE),
-    ROUTE("GET", "/v1/jobs/{id}/scene", READ, scene, .quick = pen_http_quick_scene,
-          .queue = QUEUE_STORE),
+    ROUTE("GET", "/v1/jobs/{id}/scene", READ, scene, .queue = QUEUE_COMPUTE),
     ROUTE("POST", "/v1/jobs/{id}/cancel", SUBMIT, cancel, .queue = QUEUE_CHANGES),
     ROUTE("POST", "/v1/validate", READ, validate, .quick = pen_http_quick_refusal,
-          .queue = QUEUE_COMPUTE, .only_answers = true, .takes_body = true),
+          .queue = QUEUE_COMPUTE, .takes_body = true),
     ROUTE("POST", "/v1/explain", SUBMIT, explain, .queue = QUEUE_CHANGES, .takes_body = true,
-          .submits = true, .only_answers = true, .handle_again = true),
-    ROUTE("GET", "/v1/scenes", READ, scenes, .queue = QUEUE_NONE),
-    ROUTE("GET", "/v1/scenes/{name}", READ, builtin, .queue = QUEUE_NONE),
+          .submits = true, .handle_again = true),
+    ROUTE("GET", "/v1/scenes", READ, file, .queue = QUEUE_NONE),
+    ROUTE("GET", "/v1/scenes/{name}", READ, file, .queue = QUEUE_NONE),
     ROUTE("GET", "/v1/workers", READ, workers, .queue = QUEUE_STORE),
     ROUTE("GET", "/healthz", NONE, healthz, .queue = QUEUE_NONE),
-    ROUTE("GET", "/readyz", NONE, readyz, .queue = QUEUE_STORE),
+    ROUTE("GET", "/readyz", NONE, readyz, .queue = QUEUE_CHANGES),
     ROUTE("GET", "/metrics", READ, metrics, .queue = QUEUE_STORE),
-    ROUTE("GET", "/openapi.yaml", NONE, api_file, .queue = QUEUE_NONE),
-    ROUTE("GET", "/scene.schema.json", NONE, api_file, .queue = QUEUE_NONE),
+    ROUTE("GET", "/openapi.yaml", NONE, file, .queue = QUEUE_NONE),
+    ROUTE("GET", "/scene.schema.json", NONE, file, .queue = QUEUE_NONE),
 };
 
 enum { LARGE_BODY = 64 << 10 }; /* bytes; larger bodies take some milliseconds to parse */
@@ -217,9 +216,11 @@ enum queue_id pen_http_route_queue(const struct route *route, const struct reque
         return QUEUE_COMPUTE;
     if (route->handle != pen_http_handle_image)
         return route->queue;
+    const char *view = pen_target_param(target, "view");
     const char *layer = pen_target_param(target, "layer");
     const char *format = pen_target_param(target, "format");
-    bool stored =
-        (!layer || strcmp(layer, "beauty") == 0) && (!format || strcmp(format, "png") == 0);
+    const bool stored = (!view || strcmp(view, "all") != 0) &&
+                        (!layer || strcmp(layer, "beauty") == 0) &&
+                        (!format || strcmp(format, "png") == 0);
     return stored ? QUEUE_STORE : QUEUE_COMPUTE;
 }

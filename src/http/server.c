@@ -91,8 +91,7 @@ static bool open_store(struct pen_http *http, const struct pen_http_options *opt
     struct pen_jobs *jobs = pen_jobs_open(options->store_url, &http->limits, st);
     if (!jobs)
         return false;
-    http->executor =
-        pen_http_executor_start(options->store_url, &http->limits, options->store_threads, st);
+    http->executor = pen_http_executor_start(options->store_url, &http->limits, st);
     if (!http->executor) {
         pen_jobs_close(jobs);
         return false;

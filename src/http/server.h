@@ -16,7 +16,6 @@ struct pen_http_options {
     int listen_fd; /* a listening socket; stays the caller's, and becomes non-blocking */
     const char *store_url;
     struct pen_limits limits;
-    int store_threads; /* 0: 4 */
     int idle_seconds; /* time after which an idle connection is closed; 0: 30. The times for a head,
                        * a body and a reader are not longer than this */
     int connections;  /* open at once; 0: 8192. Not more than the process may open files */

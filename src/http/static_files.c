@@ -24,7 +24,7 @@ static bool add(struct static_files *files, const char *name, const char *type, 
     file->type = type;
     file->blob = blob;
     pen_http_etag(&blob->content, file->etag);
-    pen_http_blob_unref(pen_http_blob_gzip(blob)); /* now: later a thread of connections would */
+    blob->gzip = pen_http_blob_gzip(blob); /* now: later a thread of connections would */
     return true;
 }
 

@@ -86,13 +86,11 @@ static void enlist(struct watch *watch, struct request *request)
 /* Gives a request whose wait is over to its connection, or to its handler. */
 static void pass_on(struct watch *watch, struct request *request)
 {
-    struct executor *executor = watch->http->executor;
     if (!request->stream) {
         atomic_fetch_sub_explicit(&watch->http->polls, 1, memory_order_relaxed);
         if (request->route->handle_again && request->reply.status == 0) {
-            if (pen_http_executor_submit(executor, request->route->queue, request))
-                return;
-            pen_http_executor_refuse(executor, request);
+            pen_http_executor_submit(watch->http->executor, request->route->queue, request);
+            return;
         }
         pen_http_request_encode(request);
     }

@@ -110,21 +110,10 @@ bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, const char *client,
 bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, const char *client, bool keep_stats,
                      struct pen_status *st);
 
-/* Sets memory aside for a picture. If it fails, the picture is not made: the call fails with *st.
- */
-typedef bool pen_reserve_fn(void *user, size_t bytes, struct pen_status *st);
-
 struct pen_image_query {
     const char *view;   /* "all": a contact sheet of all views; NULL: the first view */
     const char *layer;  /* NULL: beauty */
     const char *format; /* one of pen_image_formats; NULL: the first */
-    /* Called with the memory that the picture takes at most, before any of it is used: of a stored
-     * one its file, of one that has to be made pixels and file, computed from the job's settings.
-     * What the store reads of one batch at a time is not in it. If a stored picture is dropped
-     * before it is read, it is called again; the first memory is not used then. NULL: nobody is
-     * asked. */
-    pen_reserve_fn *reserve;
-    void *user;
 };
 
 struct pen_image {
@@ -174,10 +163,6 @@ bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, st
  * built-in scene that the job names. Owns: release *out. Fails: PEN_NOT_FOUND. */
 bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
                     struct pen_status *st);
-
-/* How long that text is; it is not read. Fails: PEN_NOT_FOUND. */
-bool pen_jobs_scene_bytes(struct pen_jobs *jobs, const char *id, size_t *bytes,
-                          struct pen_status *st);
 
 /* The workers: {"workers": [{name, host, pid, threads, started_at, last_seen_at, batches}]}. Owns:
  * the caller. */

@@ -192,50 +192,6 @@ static struct pen_film *make_view(struct pen_jobs *jobs, const struct wanted *wa
     return NULL;
 }
 
-enum { FILM_BYTES = 3 * sizeof(float) }; /* of a pixel, also in PFM */
-
-/* The most that a PNG takes: its rows as they are, and what deflate and the chunks add to bytes
- * that do not become smaller. */
-static size_t png_bytes(size_t width, size_t height, size_t pixel_bytes)
-{
-    const size_t rows = height * (width * pixel_bytes + 1);
-    return rows + rows / 512 + 4096;
-}
-
-/* The memory that a contact sheet takes at most: its film, beside it a view with what that is read
- * from, and then the file. */
-static size_t sheet_memory(const struct wanted *want)
-{
-    const struct pen_settings *s = &want->request.settings;
-    const struct sheet_layout layout = sheet_layout_of(&want->request);
-    const size_t width = (size_t)layout.sheet_width, height = (size_t)layout.sheet_height;
-    const size_t view = (size_t)s->width * (size_t)s->height * FILM_BYTES;
-    const size_t loaded = want->layer == PEN_LAYER_BEAUTY ? view : 2 * view;
-    const size_t file =
-        want->format == FORMAT_PFM ? width * height * FILM_BYTES : png_bytes(width, height, 6);
-    return width * height * FILM_BYTES + (loaded > file ? loaded : file);
-}
-
-/* The memory that making a picture takes at most: the film, beside it what that is read from, and
- * then the file; PFM is made in the film's place. */
-static size_t picture_memory(const struct wanted *want)
-{
-    const struct pen_settings *s = &want->request.settings;
-    const size_t width = (size_t)s->width, height = (size_t)s->height;
-    const size_t film = width * height * FILM_BYTES;
-    const bool beauty = want->layer == PEN_LAYER_BEAUTY;
-    if (want->view == ALL_VIEWS)
-        return sheet_memory(want);
-    if (want->format == FORMAT_PFM)
-        return film + 4096;
-    return film + (beauty ? png_bytes(width, height, 6) : film + 4096);
-}
-
-static bool reserve(const struct pen_image_query *query, size_t bytes, struct pen_status *st)
-{
-    return !query->reserve || query->reserve(query->user, bytes, st);
-}
-
 static bool encode(const struct wanted *want, const struct pen_film *film, struct pen_buf *out,
                    struct pen_status *st)
 {
@@ -286,23 +242,14 @@ static bool make_and_store(struct pen_jobs *jobs, const struct wanted *want, str
     return true;
 }
 
-/* Gets the stored picture, or makes it. A stored one takes the memory of its file, which may be
- * much less than making it takes. It may be dropped between the two calls of the store, and is made
- * then. */
-static bool get_picture(struct pen_jobs *jobs, const struct wanted *want,
-                        const struct pen_image_query *query, struct pen_buf *out,
+/* Gets the stored picture, or makes it. */
+static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
                         struct pen_status *st)
 {
     const char *format = pen_image_formats[want->format], *layer = pen_layer_name(want->layer);
-    size_t bytes;
-    if (pen_store_artefact_bytes(jobs->store, want->id, want->view, layer, format, &bytes, st)) {
-        if (!reserve(query, bytes, st))
-            return false;
-        if (pen_store_artefact(jobs->store, want->id, want->view, layer, format, out, st))
-            return true;
-    }
-    return st->code == PEN_NOT_FOUND && reserve(query, picture_memory(want), st) &&
-           make_and_store(jobs, want, out, st);
+    if (pen_store_artefact(jobs->store, want->id, want->view, layer, format, out, st))
+        return true;
+    return st->code == PEN_NOT_FOUND && make_and_store(jobs, want, out, st);
 }
 
 static bool fill_image(struct pen_image *image, const char *type)
@@ -332,7 +279,7 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
         return false;
     bool ok = resolve_layer(&want, query->layer, st) &&
               resolve_view(&want, query->view, true, st) && check_succeeded(id, state, st) &&
-              get_picture(jobs, &want, query, &out->bytes, st) &&
+              get_picture(jobs, &want, &out->bytes, st) &&
               fill_image(out, media_types[want.format]);
     pen_stored_request_release(&want.request);
     if (!ok)
@@ -360,13 +307,6 @@ static bool make_preview(struct pen_jobs *jobs, const struct wanted *want, struc
     return ok;
 }
 
-/* Film, mask, and a file with four channels. */
-static size_t preview_memory(const struct pen_settings *s)
-{
-    const size_t width = (size_t)s->width, height = (size_t)s->height;
-    return width * height * (FILM_BYTES + 1) + png_bytes(width, height, 4);
-}
-
 bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                       struct pen_image *out, struct pen_status *st)
 {
@@ -378,7 +318,6 @@ bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const struct pen_im
         return false;
     query = query ? query : &none;
     bool ok = resolve_view(&want, query->view, false, st) &&
-              reserve(query, preview_memory(&want.request.settings), st) &&
               make_preview(jobs, &want, &out->bytes, st) &&
               fill_image(out, media_types[FORMAT_PNG]);
     pen_stored_request_release(&want.request);

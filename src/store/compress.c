@@ -69,25 +69,16 @@ bool pen_compress(struct pen_compressor *compressor, const void *data, size_t by
     return true;
 }
 
-bool pen_decompressed_bytes(const void *data, size_t bytes, size_t *out, struct pen_status *st)
-{
-    const unsigned long long size = ZSTD_getFrameContentSize(data, bytes);
-    *out = (size_t)size;
-    return (size != ZSTD_CONTENTSIZE_UNKNOWN && size != ZSTD_CONTENTSIZE_ERROR &&
-            size <= SIZE_MAX) ||
-           pen_fail(st, PEN_STORAGE, "stored data is damaged: not a compressed frame");
-}
-
 bool pen_decompress(struct pen_compressor *compressor, const void *data, size_t bytes,
                     struct pen_bytes *out, struct pen_status *st)
 {
-    size_t size;
-    if (!pen_decompressed_bytes(data, bytes, &size, st))
-        return false;
+    const unsigned long long size = ZSTD_getFrameContentSize(data, bytes);
+    if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > SIZE_MAX)
+        return pen_fail(st, PEN_STORAGE, "stored data is damaged: not a compressed frame");
     if (size / BLOCK_OUT > bytes / BLOCK_IN)
-        return pen_fail(st, PEN_STORAGE, "stored data is damaged: %zu bytes cannot hold %zu", bytes,
-                        size);
-    if (!reserve(compressor, size, st))
+        return pen_fail(st, PEN_STORAGE, "stored data is damaged: %zu bytes cannot hold %llu",
+                        bytes, size);
+    if (!reserve(compressor, (size_t)size, st))
         return false;
     size_t n = ZSTD_decompressDCtx(compressor->decompress, compressor->out, compressor->capacity,
                                    data, bytes);

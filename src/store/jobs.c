@@ -68,39 +68,25 @@ bool pen_policy_jobs(struct pen_store *store, const struct pen_job_filter *filte
     return ok;
 }
 
-/* Reads the compressed document, up to `most` bytes of it. */
-struct scene_read {
-    const char *id;
-    size_t most;
-};
-
+/* Reads the compressed document of the job whose id is *arg. */
 static bool read_scene(struct pen_store *store, void *arg, struct pen_status *st)
 {
-    const struct scene_read *in = arg;
+    const char *id = *(const char **)arg;
     int64_t number;
     size_t bytes;
     bool found;
-    if (!store->driver->ops->scene_of_job(store->driver, in->id, &number, &bytes, &found, st))
+    if (!store->driver->ops->scene_of_job(store->driver, id, &number, &bytes, &found, st))
         return false;
     if (!found)
-        return pen_fail_missing(store, in->id, st);
-    return pen_blob_load(store, PEN_BLOB_SCENE, number, bytes < in->most ? bytes : in->most, st);
-}
-
-bool pen_policy_scene_bytes(struct pen_store *store, const char *id, size_t *bytes,
-                            struct pen_status *st)
-{
-    struct scene_read in = {id, PEN_FRAME_HEAD_BYTES};
-    return pen_store_read(store, read_scene, &in, st) &&
-           pen_decompressed_bytes(store->blob.data, store->blob.bytes, bytes, st);
+        return pen_fail_missing(store, id, st);
+    return pen_blob_load(store, PEN_BLOB_SCENE, number, bytes, st);
 }
 
 bool pen_policy_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                       struct pen_status *st)
 {
-    struct scene_read in = {id, SIZE_MAX};
     struct pen_bytes document;
-    if (!pen_store_read(store, read_scene, &in, st) ||
+    if (!pen_store_read(store, read_scene, &id, st) ||
         !pen_decompress(store->compressor, store->blob.data, store->blob.bytes, &document, st))
         return false;
     return pen_buf_add(scene, document.data, document.bytes) ||

@@ -197,7 +197,7 @@ static bool artefact_key(struct pen_store *store, const struct artefact *artefac
     return true;
 }
 
-static bool find_artefact(struct pen_store *store, void *arg, struct pen_status *st)
+static bool read_artefact(struct pen_store *store, void *arg, struct pen_status *st)
 {
     struct artefact *artefact = arg;
     struct pen_artefact_key key;
@@ -205,25 +205,10 @@ static bool find_artefact(struct pen_store *store, void *arg, struct pen_status 
     if (!artefact_key(store, artefact, &key, st) ||
         !store->driver->ops->artefact_find(store->driver, &key, &artefact->row, &found, st))
         return false;
-    return found || pen_fail(st, PEN_NOT_FOUND, "job %s has no stored %s %s", artefact->id,
-                             artefact->layer, artefact->format);
-}
-
-static bool read_artefact(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    const struct artefact *artefact = arg;
-    return find_artefact(store, arg, st) &&
-           pen_blob_load(store, PEN_BLOB_ARTEFACT, artefact->row.number, artefact->row.bytes, st);
-}
-
-bool pen_policy_artefact_bytes(struct pen_store *store, const char *id, int view, const char *layer,
-                               const char *format, size_t *bytes, struct pen_status *st)
-{
-    struct artefact artefact = {.id = id, .view = view, .layer = layer, .format = format};
-    if (!pen_store_read(store, find_artefact, &artefact, st))
-        return false;
-    *bytes = artefact.row.bytes;
-    return true;
+    if (!found)
+        return pen_fail(st, PEN_NOT_FOUND, "job %s has no stored %s %s", artefact->id,
+                        artefact->layer, artefact->format);
+    return pen_blob_load(store, PEN_BLOB_ARTEFACT, artefact->row.number, artefact->row.bytes, st);
 }
 
 /* Gives the blob that was loaded to `out`. An empty `out` gets the buffer itself: an artefact may

@@ -314,13 +314,6 @@ bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *sc
            leave(store, &start, pen_policy_scene(store, id, scene, st));
 }
 
-bool pen_store_scene_bytes(struct pen_store *store, const char *id, size_t *bytes,
-                           struct pen_status *st)
-{
-    return enter(store, PEN_NEED_READ, st) &&
-           leave(store, NULL, pen_policy_scene_bytes(store, id, bytes, st));
-}
-
 /* After a call that frees space, or leads to it, has failed: whether the disk is full, and the call
  * may be repeated. First the log is copied into the store, so that it can be written from its
  * beginning again, which takes no space. Then parts of the reserve are moved into the store's own
@@ -587,13 +580,6 @@ bool pen_store_artefact(struct pen_store *store, const char *id, int view, const
 {
     return enter(store, PEN_NEED_READ, st) &&
            leave(store, NULL, pen_policy_artefact(store, id, view, layer, format, out, st));
-}
-
-bool pen_store_artefact_bytes(struct pen_store *store, const char *id, int view, const char *layer,
-                              const char *format, size_t *bytes, struct pen_status *st)
-{
-    return enter(store, PEN_NEED_READ, st) &&
-           leave(store, NULL, pen_policy_artefact_bytes(store, id, view, layer, format, bytes, st));
 }
 
 bool pen_store_artefact_put(struct pen_store *store, const struct pen_claim *claim,

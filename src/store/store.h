@@ -300,12 +300,9 @@ struct pen_counts {
 };
 bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st);
 
-/* Appends the scene document, as it was sent; or measures it, which reads a few of its bytes.
- * Fails: PEN_NOT_FOUND, PEN_STORAGE (damaged). */
+/* Appends the scene document, as it was sent. Fails: PEN_NOT_FOUND, PEN_STORAGE (damaged). */
 bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                      struct pen_status *st);
-bool pen_store_scene_bytes(struct pen_store *store, const char *id, size_t *bytes,
-                           struct pen_status *st);
 
 /* Returns true if a client may change a job, which may have been removed; the two calls below check
  * it too. NULL as `client` is the operator. Fails: PEN_FORBIDDEN (it belongs to another client). */
@@ -535,13 +532,10 @@ typedef bool pen_stats_fn(void *user, const struct pen_batch_stats *batch);
 bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
                      struct pen_status *st);
 
-/* Reads and measures an artefact of a job; view -1: made from all views. Reading appends to *out,
- * and an empty *out is then as large as the artefact; measuring reads none of its bytes. Fails:
- * PEN_NOT_FOUND; reading: PEN_STORAGE (damaged). */
+/* Appends an artefact of a job to *out; view -1: made from all views. An empty *out is then as
+ * large as the artefact. Fails: PEN_NOT_FOUND, PEN_STORAGE (damaged). */
 bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                         const char *format, struct pen_buf *out, struct pen_status *st);
-bool pen_store_artefact_bytes(struct pen_store *store, const char *id, int view, const char *layer,
-                              const char *format, size_t *bytes, struct pen_status *st);
 
 /* Stores an artefact of the view of the claim's batch, before the commit; one that exists is
  * replaced. Fails: PEN_STALE (nothing is stored). */

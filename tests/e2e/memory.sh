@@ -66,7 +66,7 @@ expect a-thousand "$(grep -c ^next "$work/thousand")" 1000
 thousand() {
     curl -s -Z --parallel-max 8 -K "$work/thousand" 2>/dev/null
 }
-# The least size within 2 s: an idle daemon returns memory to the system after a moment.
+# The least size within 2 s: memory that was just freed may go back to the system a moment later.
 settled_kib() {
     least=$(resident_kib)
     for _ in 1 2 3 4 5 6 7 8 9 10; do

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Large bodies and large answers beside others: they wait for their like, and share what they can.
- */
+/* Large bodies and large answers beside others: they wait for their like. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +9,6 @@
 
 #include "base/clock.h"
 #include "http/internal/encoding.h"
-#include "http/internal/http.h"
 #include "store/store.h"
 #include "support/server.h"
 #include "support/suite.h"
@@ -51,60 +49,6 @@ static void expect_status(int fd, int status)
 }
 
 enum { TRIES = 3 }; /* in one of them nothing is held up between what has to happen together */
-
-/* Waits until bodies of so many bytes have arrived and are not done with. Returns false if they are
- * not there together: then the server has nothing to do any more. */
-static bool wait_for_bodies(struct server *server, size_t bytes)
-{
-    for (int idle = 0; idle < 200; idle++) {
-        if (atomic_load(&server->http->body_bytes) >= bytes)
-            return true;
-        if (atomic_load(&server->http->active) > 0)
-            idle = 0;
-        client_pause(5 * client_patience());
-    }
-    return false;
-}
-
-/* While a body is parsed, large ones come whose clients go. Returns whether all those take little
- * time: to parse them would take longer than the first one. */
-static bool are_dropped(struct server *server, const struct pen_buf *before,
-                        const struct pen_buf *large)
-{
-    enum { GONE = 16 };
-    const int fd = send_request(server, before);
-    bool in_time = wait_for_bodies(server, before->bytes - 200);
-    const int64_t begun_ns = pen_clock_ns();
-    for (int i = 0; i < GONE; i++)
-        close(send_request(server, large));
-    in_time = in_time && wait_for_bodies(server, before->bytes + GONE * large->bytes - 2000);
-    expect_status(fd, 200);
-    const int64_t first_ns = pen_clock_ns();
-    close(fd);
-    while (atomic_load(&server->http->active) > 0 && pen_clock_ns() - first_ns < 60 * second_ns)
-        client_pause(5);
-    const int64_t parsed_ns = first_ns - begun_ns, all_ns = pen_clock_ns() - first_ns;
-    printf("# a body %.3f s, then %d that nobody waits for %.3f s\n", (double)parsed_ns * 1e-9,
-           GONE, (double)all_ns * 1e-9);
-    return in_time && all_ns < parsed_ns / 3;
-}
-
-/* Clients that have gone wait for nothing, so their bodies are not parsed. */
-START_TEST(test_large__bodies_of_clients_that_have_gone_are_dropped)
-{
-    struct server server;
-    struct pen_buf before = scene_request("POST /v1/validate", 60000, 1);
-    struct pen_buf large = scene_request("POST /v1/validate", 20000, 1);
-    bool dropped = false;
-    server_start(&server, &(struct server_options){0});
-    for (int i = 0; i < TRIES && !dropped; i++)
-        dropped = are_dropped(&server, &before, &large);
-    ck_assert(dropped);
-    pen_buf_release(&before);
-    pen_buf_release(&large);
-    server_stop(&server);
-}
-END_TEST
 
 /* A client that has only ended its side gets its answer. */
 START_TEST(test_large__a_client_that_ends_its_side_is_answered)
@@ -197,16 +141,15 @@ START_TEST(test_large__labels_of_jobs_that_are_waited_for_cost_little)
 }
 END_TEST
 
-/* Clients that read nothing of a large scene share its bytes, plain and compressed. */
-START_TEST(test_large__readers_of_a_scene_share_one_copy)
+/* Its bytes are those that were sent, plain and compressed. */
+START_TEST(test_large__scene_is_given_back)
 {
-    enum { READERS = 16, SPACES = 8 << 20 };
+    enum { SPACES = 8 << 20 };
     struct server server;
     struct pen_buf submit = scene_request("POST /v1/jobs", 2000, SPACES), text = {0};
     struct answer answer, packed;
     struct pen_status st;
     char path[100], head[200], value[100];
-    int fd[READERS];
     server_start(&server, &(struct server_options){0});
     int submitted = send_request(&server, &submit);
     client_read(submitted, false, &answer);
@@ -214,33 +157,21 @@ START_TEST(test_large__readers_of_a_scene_share_one_copy)
     answer_field(&answer, "Location", path, sizeof path);
     answer_release(&answer);
     close(submitted);
-    snprintf(head, sizeof head, "GET %s/scene HTTP/1.1\r\nHost: localhost\r\n\r\n", path);
-    for (int i = 0; i < READERS; i++) {
-        fd[i] = server_connect(&server);
-        client_send(fd[i], head);
-        ck_assert_int_eq(client_first_answered(&fd[i], 1), 0);
-        ck_assert_int_eq(recv(fd[i], value, 12, MSG_WAITALL), 12);
-        ck_assert_mem_eq(value, "HTTP/1.1 200", 12);
-    }
     snprintf(head, sizeof head, "GET %s/scene HTTP/1.1", path);
     server_ask(&server, head, NULL, &answer);
     const size_t bytes = answer.text.bytes - (size_t)(answer.body - (char *)answer.text.data);
     ck_assert_uint_gt(bytes, SPACES);
     ck_assert_mem_eq(answer.body, submit.data + submit.bytes - bytes, bytes);
-    for (int i = 0; i < 2; i++) {
-        snprintf(head, sizeof head, "GET %s/scene HTTP/1.1\r\nAccept-Encoding: gzip", path);
-        server_ask(&server, head, NULL, &packed);
-        ck_assert_str_eq(answer_field(&packed, "Content-Encoding", value, sizeof value), "gzip");
-        ck_assert(pen_http_gunzip(
-            packed.body, packed.text.bytes - (size_t)(packed.body - (char *)packed.text.data),
-            bytes, &text, &st));
-        ck_assert_uint_eq(text.bytes, bytes);
-        ck_assert_mem_eq(text.data, answer.body, bytes);
-        pen_buf_release(&text);
-        answer_release(&packed);
-    }
-    for (int i = 0; i < READERS; i++)
-        close(fd[i]);
+    snprintf(head, sizeof head, "GET %s/scene HTTP/1.1\r\nAccept-Encoding: gzip", path);
+    server_ask(&server, head, NULL, &packed);
+    ck_assert_str_eq(answer_field(&packed, "Content-Encoding", value, sizeof value), "gzip");
+    ck_assert(pen_http_gunzip(packed.body,
+                              packed.text.bytes - (size_t)(packed.body - (char *)packed.text.data),
+                              bytes, &text, &st));
+    ck_assert_uint_eq(text.bytes, bytes);
+    ck_assert_mem_eq(text.data, answer.body, bytes);
+    pen_buf_release(&text);
+    answer_release(&packed);
     answer_release(&answer);
     /* A job that is removed takes its scene with it. */
     snprintf(head, sizeof head, "POST %s/cancel HTTP/1.1", path);
@@ -312,7 +243,7 @@ static int count_before_job(const struct server *server)
     return done;
 }
 
-/* More scenes are read than are kept in memory: who reads a job does not wait for them. */
+/* A client that reads a job does not wait for large scenes. */
 START_TEST(test_large__scenes_do_not_hold_up_short_reads)
 {
     struct server server;
@@ -327,7 +258,5 @@ START_TEST(test_large__scenes_do_not_hold_up_short_reads)
 END_TEST
 
 PEN_SUITE("large", test_large__a_client_that_ends_its_side_is_answered,
-          test_large__readers_of_a_scene_share_one_copy,
-          test_large__scenes_do_not_hold_up_short_reads, PEN_TIMED,
-          test_large__bodies_of_clients_that_have_gone_are_dropped,
+          test_large__scene_is_given_back, test_large__scenes_do_not_hold_up_short_reads, PEN_TIMED,
           test_large__labels_of_jobs_that_are_waited_for_cost_little)

@@ -21,10 +21,10 @@ static struct pen_image image_of(size_t bytes)
 
 static bool take(struct pictures *pictures, const char *job, size_t bytes, struct picture *out)
 {
-    const struct picture_key key = {.job = job};
+    const struct pen_image_query query = {0};
     struct pen_status st = {0};
     struct pen_image image = image_of(bytes);
-    bool ok = pen_http_pictures_take(pictures, job ? &key : NULL, &image, NULL, out, &st);
+    bool ok = pen_http_pictures_take(pictures, job, &query, &image, out, &st);
     ck_assert(ok || st.code == PEN_UNAVAILABLE);
     return ok;
 }
@@ -33,24 +33,44 @@ START_TEST(test_pictures__readers_share_one_copy)
 {
     struct pictures *pictures = pen_http_pictures_new();
     struct picture a, b, c;
-    const struct picture_key same = {.job = "job", .layer = "beauty", .format = "png"};
-    const struct picture_key others[] = {{.job = "jo"},
-                                         {.job = "job", .view = ""},
-                                         {.job = "job", .view = "a"},
-                                         {.job = "job", .layer = "depth"},
-                                         {.job = "job", .format = "pfm"}};
+    const struct pen_image_query same = {.layer = "beauty", .format = "png"};
+    const struct pen_image_query others[] = {
+        {.view = ""}, {.view = "a"}, {.layer = "depth"}, {.format = "pfm"}};
     ck_assert(take(pictures, "job", 10 * MIB, &a));
-    ck_assert(pen_http_pictures_find(pictures, &same, &b));
+    ck_assert(pen_http_pictures_find(pictures, "job", &same, &b));
     ck_assert_ptr_eq(a.blob, b.blob);
     ck_assert_str_eq(b.type, "image/png");
     ck_assert_str_eq(b.etag, "\"x\"");
     ck_assert(take(pictures, "job", 10 * MIB, &c));
     ck_assert_ptr_eq(a.blob, c.blob);
+    ck_assert(!pen_http_pictures_find(pictures, "jo", &same, &b));
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
-        ck_assert(!pen_http_pictures_find(pictures, &others[i], &b));
+        ck_assert(!pen_http_pictures_find(pictures, "job", &others[i], &b));
     pen_http_blob_unref(a.blob);
     pen_http_blob_unref(b.blob);
     pen_http_blob_unref(c.blob);
+    pen_http_pictures_free(pictures);
+}
+END_TEST
+
+START_TEST(test_pictures__the_last_ones_are_kept)
+{
+    enum { MANY = 100 };
+    struct pictures *pictures = pen_http_pictures_new();
+    const struct pen_image_query query = {0};
+    struct picture picture;
+    char job[20];
+    for (int i = 0; i < MANY; i++) {
+        snprintf(job, sizeof job, "job %d", i);
+        ck_assert(take(pictures, job, 1000, &picture));
+        pen_http_blob_unref(picture.blob);
+    }
+    for (int i = MANY - 50; i < MANY; i++) {
+        snprintf(job, sizeof job, "job %d", i);
+        ck_assert(pen_http_pictures_find(pictures, job, &query, &picture));
+        pen_http_blob_unref(picture.blob);
+    }
+    ck_assert(!pen_http_pictures_find(pictures, "job 0", &query, &picture));
     pen_http_pictures_free(pictures);
 }
 END_TEST
@@ -64,7 +84,7 @@ START_TEST(test_pictures__have_a_budget)
     char job[20];
     while (count < READ) {
         snprintf(job, sizeof job, "job %d", count);
-        if (!take(pictures, count % 2 ? job : NULL, 10 * MIB, &read[count]))
+        if (!take(pictures, job, 10 * MIB, &read[count]))
             break;
         count++;
     }
@@ -79,61 +99,23 @@ START_TEST(test_pictures__have_a_budget)
 }
 END_TEST
 
-static bool reserve(struct pictures *pictures, size_t bytes, struct picture_room *room)
+/* A picture that is larger than the budget is sent if nothing else is. */
+START_TEST(test_pictures__beyond_the_budget_there_is_one_alone)
 {
-    struct pen_status st = {0};
-    *room = (struct picture_room){.bytes = bytes};
-    const bool ok = pen_http_pictures_reserve(pictures, room, &st);
-    ck_assert(ok || (st.code == PEN_UNAVAILABLE && room->bytes == 0));
-    return ok;
-}
-
-/* Takes a picture that was made in a room. */
-static bool take_made(struct pictures *pictures, const char *job, size_t bytes,
-                      struct picture_room *room, struct picture *out)
-{
-    const struct picture_key key = {.job = job};
-    struct pen_status st = {0};
-    struct pen_image image = image_of(bytes);
-    const bool ok = pen_http_pictures_take(pictures, &key, &image, room, out, &st);
-    ck_assert(ok || st.code == PEN_UNAVAILABLE);
-    ck_assert_uint_eq(room->bytes, 0);
-    return ok;
-}
-
-START_TEST(test_pictures__memory_is_reserved_before_they_are_made)
-{
+    enum { HUGE = 270 * MIB };
     struct pictures *pictures = pen_http_pictures_new();
-    struct picture_room a, b;
-    struct picture picture;
-    ck_assert(reserve(pictures, 200 * MIB, &a));
-    ck_assert(!reserve(pictures, 200 * MIB, &b));
-    pen_http_pictures_give_up(pictures, &a);
-    ck_assert(reserve(pictures, 200 * MIB, &b));
-    /* What is made takes less than making it. A kept picture that nobody reads is dropped. */
-    ck_assert(take_made(pictures, "job", 80 * MIB, &b, &picture));
-    ck_assert(!reserve(pictures, 200 * MIB, &a));
-    pen_http_blob_unref(picture.blob);
-    ck_assert(reserve(pictures, 200 * MIB, &a));
-    pen_http_pictures_give_up(pictures, &a);
-    pen_http_pictures_free(pictures);
-}
-END_TEST
-
-START_TEST(test_pictures__beyond_the_budget_there_is_one_at_a_time)
-{
-    struct pictures *pictures = pen_http_pictures_new();
-    struct picture_room huge, other, usual;
-    struct picture picture;
-    ck_assert(reserve(pictures, 900 * (size_t)MIB, &huge));
-    ck_assert(!reserve(pictures, 800 * (size_t)MIB, &other));
-    ck_assert(reserve(pictures, 200 * MIB, &usual)); /* the budget is as it was */
-    ck_assert(take_made(pictures, "huge", 270 * MIB, &huge, &picture));
-    ck_assert(!reserve(pictures, 800 * (size_t)MIB, &other));
-    pen_http_blob_unref(picture.blob);
-    ck_assert(reserve(pictures, 800 * (size_t)MIB, &other)); /* nobody reads the kept one */
-    pen_http_pictures_give_up(pictures, &other);
-    pen_http_pictures_give_up(pictures, &usual);
+    struct picture usual, huge, other, small;
+    ck_assert(take(pictures, "usual", MIB, &usual));
+    ck_assert(!take(pictures, "huge", HUGE, &huge));
+    pen_http_blob_unref(usual.blob);
+    ck_assert(take(pictures, "huge", HUGE, &huge)); /* nobody reads the kept one */
+    ck_assert(!take(pictures, "another", HUGE, &other));
+    ck_assert(!take(pictures, "usual", MIB, &usual));
+    ck_assert(take(pictures, "small", 1000, &small)); /* only large answers are counted */
+    pen_http_blob_unref(small.blob);
+    pen_http_blob_unref(huge.blob);
+    ck_assert(take(pictures, "usual", MIB, &usual));
+    pen_http_blob_unref(usual.blob);
     pen_http_pictures_free(pictures);
 }
 END_TEST
@@ -142,27 +124,29 @@ END_TEST
 START_TEST(test_pictures__other_answers_are_counted)
 {
     struct pictures *pictures = pen_http_pictures_new();
-    struct picture_room most;
+    struct picture most;
     struct pen_status st;
     struct pen_buf text = image_of(MIB).bytes, small_text = image_of(1000).bytes;
     struct blob *large = pen_http_blob_take(&text), *small = pen_http_blob_take(&small_text);
-    ck_assert(reserve(pictures, 256 * MIB - 1, &most));
+    ck_assert(take(pictures, "job", 256 * MIB - 1, &most));
     ck_assert(pen_http_pictures_count(pictures, NULL, &st));
     ck_assert(pen_http_pictures_count(pictures, small, &st));
     ck_assert(!pen_http_pictures_count(pictures, large, &st));
     ck_assert_int_eq(st.code, PEN_UNAVAILABLE);
-    pen_http_pictures_give_up(pictures, &most);
-    ck_assert(pen_http_pictures_count(pictures, large, &st));
-    ck_assert(!reserve(pictures, 256 * MIB, &most));
+    pen_http_blob_unref(most.blob);
+    for (int i = 0; i < 2; i++)
+        ck_assert(pen_http_pictures_count(pictures, large, &st));
+    ck_assert(!take(pictures, "job", 256 * MIB, &most));
+    ck_assert(take(pictures, "job", 255 * MIB, &most)); /* it was counted once */
+    pen_http_blob_unref(most.blob);
     pen_http_blob_unref(large);
-    ck_assert(reserve(pictures, 256 * MIB, &most));
-    pen_http_pictures_give_up(pictures, &most);
+    ck_assert(take(pictures, "another", 256 * MIB, &most));
+    pen_http_blob_unref(most.blob);
     pen_http_blob_unref(small);
     pen_http_pictures_free(pictures);
 }
 END_TEST
 
-PEN_SUITE("pictures", test_pictures__readers_share_one_copy, test_pictures__have_a_budget,
-          test_pictures__memory_is_reserved_before_they_are_made,
-          test_pictures__beyond_the_budget_there_is_one_at_a_time,
+PEN_SUITE("pictures", test_pictures__readers_share_one_copy, test_pictures__the_last_ones_are_kept,
+          test_pictures__have_a_budget, test_pictures__beyond_the_budget_there_is_one_alone,
           test_pictures__other_answers_are_counted)

@@ -240,78 +240,10 @@ START_TEST(test_results__preview_shows_committed_pixels_and_is_transparent_elsew
 }
 END_TEST
 
-/* What was asked for before a picture was made. */
-struct asked {
-    int calls;
-    size_t bytes;
-    bool refuse;
-};
-
-static bool note_memory(void *user, size_t bytes, struct pen_status *st)
-{
-    struct asked *asked = user;
-    asked->calls++;
-    asked->bytes = bytes;
-    return !asked->refuse || pen_fail(st, PEN_UNAVAILABLE, "not now");
-}
-
-/* The memory is asked for once, is enough for the film and the file where both are there at a time,
- * and without it there is no picture. A picture that is stored, now at the latest, takes its file.
- */
-static void check_memory(const struct pen_image_query *what, bool preview, size_t film_bytes)
-{
-    struct asked asked = {0};
-    struct pen_image_query query = *what;
-    struct pen_image image;
-    struct pen_status st;
-    query.reserve = note_memory;
-    query.user = &asked;
-    store_must(preview ? pen_jobs_preview(bed.jobs, id, &query, &image, &st)
-                       : pen_jobs_image(bed.jobs, id, &query, &image, &st),
-               &st, "picture");
-    ck_assert_int_eq(asked.calls, 1);
-    ck_assert_uint_ge(asked.bytes, film_bytes + image.bytes.bytes);
-    pen_buf_release(&image.bytes);
-    if (!preview) {
-        store_must(pen_jobs_image(bed.jobs, id, &query, &image, &st), &st, "stored picture");
-        ck_assert_uint_eq(asked.bytes, image.bytes.bytes);
-        pen_buf_release(&image.bytes);
-    }
-    asked.calls = 1;
-    asked.refuse = true;
-    ck_assert(!(preview ? pen_jobs_preview(bed.jobs, id, &query, &image, &st)
-                        : pen_jobs_image(bed.jobs, id, &query, &image, &st)));
-    ck_assert_int_eq(st.code, PEN_UNAVAILABLE);
-    ck_assert_ptr_null(image.bytes.data);
-    ck_assert_int_eq(asked.calls, 2);
-}
-
-START_TEST(test_results__memory_is_asked_for_before_a_picture_is_made)
-{
-    enum { FILM = 24 * 18 * 12 };
-    char job[4200];
-    snprintf(job, sizeof job, "{\"scene\": %s, \"layers\": [\"beauty\", \"depth\"]}",
-             jobs_scene(small));
-    jobs_bed_open(&bed);
-    jobs_worker_start(&bed);
-    jobs_submit(&bed, job, id);
-    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
-    check_memory(&(struct pen_image_query){0}, false, 0); /* is stored */
-    check_memory(&(struct pen_image_query){.format = "png16"}, false, FILM);
-    check_memory(&(struct pen_image_query){.format = "pfm"}, false, 0); /* is made in place */
-    check_memory(&(struct pen_image_query){.layer = "depth", .format = "png16"}, false, FILM);
-    check_memory(&(struct pen_image_query){.layer = "depth", .format = "pfm"}, false, 0);
-    check_memory(&(struct pen_image_query){.view = "all", .format = "png16"}, false, FILM);
-    check_memory(&(struct pen_image_query){0}, true, FILM);
-    jobs_bed_close(&bed);
-}
-END_TEST
-
 PEN_SUITE("results", test_results__formats_are_made_of_the_same_pixels,
           test_results__transfer_of_the_settings_is_applied,
           test_results__tag_and_type_are_stable_and_differ_by_format,
           test_results__missing_views_and_layers_are_refused,
           test_results__only_a_succeeded_job_has_its_picture,
           test_results__contact_sheet_holds_the_views_in_a_grid,
-          test_results__preview_shows_committed_pixels_and_is_transparent_elsewhere,
-          test_results__memory_is_asked_for_before_a_picture_is_made)
+          test_results__preview_shows_committed_pixels_and_is_transparent_elsewhere)

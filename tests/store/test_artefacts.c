@@ -23,24 +23,12 @@ static bool get(struct pen_buf *out, struct pen_status *st)
     return pen_store_artefact(bed.store, job.id, 0, "beauty", "pfm", out, st);
 }
 
-static size_t measure(void)
-{
-    struct pen_status st;
-    size_t bytes = 0;
-    store_must(pen_store_artefact_bytes(bed.store, job.id, 0, "beauty", "pfm", &bytes, &st), &st,
-               "measure");
-    ck_assert(!pen_store_artefact_bytes(bed.store, job.id, 0, "beauty", "png", &bytes, &st));
-    ck_assert_int_eq(st.code, PEN_NOT_FOUND);
-    return bytes;
-}
-
 static void check_got(const void *data, size_t bytes)
 {
     struct pen_status st;
     struct pen_buf out;
     store_must(get(&out, &st), &st, "get");
     ck_assert_uint_eq(out.bytes, bytes);
-    ck_assert_uint_eq(measure(), bytes);
     ck_assert(bytes == 0 || memcmp(out.data, data, bytes) == 0);
     pen_buf_release(&out);
 }

@@ -65,11 +65,9 @@ START_TEST(test_jobs__unknown_job_is_not_found)
     struct pen_status st;
     struct pen_job_record job;
     struct pen_buf buf = {0};
-    size_t bytes;
     ck_assert(!pen_store_job(bed.store, "nobody", &job, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
     ck_assert(!pen_store_scene(bed.store, "nobody", &buf, &st));
-    ck_assert(!pen_store_scene_bytes(bed.store, "nobody", &bytes, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
     ck_assert(!pen_store_cancel(bed.store, "nobody", NULL, &st));
     ck_assert_int_eq(st.code, PEN_NOT_FOUND);
@@ -105,11 +103,8 @@ START_TEST(test_jobs__scene_is_given_back_byte_for_byte)
     store_job_submit(bed.store, &in);
     struct pen_status st;
     struct pen_buf scene = {0};
-    size_t bytes;
     store_must(pen_store_scene(bed.store, in.id, &scene, &st), &st, "scene");
     ck_assert_uint_eq(scene.bytes, sizeof document);
-    store_must(pen_store_scene_bytes(bed.store, in.id, &bytes, &st), &st, "length of a scene");
-    ck_assert_uint_eq(bytes, sizeof document);
     ck_assert_mem_eq(scene.data, document, sizeof document);
     pen_buf_release(&scene);
     store_bed_close(&bed);

@@ -24,10 +24,6 @@ bool pen_http_gzip(const void *data, size_t bytes, struct pen_buf *out);
  * request is then answered. */
 bool pen_http_request_decode(struct request *request);
 
-/* Whether to compress the body of a request's answer takes some milliseconds: too long for a thread
- * of connections. */
-bool pen_http_request_encodes_much(const struct request *request);
-
 /* Compresses the body of a request's answer, if the client accepts that, the type is a text and
  * the body not small. The entity tag becomes another one. */
 void pen_http_request_encode(struct request *request);

@@ -16,7 +16,7 @@ struct executor;
 /* Starts the threads. Owns: stop, then free. Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads),
  * PEN_NO_MEMORY. */
 struct executor *pen_http_executor_start(const char *store_url, const struct pen_limits *limits,
-                                         int store_threads, struct pen_status *st);
+                                         struct pen_status *st);
 
 /* Handles the queued requests, then ends the threads. pen_http_executor_submit may be called later
  * too. NULL is allowed. */
@@ -26,13 +26,9 @@ void pen_http_executor_stop(struct executor *executor);
  * allowed. */
 void pen_http_executor_free(struct executor *executor);
 
-/* Queues a suspended request in PHASE_WORK; a thread runs the handler of its route,
- * compresses the answer where that is wanted, and resumes it. Returns false once
- * pen_http_executor_stop was called, and if too many requests wait; the request then stays the
- * caller's. Threads: any. */
-bool pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request);
-
-/* Answers a request that was not taken. */
-void pen_http_executor_refuse(struct executor *executor, struct request *request);
+/* Queues a suspended request in PHASE_WORK; a thread runs the handler of its route, compresses the
+ * answer where that is wanted, and resumes it. Once pen_http_executor_stop was called, and if too
+ * many requests wait, it is answered 503 and resumed. Threads: any. */
+void pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request);
 
 #endif

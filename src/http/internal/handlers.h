@@ -10,9 +10,8 @@ route_handler pen_http_handle_submit, pen_http_handle_list, pen_http_handle_job,
 route_handler pen_http_handle_image, pen_http_handle_preview, pen_http_handle_stats,
     pen_http_handle_scene, pen_http_handle_report;
 route_handler pen_http_handle_events;
-route_handler pen_http_handle_validate, pen_http_handle_scenes, pen_http_handle_builtin,
-    pen_http_handle_api_file, pen_http_handle_workers;
+route_handler pen_http_handle_validate, pen_http_handle_file, pen_http_handle_workers;
 route_handler pen_http_handle_healthz, pen_http_handle_readyz, pen_http_handle_metrics;
-route_quick pen_http_quick_job, pen_http_quick_image, pen_http_quick_scene, pen_http_quick_refusal;
+route_quick pen_http_quick_job, pen_http_quick_refusal;
 
 #endif

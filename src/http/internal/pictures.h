@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The large answers, pictures and scenes: those that are being sent, one copy for all clients that
- * read the same one, and some that were sent lately.
- *
- * All answers, and what making pictures takes, have one budget. Memory is reserved before a picture
- * is made. If there is none, the client is told to come back. A picture that takes more than the
- * whole budget has a place beside it, for one at a time.
+/* The large answers. Those that are being sent have one budget: an answer that would exceed it is
+ * refused, unless it is the only one. Pictures are kept within the same budget: all clients that
+ * read one share its copy, and those that nobody reads are dropped when another answer needs their
+ * memory.
  *
  * Only the pictures of jobs that have succeeded are kept: they never change. The caller looks
  * whether the job is still there.
@@ -14,7 +12,6 @@
 #define PEN_HTTP_INTERNAL_PICTURES_H
 
 #include <stdbool.h>
-#include <stddef.h>
 
 #include "http/internal/reply.h"
 #include "jobs/jobs.h"
@@ -28,42 +25,23 @@ struct picture {
     char etag[72];
 };
 
-/* Which picture: as in struct pen_image_query; NULL is the default. */
-struct picture_key {
-    const char *job, *view, *layer, *format;
-};
-
 /* Fails: NULL when out of memory. */
 struct pictures *pen_http_pictures_new(void);
 void pen_http_pictures_free(struct pictures *pictures); /* NULL is allowed */
 
-/* Gets a picture that is in memory. Owns: the caller has a reference to out->blob. */
-bool pen_http_pictures_find(struct pictures *pictures, const struct picture_key *key,
-                            struct picture *out);
+/* Gets a kept picture of a job. Owns: the caller has a reference to out->blob. */
+bool pen_http_pictures_find(struct pictures *pictures, const char *job,
+                            const struct pen_image_query *query, struct picture *out);
 
-/* Memory that is set aside for a picture; all zero: none. */
-struct picture_room {
-    size_t bytes;
-    bool alone; /* in the place beside the budget */
-};
+/* Takes the contents of an image, counts the picture and keeps it. If another thread has kept the
+ * same one meanwhile, *out is that. Owns: as pen_http_pictures_find. Fails: PEN_UNAVAILABLE (the
+ * budget is used up), PEN_NO_MEMORY. */
+bool pen_http_pictures_take(struct pictures *pictures, const char *job,
+                            const struct pen_image_query *query, struct pen_image *image,
+                            struct picture *out, struct pen_status *st);
 
-/* Sets memory aside, as much as room->bytes says; if need be, drops pictures that nobody reads.
- * Owns: give the room to pen_http_pictures_take or pen_http_pictures_give_up. Fails:
- * PEN_UNAVAILABLE (the budget, or the place beside it, is used up); *room is all zero then. */
-bool pen_http_pictures_reserve(struct pictures *pictures, struct picture_room *room,
-                               struct pen_status *st);
-void pen_http_pictures_give_up(struct pictures *pictures, struct picture_room *room);
-
-/* Takes a picture that was made in `room` (NULL: none was reserved), gives the room back, and
- * counts the picture. With a key it may be found from now on; if another thread has taken the same
- * one meanwhile, *out is that. The caller's image and room are empty afterwards. Owns: as
- * pen_http_pictures_find. Fails: PEN_UNAVAILABLE (the budget is used up), PEN_NO_MEMORY. */
-bool pen_http_pictures_take(struct pictures *pictures, const struct picture_key *key,
-                            struct pen_image *image, struct picture_room *room, struct picture *out,
-                            struct pen_status *st);
-
-/* Counts an answer that is no picture, if it is large. Fails: PEN_UNAVAILABLE (the budget is used
- * up). */
+/* Counts an answer, once, if it is large. NULL is allowed. Fails: PEN_UNAVAILABLE (the budget is
+ * used up). */
 bool pen_http_pictures_count(struct pictures *pictures, struct blob *blob, struct pen_status *st);
 
 #endif

@@ -24,8 +24,8 @@ struct blob {
     bool is_mapped;     /* content.data is a mapping of a file */
     atomic_size_t *sum; /* in which its bytes are counted while it exists; NULL: none. atomic:
                          * relaxed, a sum */
-    _Atomic(struct blob *) gzip; /* these bytes compressed; NULL: not yet. atomic: acquire-release,
-                                  * the thread that finds it reads it */
+    struct blob *gzip;  /* these bytes compressed, of a file that many clients ask for; NULL: not
+                         * kept */
 };
 
 enum { PEN_BLOB_FILE_BYTES = 64 << 10 };
@@ -34,17 +34,12 @@ enum { PEN_BLOB_FILE_BYTES = 64 << 10 };
  * Fails: NULL when out of memory, or if the buffer has failed. */
 struct blob *pen_http_blob_take(struct pen_buf *content);
 
-/* Counts the blob's bytes in *sum while the blob exists, and those of its compressed form, once
- * there is one, while that exists. */
+/* Counts the blob's bytes in *sum while the blob exists. */
 void pen_http_blob_count(struct blob *blob, atomic_size_t *sum);
 struct blob *pen_http_blob_ref(struct blob *blob);
 void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
 
-/* Whether these bytes were compressed already. */
-bool pen_http_blob_has_gzip(const struct blob *blob);
-
-/* A reference to these bytes compressed with gzip; they are compressed once. Fails: NULL when out
- * of memory. */
+/* A reference to these bytes compressed with gzip. Fails: NULL when out of memory. */
 struct blob *pen_http_blob_gzip(struct blob *blob);
 
 /* A JSON text with a line end. Fails: NULL when out of memory. */
@@ -54,7 +49,7 @@ struct blob *pen_http_blob_json(const json_t *json);
 enum { ETAG_BYTES = 40 };
 void pen_http_etag(const struct pen_buf *content, char etag[ETAG_BYTES]);
 
-enum { REPLY_FIELDS = 10, REPLY_TEXT = 320 };
+enum { REPLY_FIELDS = 10 };
 
 struct reply {
     int status;          /* 0: not set yet */
@@ -62,13 +57,11 @@ struct reply {
     size_t first, bytes; /* the part of the body that is sent */
     struct reply_field {
         const char *name;
-        char *value; /* in `text`, or allocated where that is full */
+        char *value;
     } field[REPLY_FIELDS];
     int field_count;
     bool streaming; /* an event stream, or HEAD of one: `body` is NULL, the length unknown */
     bool failed;
-    size_t used; /* bytes of `text` */
-    char text[REPLY_TEXT];
 };
 
 /* Frees what the reply owns; it is then empty. */
@@ -84,23 +77,9 @@ void pen_http_reply_remove(struct reply *reply, int place);
 /* Sets status and body; takes the blob. A NULL blob is an allocation that failed. */
 void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, const char *type);
 
-/* As pen_http_reply_body; takes the reference to json. NULL is an allocation that failed. */
-void pen_http_reply_json(struct reply *reply, int status, json_t *json);
-
-/* A problem document, with Retry-After where trying again helps. Takes the contents of the buffer,
- * or the reference to the problem; a buffer that has failed, or NULL, is an allocation that failed.
+/* Answers with a problem document, as pen_http_reply_body; with Retry-After where trying again
+ * helps.
  */
-void pen_http_reply_problem(struct reply *reply, int status, struct pen_buf *text);
-void pen_http_reply_problem_json(struct reply *reply, json_t *problem);
-
-/* The header fields that make a GET conditional or partial; NULL: not sent. */
-struct reply_conditions {
-    const char *if_none_match, *range, *if_range;
-};
-
-/* Answers 200, 304 or 206 with a representation; takes the blob. Returns false if the range lies
- * outside it; the reply is then unchanged. */
-bool pen_http_reply_content(struct reply *reply, struct blob *blob, const char *type,
-                            const char *etag, const struct reply_conditions *conditions);
+void pen_http_reply_problem(struct reply *reply, int status, struct blob *text);
 
 #endif

@@ -73,11 +73,9 @@ struct request {
     struct pen_buf body;
     size_t counted_bytes; /* of the body, counted in pen_http.body_bytes */
 
-    enum queue_id queue; /* in which it waits, or whose thread has it */
-    int64_t queued_ns;   /* when it came into that queue */
-    bool changed;        /* it has changed the store */
-    bool gone;           /* its client has gone: there is nobody to answer. guarded by the
-                          * watcher's lock, while the watcher has the request */
+    bool changed; /* it has changed the store */
+    bool gone;    /* its client has gone: there is nobody to answer. guarded by the
+                   * watcher's lock, while the watcher has the request */
     struct reply reply;
     struct stream *stream; /* of an event stream; NULL: none */
 
@@ -98,9 +96,6 @@ void pen_http_request_free(struct request *request); /* NULL is allowed */
 
 /* Takes the client's own request id if it can be written into logs safely, else makes one. */
 void pen_http_request_name(struct request *request);
-
-/* Whether nothing comes of the request but its answer. */
-bool pen_http_request_only_answers(const struct request *request);
 
 /* Whether the store is open, so that another thread can answer. Fails: PEN_UNAVAILABLE, with the
  * reason. */
@@ -125,7 +120,7 @@ void pen_http_request_drop_body(struct request *request);
 
 /* Answers with the problem document of a status; `http_status` 0: that of its code. */
 void pen_http_request_refuse(struct request *request, int http_status, const struct pen_status *st);
-void pen_http_request_fail(struct request *request, const struct pen_status *st);
+enum outcome pen_http_request_fail(struct request *request, const struct pen_status *st);
 
 /* The value of a query parameter, which admission has checked. NULL, or `otherwise`: not given. */
 const char *pen_http_request_param(const struct request *request, const char *name);
@@ -137,13 +132,17 @@ const char *pen_http_request_client(const struct request *request, char text[CLI
 /* The client whose jobs the request may change: as pen_http_request_client; NULL: anybody's. */
 const char *pen_http_request_owner(const struct request *request, char text[CLIENT_BYTES]);
 
-/* Answers with a representation; takes the blob. A NULL blob is an allocation that failed.
- * If-None-Match is obeyed, and Range if `ranges` is set. */
+/* Answers 200, 304, 206 or 416 with a representation; takes the blob. A NULL blob is an allocation
+ * that failed. If-None-Match is obeyed, and Range if `ranges` is set. */
 struct content {
     struct blob *blob;
     const char *type, *etag, *cache_control;
     bool ranges;
 };
-void pen_http_request_content(struct request *request, const struct content *content);
+enum outcome pen_http_request_content(struct request *request, const struct content *content);
+
+/* Answers with JSON that must not be cached; takes the reference to it. NULL is an allocation that
+ * failed. */
+enum outcome pen_http_request_json(struct request *request, int http_status, json_t *json);
 
 #endif

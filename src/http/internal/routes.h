@@ -16,9 +16,7 @@ struct request;
 
 enum outcome {
     OUTCOME_ANSWERED, /* the reply is complete */
-    OUTCOME_WATCHED,  /* the request belongs to the watcher, which resumes it later */
-    OUTCOME_MOVED     /* the handler has seen that it is more work than is done on this thread: it
-                       * is called again by a thread of request->queue, which it has changed */
+    OUTCOME_WATCHED   /* the request belongs to the watcher, which resumes it later */
 };
 
 /* Fills request->reply. jobs is NULL where the route has no queue. */
@@ -32,8 +30,8 @@ enum queue_id {
     QUEUE_NONE,    /* in the thread of the connection: it must not block */
     QUEUE_STORE,   /* on a store thread: reads of the store */
     QUEUE_CHANGES, /* on a thread for changes: writes, which wait for other writers */
-    QUEUE_COMPUTE  /* on a compute thread: encoding pictures, writing reports, checking scenes, and
-                    * whatever has a large body */
+    QUEUE_COMPUTE  /* on a compute thread: encoding pictures, writing reports, reading scenes and
+                    * checking them, and whatever has a large body */
 };
 
 /* What a query parameter may be: if `allowed` is set, one of these words; else, if high > 0, a
@@ -53,8 +51,6 @@ struct route {
     enum queue_id queue;
     bool takes_body;   /* a scene or a job; otherwise a body is discarded */
     bool submits;      /* refused while draining */
-    bool only_answers; /* a POST of which nothing comes but its answer, at least until its handler
-                        * has made a job */
     bool handle_again; /* a request that has waited in the watcher goes to the handler again,
                         * instead of being answered with its job */
     const struct param_rule *params; /* ends with a NULL name; NULL: none */
@@ -72,8 +68,8 @@ const struct route *pen_http_route_find(const char *method, const struct pen_tar
 bool pen_http_route_check_params(const struct route *route, const struct pen_target *target,
                                  struct pen_status *st);
 
-/* The queue for a request whose body was received. A picture that the store has in the wanted
- * format needs no compute thread, unless it is large. */
+/* The queue for a request whose body was received. The picture that a
+ * worker has stored, that of a view as PNG, needs no compute thread. */
 enum queue_id pen_http_route_queue(const struct route *route, const struct request *request);
 
 #endif

@@ -30,11 +30,6 @@ bool pen_compress(struct pen_compressor *compressor, const void *data, size_t by
 bool pen_decompress(struct pen_compressor *compressor, const void *data, size_t bytes,
                     struct pen_bytes *out, struct pen_status *st);
 
-/* The length of what a frame decompresses to; its first PEN_FRAME_HEAD_BYTES are enough. Fails:
- * PEN_STORAGE (damaged). */
-enum { PEN_FRAME_HEAD_BYTES = 18 };
-bool pen_decompressed_bytes(const void *data, size_t bytes, size_t *out, struct pen_status *st);
-
 /* A checksum for stored bytes that are no zstd frame (checksum.c). It finds any change within one
  * aligned word of eight bytes, any change of the length, and any other change with probability
  * 1 - 2^-64. It does not protect against deliberate changes. Cost: about that of reading. */

@@ -172,8 +172,6 @@ bool pen_policy_jobs(struct pen_store *store, const struct pen_job_filter *filte
                      struct pen_job_record **jobs, int *count, struct pen_status *st);
 bool pen_policy_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                       struct pen_status *st);
-bool pen_policy_scene_bytes(struct pen_store *store, const char *id, size_t *bytes,
-                            struct pen_status *st);
 bool pen_policy_check_client(struct pen_store *store, const char *id, const char *client,
                              struct pen_status *st);
 bool pen_policy_cancel(struct pen_store *store, const char *id, const char *client,
@@ -230,8 +228,6 @@ bool pen_policy_commits(struct pen_store *store, const char *id, int64_t after, 
                         void *user, struct pen_status *st);
 bool pen_policy_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                          const char *format, struct pen_buf *out, struct pen_status *st);
-bool pen_policy_artefact_bytes(struct pen_store *store, const char *id, int view, const char *layer,
-                               const char *format, size_t *bytes, struct pen_status *st);
 bool pen_policy_artefact_put(struct pen_store *store, const struct pen_claim *claim,
                              const char *layer, const char *format, const void *data, size_t bytes,
                              struct pen_status *st);
