@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "http/internal/access_log.h"
+#include "http/internal/request.h"
 
 #include "base/clock.h"
 #include "base/log.h"
 #include "http/internal/http.h"
-#include "http/internal/request.h"
 
 enum { METHOD_BYTES = 20, TARGET_BYTES = 300 }; /* the most of each in a line */
 

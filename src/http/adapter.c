@@ -3,7 +3,7 @@
  *
  * A reply is queued in the access callback only, never from another thread: the thread that answers
  * fills the reply and resumes the connection, and libmicrohttpd then calls the callback again. */
-#include "http/internal/adapter.h"
+#include "http/internal/listener.h"
 
 #include <gnutls/gnutls.h>
 #include <netinet/in.h>
@@ -13,9 +13,7 @@
 #include <strings.h>
 #include <sys/socket.h>
 
-#include "http/internal/access_log.h"
 #include "http/internal/addresses.h"
-#include "http/internal/admit.h"
 #include "http/internal/encoding.h"
 #include "http/internal/executor.h"
 #include "http/internal/guard.h"

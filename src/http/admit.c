@@ -2,7 +2,7 @@
 /* Admission: a request that can be refused by its request line and header fields is refused before
  * its body is read. Its connection then closes, and the close lingers (guard.c), so that a client
  * that writes before it reads gets its answer. */
-#include "http/internal/admit.h"
+#include "http/internal/request.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -11,7 +11,6 @@
 #include <strings.h>
 
 #include "http/internal/http.h"
-#include "http/internal/request.h"
 #include "http/internal/routes.h"
 
 enum { HEAD_BYTES = 6 << 10 }; /* the most of a head */

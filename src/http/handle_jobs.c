@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
+#include "http/internal/routes.h"
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/watch.h"
 #include "io/document.h"

@@ -8,9 +8,9 @@
 #include <unistd.h>
 
 #include "http/internal/guard.h"
-#include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
+#include "http/internal/routes.h"
 
 static void head(struct pen_buf *out, const char *name, const char *type, const char *help)
 {

@@ -2,10 +2,10 @@
 /* The handlers of a job's results: picture, preview, statistics, report, scene. */
 #include <string.h>
 
-#include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/pictures.h"
 #include "http/internal/request.h"
+#include "http/internal/routes.h"
 #include "io/document.h"
 
 static const char forever[] = "private, max-age=86400, immutable";

@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
+#include "http/internal/routes.h"
 #include "http/internal/static_files.h"
 
 static const int64_t probe_again_ns = INT64_C(1000000000);

@@ -27,7 +27,6 @@
 #include "access/tls.h"
 #include "base/clock.h"
 #include "base/log.h"
-#include "http/internal/adapter.h"
 #include "http/internal/guard.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/utf8.h"
-#include "http/internal/handlers.h"
 #include "http/internal/request.h"
 #include "http/server.h"
 #include "io/scene_json.h"

@@ -6,9 +6,9 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "http/internal/handlers.h"
 #include "http/internal/http.h"
 #include "http/internal/request.h"
+#include "http/internal/routes.h"
 #include "http/internal/snapshot_cache.h"
 #include "http/internal/watch.h"
 

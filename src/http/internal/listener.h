@@ -3,7 +3,9 @@
 #ifndef PEN_HTTP_INTERNAL_LISTENER_H
 #define PEN_HTTP_INTERNAL_LISTENER_H
 
+#include <microhttpd.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "base/status.h"
 
@@ -26,5 +28,21 @@ void pen_http_listener_stop_accepting(struct listener *listener);
 /* Closes all connections and frees the listener and the guard. No connection may be suspended. NULL
  * is allowed. */
 void pen_http_listener_stop(struct listener *listener);
+
+/* The callbacks that libmicrohttpd makes for each request, in adapter.c; cls is the struct
+ * pen_http. Threads: those of libmicrohttpd. */
+
+/* The request line was read: makes the request, which becomes *state below. */
+void *pen_http_adapter_on_line(void *cls, const char *uri, struct MHD_Connection *connection);
+
+/* Called once when the head is complete, then for each part of the body, then once more without
+ * data; and again after the connection was resumed. */
+enum MHD_Result pen_http_adapter_on_access(void *cls, struct MHD_Connection *connection,
+                                           const char *url, const char *method, const char *version,
+                                           const char *data, size_t *bytes, void **state);
+
+/* The request has ended, whether its answer was sent or not: frees it. */
+void pen_http_adapter_on_completed(void *cls, struct MHD_Connection *connection, void **state,
+                                   enum MHD_RequestTerminationCode why);
 
 #endif

@@ -94,6 +94,23 @@ struct request {
 struct request *pen_http_request_new(struct pen_http *http, const char *raw_target);
 void pen_http_request_free(struct request *request); /* NULL is allowed */
 
+/* The first two phases, in admit.c. Threads: that of the connection.
+ *
+ * Checks request line, header fields and token. Afterwards the request is in PHASE_BODY; or, if it
+ * is answered, in PHASE_ANSWERED, and its body must not be read.
+ * `head_bytes`: the length of the head. */
+void pen_http_request_admit(struct request *request, size_t head_bytes);
+
+/* Receives a part of the body. Returns false if the body is longer than allowed, or memory is
+ * missing; the request is answered then, and nothing more of the body may be read. */
+bool pen_http_request_receive(struct request *request, const char *data, size_t bytes);
+
+/* Logs a request that has ended: a line at level info if it has changed the store, at level warn if
+ * it failed (5xx other than 503), else at level debug: clients decide how many requests are read or
+ * refused, and they must not fill the log. Refused and failed requests are counted for /metrics.
+ * `streamed`: bytes of its event stream; complete: the whole answer was sent. In access_log.c. */
+void pen_http_access_log_add(const struct request *request, uint64_t streamed, bool complete);
+
 /* Takes the client's own request id if it can be written into logs safely, else makes one. */
 void pen_http_request_name(struct request *request);
 

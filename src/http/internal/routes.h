@@ -25,6 +25,18 @@ typedef enum outcome route_handler(struct request *request, struct pen_jobs *job
 /* Answers from memory, in the thread of the connection, if possible. Returns whether it did. */
 typedef bool route_quick(struct request *request);
 
+/* The handlers, by file: handle_jobs.c, handle_results.c, streams.c, handle_service.c,
+ * handle_metrics.c. */
+route_handler pen_http_handle_submit, pen_http_handle_list, pen_http_handle_job,
+    pen_http_handle_cancel, pen_http_handle_delete, pen_http_handle_explain;
+route_handler pen_http_handle_image, pen_http_handle_preview, pen_http_handle_stats,
+    pen_http_handle_scene, pen_http_handle_report;
+route_handler pen_http_handle_events;
+route_handler pen_http_handle_validate, pen_http_handle_file, pen_http_handle_workers,
+    pen_http_handle_healthz, pen_http_handle_readyz;
+route_handler pen_http_handle_metrics;
+route_quick pen_http_quick_job, pen_http_quick_refusal;
+
 /* Where a handler runs. */
 enum queue_id {
     QUEUE_NONE,    /* in the thread of the connection: it must not block */
@@ -68,8 +80,8 @@ const struct route *pen_http_route_find(const char *method, const struct pen_tar
 bool pen_http_route_check_params(const struct route *route, const struct pen_target *target,
                                  struct pen_status *st);
 
-/* The queue for a request whose body was received. The picture that a
- * worker has stored, that of a view as PNG, needs no compute thread. */
+/* The queue for a request whose body was received. The picture that a worker has stored, that of a
+ * view as PNG, needs no compute thread. */
 enum queue_id pen_http_route_queue(const struct route *route, const struct request *request);
 
 #endif
