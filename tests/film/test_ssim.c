@@ -25,8 +25,8 @@ static bool try_ssim(double *out, bool exchanged, struct pen_status *st)
 {
     const struct pen_film film_a = {pair.width, pair.height, pair.a},
                           film_b = {pair.width, pair.height, pair.b};
-    struct pen_picture *a = pen_picture_of_film(&film_a, st),
-                       *b = a ? pen_picture_of_film(&film_b, st) : NULL;
+    struct pen_picture *a = pen_picture_of_film(&film_a, PEN_TRANSFER_LINEAR, st),
+                       *b = a ? pen_picture_of_film(&film_b, PEN_TRANSFER_LINEAR, st) : NULL;
     const bool ok =
         b && (exchanged ? pen_picture_ssim(b, a, out, st) : pen_picture_ssim(a, b, out, st));
     pen_picture_free(a);
