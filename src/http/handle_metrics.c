@@ -173,9 +173,8 @@ enum outcome pen_http_handle_metrics(struct request *request, struct pen_jobs *j
     add_connections(&out, request->http);
     add_refusals(&out, request->http);
     add_process(&out, request->http);
-    pen_http_reply_body(&request->reply, 200, out.failed ? NULL : pen_http_blob_take(&out),
+    pen_http_reply_body(&request->reply, 200, pen_http_blob_take(&out),
                         "text/plain; version=0.0.4; charset=utf-8");
-    pen_buf_release(&out);
     pen_http_reply_field(&request->reply, "Cache-Control", "no-store");
     return OUTCOME_ANSWERED;
 }
