@@ -2,6 +2,7 @@
 /* The queues and one lock, which is held for a few instructions at a time. */
 #include "http/internal/executor.h"
 
+#include <malloc.h>
 #include <pthread.h>
 #include <stdlib.h>
 
@@ -14,7 +15,8 @@
 enum {
     QUEUES = QUEUE_COMPUTE + 1, /* that of QUEUE_NONE stays empty */
     THREADS = 10,
-    WAITING_MOST = 1024 /* requests in a queue */
+    WAITING_MOST = 1024, /* requests in a queue */
+    LARGE_BYTES = 1 << 20
 };
 
 /* The queue of each thread. */
@@ -65,6 +67,7 @@ static struct request *next_request(struct executor *executor, struct queue *que
 static void run(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_status st;
+    const bool large = request->body.bytes >= LARGE_BYTES;
     if (pen_http_request_decode(request) &&
         request->route->handle(request, jobs) == OUTCOME_WATCHED)
         return;
@@ -73,6 +76,8 @@ static void run(struct request *request, struct pen_jobs *jobs)
         pen_http_request_fail(request, &st);
     pen_http_request_drop_body(request);
     pen_http_resume(request);
+    if (large)
+        malloc_trim(0); /* a body's parsed form is many small blocks, whose pages would be kept */
 }
 
 static void *work(void *arg)
