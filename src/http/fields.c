@@ -12,11 +12,11 @@
 
 bool pen_text_is_plain(const char *text, const char *excluded)
 {
-    for (; *text; text++) {
-        if ((iscntrl((unsigned char)*text) && *text != '\t') || strchr(excluded, *text))
+    for (const char *at = text; *at; at++) {
+        if (((unsigned char)*at < ' ' && *at != '\t') || *at == 127)
             return false;
     }
-    return true;
+    return !*excluded || !strpbrk(text, excluded);
 }
 
 bool pen_number_parse(const char *text, long low, long high, long *number)
