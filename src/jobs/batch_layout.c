@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The size of a batch: about one second of work, with the layers of its tiles. A crash loses at
- * most one batch; a job is cancelled, previewed and shared between workers in steps of one batch.
- * Beforehand only an upper bound of a job's primary and shadow rays is known, which blur
+/* The size of a batch: a second of work on a slow machine, with the layers of its tiles. A crash
+ * loses at most one batch; a job is cancelled, previewed and shared between workers in steps of one
+ * batch. Beforehand only an upper bound of a job's primary and shadow rays is known, which blur
  * multiplies, and nothing about the worker's speed, so a batch is a fixed number of such rays. One
  * that takes longer is divided while it is rendered (batch_render.c), between two tiles: so the
  * client's choice of tiles holds only as far as none has more than a batch. A pixel has as many
@@ -16,8 +16,8 @@
 #include "render/render.h"
 #include "study/bill.h"
 
-/* Two threads do some 4 million rays a second in a scene like the built-in room. */
-static const double batch_rays = 4e6;
+/* Two threads do 8 to 50 million rays a second in a scene like the built-in room. */
+static const double batch_rays = 8e6;
 
 /* Bounds the rows of a job in the store. */
 enum { JOB_BATCHES_MAX = 16384 };

@@ -374,7 +374,7 @@ START_TEST(test_list__only_long_jobs_are_estimated)
 {
     static const char *const renders[] = {
         ", \"render\": {\"width\": 64, \"height\": 64, \"tile\": 16}",
-        ", \"render\": {\"width\": 2000, \"height\": 1500, \"samples_per_pixel\": 9}"};
+        ", \"render\": {\"width\": 2000, \"height\": 1500, \"samples_per_pixel\": 18}"};
     struct pen_status st;
     jobs_bed_open(&bed);
     jobs_worker_start(&bed);

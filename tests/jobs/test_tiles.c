@@ -54,7 +54,7 @@ static void submit(struct jobs_bed *bed, char id[PEN_ID_BYTES])
                 " \"views\": [{\"name\": \"left\"}, {\"name\": \"right\"}],"
                 " \"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 2}],"
                 " \"render\": {\"width\": 203, \"height\": 150, \"tile\": 14,"
-                " \"samples_per_pixel\": 256}}",
+                " \"samples_per_pixel\": 512}}",
                 id);
 }
 

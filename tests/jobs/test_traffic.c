@@ -101,7 +101,7 @@ START_TEST(test_traffic__job_of_several_batches_is_a_commit_for_each)
     start_observed();
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
     jobs_worker_stop(&bed);
-    ck_assert_int_gt(seen.calls[COMPRESS], 3);
+    ck_assert_int_gt(seen.calls[COMPRESS], 1);
     ck_assert_int_eq(seen.transactions[CLAIM], 1);
     ck_assert_int_eq(seen.transactions[COMMIT], seen.calls[COMPRESS] + 1); /* and the picture */
     jobs_bed_close(&bed);
