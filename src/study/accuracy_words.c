@@ -269,7 +269,7 @@ static void write_floor(const json_t *series, const json_t *floor, struct pen_bu
         separator = ", ";
     }
     if (json_object_size(settings) > 0) {
-        pen_buf_puts(out, ": more would help than ");
+        pen_buf_puts(out, ", which take more than ");
         pen_accuracy_write_settings(settings, out);
     }
     pen_buf_puts(out, ".");

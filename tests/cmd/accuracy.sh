@@ -58,7 +58,7 @@ case $answer in
 esac
 exits "a study over lights, with four samples of the edges" 0 "$penumbra" accuracy builtin:soft-shadow --set width=80 --set height=50 --seeds 1 \
     --ladder light_samples=1,4,16,64
-prints "names the error that is left" stdout "does not come from soft shadows, but from edges: more would help than samples_per_pixel 4."
+prints "names the error that is left" stdout "does not come from soft shadows, but from edges, which take more than samples_per_pixel 4."
 exits "the default ladder" 0 "$penumbra" accuracy builtin:soft-shadow --set width=40 --set height=25 --seeds 1 -q -o l.json
 expect "tries the setting that helps" "$(jq -c '.convergence[] | select(.setting == "samples_per_pixel").floor' l.json)" null
 

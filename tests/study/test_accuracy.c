@@ -296,7 +296,7 @@ START_TEST(test_accuracy__edges_are_named_where_they_are_what_is_left)
     struct pen_buf out = {0};
     ck_assert(pen_accuracy_write(report, "text", &out, &st));
     const char *text = (const char *)out.data;
-    ck_assert_msg(strstr(text, "does not come from soft shadows, but from edges: more would help "
+    ck_assert_msg(strstr(text, "does not come from soft shadows, but from edges, which take more "
                                "than samples_per_pixel 4."),
                   "%s", text);
     pen_buf_release(&out);
