@@ -15,4 +15,5 @@ done
 [ "$state" = succeeded ] || { curl -sS "$url/v1/jobs/$job" | jq .error; exit 1; }
 curl -sS "$url/v1/jobs/$job/report" -o "$page"
 curl -sS "$url/v1/jobs/$job/report" -H 'Accept: application/json' |
-    jq -r '.rows[1:][] | "\(.without) \(.cost_ms) ms \(100 * .cost_share | round) % RMSE \(.rmse)"'
+    jq -r '.rows[1:][] | (if .cost_ms then "\(.cost_ms) ms \(100 * .cost_share | round) %"
+        else "below \(.cost_below_ms // "?") ms" end) as $cost | "\(.without) \($cost) RMSE \(.rmse)"'

@@ -17,7 +17,7 @@ static const char *const ladder_keys[] = {"samples_per_pixel", "light_samples", 
 static const char target_key[] = "target_error";
 
 enum { DEFAULT_SEEDS = 5 };
-static const double default_budget_s = 600, default_flip = 0.02;
+static const double default_budget_s = 60, default_flip = 0.02;
 
 static bool is_one_of(const char *key, const char *const *names)
 {
@@ -35,7 +35,9 @@ static void list_keys(char *text, size_t bytes)
         used += (size_t)snprintf(text + used, bytes - used, "%s%s", i ? ", " : "", ladder_keys[i]);
 }
 
-/* The ladder of a study that has none. Fails: NULL when out of memory. */
+/* The ladder of a study that has none: each kind of samples that the scene calls for, with those of
+ * the pixel's area, since edges are in each picture. Through a lens, lens_samples are these. Where
+ * they are all, target errors take samples to the edges alone. Fails: NULL when out of memory. */
 static json_t *default_ladder(const struct pen_scene_desc *desc, const struct pen_settings *base)
 {
     const unsigned effects = pen_desc_effects(desc, base);
@@ -47,10 +49,10 @@ static json_t *default_ladder(const struct pen_scene_desc *desc, const struct pe
         ladder = pen_json_with(ladder, "blur_samples", json_pack("[i,i,i,i]", 1, 4, 16, 64));
     if (effects & PEN_FX_DEPTH_OF_FIELD)
         ladder = pen_json_with(ladder, "lens_samples", json_pack("[i,i,i,i]", 4, 16, 64, 256));
-    if (ladder && json_object_size(ladder) == 0) {
+    else
         ladder = pen_json_with(ladder, "samples_per_pixel", json_pack("[i,i,i,i]", 1, 4, 16, 64));
+    if (ladder && json_object_size(ladder) == 1 && !(effects & PEN_FX_DEPTH_OF_FIELD))
         ladder = pen_json_with(ladder, target_key, json_pack("[f,f,f]", 0.02, 0.01, 0.005));
-    }
     return ladder;
 }
 

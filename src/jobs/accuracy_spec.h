@@ -6,7 +6,8 @@
  * The ladder's keys are render settings, each with a list of values. The first row has the settings
  * as they are, unless they are a value of the only key. Each further row changes one key to one of
  * its values; with `product` the rows are all combinations of the values instead, the last key
- * changing fastest. Without a ladder it has each kind of samples that the scene calls for. */
+ * changing fastest. Without a ladder it has each kind of samples that the scene calls for, and
+ * samples_per_pixel. */
 #ifndef PEN_JOBS_ACCURACY_SPEC_H
 #define PEN_JOBS_ACCURACY_SPEC_H
 

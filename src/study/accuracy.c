@@ -18,6 +18,7 @@
 #include "study/internal/accuracy_words.h"
 #include "study/internal/calibration.h"
 #include "study/internal/random_order.h"
+#include "study/verdict.h"
 
 enum { CALIBRATIONS = 11 };
 
@@ -82,7 +83,15 @@ bool pen_accuracy_render(struct pen_accuracy_state *state, struct pen_render_tas
     render->cancel = task->cancel;
     render->pixel_begins = task->pixel_begins;
     render->pixel_user = task->pixel_user;
-    return check_cancel(state, st) && pen_render_run(task->pool, render, stats, st);
+    if (!check_cancel(state, st))
+        return false;
+    const struct pen_run_watch watch = pen_run_begin();
+    if (!pen_render_run(task->pool, render, stats, st))
+        return false;
+    state->use = pen_run_end(&watch, stats, 0, 0);
+    state->out->thread_ms += stats->thread_ms;
+    state->out->had_ms += state->use.used * stats->thread_ms;
+    return true;
 }
 
 /* A film on a picture's pixels. */
@@ -145,15 +154,24 @@ static bool render_row(struct pen_accuracy_state *state, int number, int seed,
     return true;
 }
 
+/* Whether a run is made again whose time is spoiled. */
+static bool is_repeated(const struct pen_accuracy_state *state, double ms)
+{
+    return state->use.spoiled && 4 * ms <= pen_accuracy_left_ms(state);
+}
+
 /* One run of a row, with the seed after that of its last one. */
 static bool run_row(struct pen_accuracy_state *state, int number, struct pen_status *st)
 {
     struct pen_accuracy_row_result *row = &state->out->row[number];
     struct pen_accuracy_run *run = &row->run[row->runs];
     struct pen_render_stats stats;
-    if (!render_row(state, number, row->runs, &stats, st))
-        return false;
-    run->render_ms = stats.render_ms;
+    int repeats = 0;
+    do {
+        if (!render_row(state, number, row->runs, &stats, st))
+            return false;
+    } while (repeats++ < PEN_SPOILED_REPEATS && is_repeated(state, stats.render_ms));
+    run->time = (struct pen_run_time){stats.render_ms, state->use.used, state->use.spoiled};
     row->runs++;
     if (row->runs > 1)
         return pen_accuracy_measure(state, state->target, run->error, st) &&
@@ -193,7 +211,7 @@ static double run_ms(const struct pen_accuracy_row_result *row)
 {
     double sum = 0;
     for (int i = 0; i < row->runs; i++)
-        sum += row->run[i].render_ms;
+        sum += row->run[i].time.ms;
     return row->runs > 0 ? sum / row->runs : row->expected_ms;
 }
 
@@ -343,19 +361,12 @@ bool pen_accuracy_check(const struct pen_accuracy_task *task, const char *at, st
                        task->row_count + 2, kept, (unsigned long long)task->limits.pixels_per_view);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double calibrate(void)
 {
     double ms[CALIBRATIONS];
     for (int i = 0; i < CALIBRATIONS; i++)
         ms[i] = pen_calibration_run();
-    qsort(ms, CALIBRATIONS, sizeof *ms, by_value);
-    return ms[CALIBRATIONS / 2];
+    return pen_median(ms, CALIBRATIONS);
 }
 
 /* Plans the study, or goes on with what an earlier process has kept. */

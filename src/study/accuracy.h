@@ -18,6 +18,10 @@
  * 4. Passes with further seeds, each in a random order of its own. What does not fit the budget is
  *    left out; the rows of the Pareto front come first then.
  *
+ * A run that is spoiled (run_time.h) is repeated, twice at most and if a repeat takes no more than
+ * a quarter of the time that is left. If it stays spoiled, its error counts, and its time does not.
+ * If over half of the runs are spoiled, no row is recommended.
+ *
  * A row whose error is less than twice that of the reference is unresolved: the reference cannot
  * tell how far off it is. The error of the reference is that of sampling alone; a reference is cut
  * off by max_depth and min_contribution as every picture is. */
@@ -30,6 +34,7 @@
 #include "base/buf.h"
 #include "io/scene_json.h"
 #include "render/render.h"
+#include "study/run_time.h"
 #include "study/unfinished.h"
 
 /* How far a picture is from the reference: see film/metrics.h, ssim.h, flip.h. */
@@ -55,7 +60,7 @@ struct pen_accuracy_row {
 
 /* One picture of a row. */
 struct pen_accuracy_run {
-    double render_ms;
+    struct pen_run_time time;
     double error[PEN_METRIC_COUNT];
 };
 
@@ -117,6 +122,7 @@ struct pen_accuracy_task {
 };
 
 enum { PEN_ACCURACY_ROWS_MAX = 64, PEN_ACCURACY_SEEDS_MAX = 64 };
+_Static_assert((int)PEN_ACCURACY_SEEDS_MAX <= (int)PEN_RUN_TIMES_MAX, "a time for each run");
 
 /* As many runs of the dearest row the reference is expected to take. */
 enum { PEN_ACCURACY_REFERENCE_RUNS = 16 };
@@ -127,7 +133,9 @@ struct pen_accuracy {
     struct pen_accuracy_reference reference;
     struct pen_accuracy_forecast forecast;
     double spent_ms;
-    int64_t began_ms;      /* wall clock */
+    double thread_ms, had_ms; /* of all renders: the time of their threads; in which these had
+                               * processors */
+    int64_t began_ms;         /* wall clock */
     double calibration_ms; /* the time of a fixed computation, by which hosts can be compared: the
                             * median of several */
     json_t *left_out;      /* sentences, as an array */

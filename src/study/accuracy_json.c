@@ -12,13 +12,6 @@
 #include "study/host.h"
 #include "study/internal/accuracy_run.h"
 
-/* The settings that are numbers of samples, over which errors converge. */
-static const char *const sample_keys[] = {"samples_per_pixel", "light_samples", "blur_samples",
-                                          "lens_samples", NULL};
-
-/* The smallest difference of times that counts when two reports are compared. */
-static const double least_effect = 0.02;
-
 /* Four significant digits; null if it is not finite. */
 static json_t *rounded(double value)
 {
@@ -67,8 +60,18 @@ static json_t *runs_json(const struct pen_accuracy_row_result *row)
 {
     json_t *list = json_array();
     for (int i = 0; i < row->runs; i++)
-        json_array_append_new(list, pen_figure(row->run[i].render_ms));
+        json_array_append_new(list, pen_figure(row->run[i].time.ms));
     return pen_json_all(list, (size_t)row->runs);
+}
+
+/* The numbers of the spoiled runs. */
+static json_t *spoiled_json(const struct pen_accuracy_row_result *row)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < row->runs; i++)
+        if (row->run[i].time.spoiled)
+            json_array_append_new(list, json_integer(i));
+    return list;
 }
 
 static json_t *row_json(const struct pen_accuracy *accuracy, int number, bool front)
@@ -79,13 +82,14 @@ static json_t *row_json(const struct pen_accuracy *accuracy, int number, bool fr
                              pen_figure(row->expected_ms));
     if (row->runs == 0)
         return json;
-    const struct pen_accuracy_spread time = pen_accuracy_time_of(row);
+    const struct pen_row_time time = pen_accuracy_time_of(row);
     json = pen_json_with(json, "threads", json_integer(row->threads));
     json = pen_json_with(json, "runs_ms", runs_json(row));
+    json = pen_json_with(json, "spoiled_runs", spoiled_json(row));
     json = pen_json_with(json, "picture_hash", json_sprintf("%016" PRIx64, row->picture_hash));
     json = pen_json_with(json, "median_ms", pen_figure(time.median));
-    json = pen_json_with(json, "min_ms", pen_figure(time.low));
-    json = pen_json_with(json, "max_ms", pen_figure(time.high));
+    json = pen_json_with(json, "min_ms", pen_figure(time.min));
+    json = pen_json_with(json, "max_ms", pen_figure(time.max));
     json = pen_json_with(json, "rays", pen_figure_rays(&row->rays));
     json = pen_json_with(json, "pareto", json_boolean(front));
     return with_errors(json, accuracy, row);
@@ -109,83 +113,78 @@ static json_t *others_of(const struct pen_accuracy_row *row, const char *key)
     return others;
 }
 
-static bool same_others(const struct pen_accuracy_row *a, const struct pen_accuracy_row *b,
-                        const char *key)
+/* What a series no longer falls for: {share, rmse, settings}; null if it falls. */
+static json_t *floor_json(const struct pen_accuracy *accuracy,
+                          const struct pen_accuracy_series *series)
 {
-    json_t *of_a = others_of(a, key), *of_b = others_of(b, key);
-    const bool same = of_a && of_b && json_equal(of_a, of_b);
-    json_decref(of_a);
-    json_decref(of_b);
-    return same;
+    const int last = series->count - 1;
+    json_t *settings = json_object();
+    if (!series->floored) {
+        json_decref(settings);
+        return json_null();
+    }
+    for (int kind = 0; kind < PEN_SAMPLE_KINDS; kind++)
+        if (series->causes >> kind & 1)
+            settings =
+                pen_json_with(settings, pen_sample_keys[kind],
+                              json_integer((json_int_t)pen_sample_count(
+                                  accuracy, series->point[last].row, (enum pen_sample_kind)kind)));
+    return json_pack("{s:o, s:o, s:o}", "share", rounded(series->floor), "rmse",
+                     rounded(series->point[last].rmse * sqrt(series->floor)), "settings", settings);
 }
 
-/* With half of the error for each doubling of a sequence's length to the power of this: of points
- * without order, and of a stratified set across the edge of a shadow (Mitchell, "Consequences of
- * stratified sampling in graphics", SIGGRAPH 1996). */
-static double expected_slope(const struct pen_accuracy_row *row, const char *key)
+static json_t *series_json(const struct pen_accuracy *accuracy,
+                           const struct pen_accuracy_series *series)
 {
-    return strcmp(key, "light_samples") == 0 && row->settings.light_pattern == PEN_PATTERN_RANDOM
-               ? -0.5
-               : -0.75;
-}
-
-/* The rows that differ from row `first` in one setting alone, as a series of points. NULL, with no
- * error, if they are fewer than three. */
-static json_t *series_json(const struct pen_accuracy *accuracy, int first, const char *key)
-{
-    const struct pen_accuracy_row *rows = accuracy->task->rows;
-    double x[PEN_ACCURACY_ROWS_MAX], y[PEN_ACCURACY_ROWS_MAX];
-    int count = 0;
+    const char *key = pen_sample_keys[series->kind];
     json_t *points = json_array();
-    for (int i = first; i < accuracy->task->row_count; i++) {
-        const struct pen_accuracy_row_result *row = &accuracy->row[i];
-        if (row->runs == 0 || pen_settings_adaptive(&rows[i].settings) ||
-            !same_others(&rows[first], &rows[i], key) || !pen_accuracy_resolved(accuracy, row))
-            continue;
-        y[count] = pen_accuracy_error_of(row, PEN_METRIC_RMSE).median;
-        if (!(y[count] > 0))
-            continue;
-        x[count] = json_number_value(json_object_get(rows[i].varied, key));
-        json_array_append_new(points, json_pack("{s:i, s:f, s:o}", "row", i, "samples", x[count],
-                                                "rmse", rounded(y[count])));
-        count++;
-    }
-    const struct pen_accuracy_line line = pen_accuracy_fit(x, y, count);
-    if (!line.known) {
-        json_decref(points);
-        return NULL;
-    }
-    return json_pack("{s:s, s:o, s:f, s:o, s:[o, o], s:o, s:o}", "setting", key, "with",
-                     others_of(&rows[first], key), "expected", expected_slope(&rows[first], key),
-                     "slope", rounded(line.slope), "interval", rounded(line.low),
-                     rounded(line.high), "rmse_at_1", rounded(line.at_1), "points", points);
+    for (int i = 0; i < series->count; i++)
+        json_array_append_new(points, json_pack("{s:i, s:f, s:o}", "row", series->point[i].row,
+                                                "samples", series->point[i].samples, "rmse",
+                                                rounded(series->point[i].rmse)));
+    return json_pack("{s:s, s:o, s:f, s:o, s:[o, o], s:o, s:o, s:o}", "setting", key, "with",
+                     others_of(&accuracy->task->rows[series->first], key), "expected",
+                     series->expected, "slope", rounded(series->line.slope), "interval",
+                     rounded(series->line.low), rounded(series->line.high), "rmse_at_1",
+                     rounded(series->line.at_1), "floor", floor_json(accuracy, series), "points",
+                     pen_json_all(points, (size_t)series->count));
 }
 
-/* Whether an earlier row differs from this one in that setting alone. */
-static bool is_in_earlier(const struct pen_accuracy_task *task, int row, const char *key)
-{
-    for (int i = 0; i < row; i++)
-        if (same_others(&task->rows[i], &task->rows[row], key))
-            return true;
-    return false;
-}
-
+/* The series of three resolved rows or more. */
 static json_t *convergence_json(const struct pen_accuracy *accuracy)
 {
-    const struct pen_accuracy_task *task = accuracy->task;
     json_t *list = json_array();
-    for (int k = 0; sample_keys[k]; k++) {
-        if (!json_object_get(task->rows[0].varied, sample_keys[k]))
-            continue;
-        for (int i = 0; i < task->row_count; i++) {
-            json_t *series = is_in_earlier(task, i, sample_keys[k])
-                                 ? NULL
-                                 : series_json(accuracy, i, sample_keys[k]);
-            if (series)
-                json_array_append_new(list, series);
+    for (int k = 0; k < PEN_SAMPLE_KINDS; k++) {
+        for (int i = 0; i < accuracy->task->row_count; i++) {
+            if (!pen_accuracy_begins_series(accuracy, i, (enum pen_sample_kind)k))
+                continue;
+            const struct pen_accuracy_series series =
+                pen_accuracy_series_of(accuracy, i, (enum pen_sample_kind)k, false);
+            if (series.line.known)
+                json_array_append_new(list, series_json(accuracy, &series));
         }
     }
     return list;
+}
+
+/* What a target that no row meets would need; null if one does, or none may be recommended. */
+static json_t *needed_json(const struct pen_accuracy *accuracy)
+{
+    const struct pen_runs_use use = pen_accuracy_use(accuracy);
+    const bool asked = pen_accuracy_recommended(accuracy) < 0 && !pen_runs_spoiled(&use);
+    const struct pen_accuracy_need need =
+        asked ? pen_accuracy_needed(accuracy) : (struct pen_accuracy_need){0};
+    return need.setting ? json_pack("{s:{s:I}, s:o}", "settings", need.setting,
+                                    (json_int_t)need.samples, "expected_ms", pen_figure(need.ms))
+                        : json_null();
+}
+
+/* Of all runs. */
+static json_t *timing_json(const struct pen_accuracy *accuracy)
+{
+    const struct pen_runs_use use = pen_accuracy_use(accuracy);
+    return json_pack("{s:i, s:i, s:o}", "runs", use.runs, "spoiled", use.spoiled, "cpu_share",
+                     pen_figure(use.used));
 }
 
 static json_t *recommended_json(const struct pen_accuracy *accuracy)
@@ -220,17 +219,19 @@ json_t *pen_accuracy_json(const struct pen_accuracy *accuracy, const char *scene
     const struct pen_accuracy_task *task = accuracy->task;
     const struct pen_accuracy_forecast *f = &accuracy->forecast;
     return json_pack(
-        "{s:s, s:s, s:I, s:o, s:s, s:i, s:f, s:{s:s, s:f}, s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o, "
-        "s:o}, s:O, s:o, s:i, s:f, s:{s:o}, s:o}",
+        "{s:s, s:s, s:I, s:o, s:s, s:i, s:f, s:{s:s, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:{s:o, "
+        "s:o, "
+        "s:o, s:o}, s:O, s:o, s:i, s:f, s:{s:o}, s:o}",
         "kind", "accuracy", "scene", scene, "primitives", (json_int_t)task->desc->primitive_count,
         "began_at", began_json(accuracy), "view", task->desc->views[task->view].name, "seeds",
         task->seeds, "budget_seconds", task->budget_ms / 1000, "target", "metric",
         pen_accuracy_metrics[task->metric], "value", task->target, "recommended",
-        recommended_json(accuracy), "rows", rows_json(accuracy), "reference",
+        recommended_json(accuracy), "needed", needed_json(accuracy), "timing",
+        timing_json(accuracy), "rows", rows_json(accuracy), "reference",
         reference_json(&accuracy->reference), "convergence", convergence_json(accuracy), "forecast",
         "expected_seconds", seconds(f->expected_ms), "low", seconds(f->low_ms), "high",
         seconds(f->high_ms), "actual", seconds(accuracy->spent_ms), "left_out", accuracy->left_out,
         "render", pen_settings_json(task->settings), "pool_threads",
-        pen_thread_pool_size(task->pool), "least_effect", least_effect, "calibration", "median_ms",
-        pen_figure(accuracy->calibration_ms), "host", pen_host_json());
+        pen_thread_pool_size(task->pool), "least_effect", PEN_LEAST_EFFECT, "calibration",
+        "median_ms", pen_figure(accuracy->calibration_ms), "host", pen_host_json());
 }

@@ -142,7 +142,7 @@ static double expected_ms(const struct pen_accuracy_state *state, const struct p
         const double work = work_of(state->task, &fixed);
         if (work > most) {
             most = work;
-            ms = result->run[0].render_ms;
+            ms = result->run[0].time.ms;
         }
     }
     return 2 * ms / most * work_of(state->task, s);

@@ -10,19 +10,20 @@
 #include "study/internal/accuracy_run.h"
 #include "study/internal/kept_state.h"
 
-enum { VERSION = 1, RUN_VALUES = 1 + PEN_METRIC_COUNT, DONE_MAX = 1 << 30 };
+enum { VERSION = 2, TIMES = 3, RUN_VALUES = TIMES + PEN_METRIC_COUNT, DONE_MAX = 1 << 30 };
 
 _Static_assert((int)PEN_ACCURACY_ROWS_MAX + 2 <= (int)PEN_STUDY_PICTURES_MAX,
                "a place for each row and both renders of the reference");
 
-/* The time of each run, and its errors. */
+/* The time of each run, its share of the processors, 1 if it is spoiled, and its errors. */
 static json_t *runs_json(const struct pen_accuracy_row_result *row)
 {
     json_t *list = json_array();
     for (int i = 0; i < row->runs; i++) {
-        double values[RUN_VALUES] = {row->run[i].render_ms};
+        const struct pen_run_time *time = &row->run[i].time;
+        double values[RUN_VALUES] = {time->ms, time->used, time->spoiled};
         for (int m = 0; m < PEN_METRIC_COUNT; m++)
-            values[1 + m] = row->run[i].error[m];
+            values[TIMES + m] = row->run[i].error[m];
         json_array_append_new(list, pen_kept_numbers(values, RUN_VALUES));
     }
     return pen_json_all(list, (size_t)row->runs);
@@ -64,14 +65,16 @@ static json_t *state_json(const void *study)
     const struct pen_accuracy_state *state = study;
     const struct pen_accuracy *out = state->out;
     const struct pen_accuracy_forecast *f = &out->forecast;
-    return json_pack(
-        "{s:i, s:O, s:i, s:i, s:f, s:I, s:f, s:[f, f, f], s:O, s:i, s:i, s:i, s:o, s:o, s:o}",
-        "version", VERSION, "host", state->host, "pool_threads",
-        pen_thread_pool_size(state->task->pool), "seeds", state->task->seeds, "elapsed_ms",
-        (double)(pen_clock_ns() - state->begun_ns) * 1e-6, "began_ms", (json_int_t)out->began_ms,
-        "calibration_ms", out->calibration_ms, "forecast", f->expected_ms, f->low_ms, f->high_ms,
-        "left_out", out->left_out, "done", state->done, "pass", state->pass, "place", state->place,
-        "order", order_json(state), "reference", reference_json(state), "rows", rows_json(state));
+    return json_pack("{s:i, s:O, s:i, s:i, s:f, s:I, s:f, s:[f, f, f], s:[f, f], s:O, s:i, s:i, "
+                     "s:i, s:o, s:o, s:o}",
+                     "version", VERSION, "host", state->host, "pool_threads",
+                     pen_thread_pool_size(state->task->pool), "seeds", state->task->seeds,
+                     "elapsed_ms", (double)(pen_clock_ns() - state->begun_ns) * 1e-6, "began_ms",
+                     (json_int_t)out->began_ms, "calibration_ms", out->calibration_ms, "forecast",
+                     f->expected_ms, f->low_ms, f->high_ms, "threads_ms", out->thread_ms,
+                     out->had_ms, "left_out", out->left_out, "done", state->done, "pass",
+                     state->pass, "place", state->place, "order", order_json(state), "reference",
+                     reference_json(state), "rows", rows_json(state));
 }
 
 /* The picture of each place: those of rows, and the two of the reference. */
@@ -140,9 +143,11 @@ static bool read_row(struct pen_accuracy_state *state, int number, const json_t 
         const json_t *values = json_array_get(runs, (size_t)i);
         if (!pen_kept_is_numbers(values, RUN_VALUES, true))
             return false;
-        row->run[i].render_ms = pen_kept_number(values, 0);
+        row->run[i].time = (struct pen_run_time){.ms = pen_kept_number(values, 0),
+                                                 .used = pen_kept_number(values, 1),
+                                                 .spoiled = pen_kept_number(values, 2) != 0};
         for (int m = 0; m < PEN_METRIC_COUNT; m++)
-            row->run[i].error[m] = pen_kept_number(values, 1 + m);
+            row->run[i].error[m] = pen_kept_number(values, TIMES + m);
     }
     row->runs = count;
     return true;
@@ -216,11 +221,12 @@ static bool read_pictures(struct pen_accuracy_state *state, const struct pen_kep
 static bool read_study(struct pen_accuracy_state *state, const struct pen_kept_study *kept)
 {
     struct pen_accuracy *out = state->out;
-    const json_t *json = kept->state, *forecast = json_object_get(json, "forecast");
+    const json_t *json = kept->state, *forecast = json_object_get(json, "forecast"),
+                 *threads_ms = json_object_get(json, "threads_ms");
     json_t *left_out = json_object_get(json, "left_out");
     const double elapsed_ms = json_number_value(json_object_get(json, "elapsed_ms"));
-    if (!pen_kept_is_numbers(forecast, 3, false) || !json_is_array(left_out) ||
-        !(elapsed_ms >= 0 && elapsed_ms < 1e12) ||
+    if (!pen_kept_is_numbers(forecast, 3, false) || !pen_kept_is_numbers(threads_ms, 2, false) ||
+        !json_is_array(left_out) || !(elapsed_ms >= 0 && elapsed_ms < 1e12) ||
         !read_reference(state, json_object_get(json, "reference")) || !read_place(state, json) ||
         !read_rows(state, json_object_get(json, "rows")) || !read_pictures(state, kept) ||
         json_array_extend(out->left_out, left_out) != 0)
@@ -228,6 +234,8 @@ static bool read_study(struct pen_accuracy_state *state, const struct pen_kept_s
     state->begun_ns -= (int64_t)(elapsed_ms * 1e6);
     out->began_ms = json_integer_value(json_object_get(json, "began_ms"));
     out->calibration_ms = json_number_value(json_object_get(json, "calibration_ms"));
+    out->thread_ms = pen_kept_number(threads_ms, 0);
+    out->had_ms = pen_kept_number(threads_ms, 1);
     out->forecast = (struct pen_accuracy_forecast){
         pen_kept_number(forecast, 0), pen_kept_number(forecast, 1), pen_kept_number(forecast, 2)};
     return true;

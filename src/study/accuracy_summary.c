@@ -2,15 +2,10 @@
 #include "study/accuracy_summary.h"
 
 #include <math.h>
-#include <stdlib.h>
+
+#include "study/verdict.h"
 
 static const double unresolved_below = 2; /* times the reference's error */
-
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 /* A quantile of sorted values, between the neighbouring ones. Equal neighbours may be infinite. */
 static double quantile(const double *sorted, int count, double share)
@@ -28,21 +23,36 @@ struct pen_accuracy_spread pen_accuracy_error_of(const struct pen_accuracy_row_r
     double values[PEN_ACCURACY_SEEDS_MAX];
     for (int i = 0; i < row->runs; i++)
         values[i] = row->run[i].error[metric];
-    qsort(values, (size_t)row->runs, sizeof *values, by_value);
-    return (struct pen_accuracy_spread){.median = quantile(values, row->runs, 0.5),
+    const double median = pen_median(values, row->runs);
+    return (struct pen_accuracy_spread){.median = median,
                                         .low = quantile(values, row->runs, 0.05),
                                         .high = quantile(values, row->runs, 0.95)};
 }
 
-struct pen_accuracy_spread pen_accuracy_time_of(const struct pen_accuracy_row_result *row)
+double pen_accuracy_worst(const struct pen_accuracy_row_result *row,
+                          enum pen_accuracy_metric metric)
 {
-    double values[PEN_ACCURACY_SEEDS_MAX];
+    const struct pen_accuracy_spread error = pen_accuracy_error_of(row, metric);
+    return pen_accuracy_metric_rises(metric) ? error.low : error.high;
+}
+
+struct pen_row_time pen_accuracy_time_of(const struct pen_accuracy_row_result *row)
+{
+    struct pen_run_time runs[PEN_ACCURACY_SEEDS_MAX];
     for (int i = 0; i < row->runs; i++)
-        values[i] = row->run[i].render_ms;
-    qsort(values, (size_t)row->runs, sizeof *values, by_value);
-    return (struct pen_accuracy_spread){.median = quantile(values, row->runs, 0.5),
-                                        .low = values[0],
-                                        .high = values[row->runs - 1]};
+        runs[i] = row->run[i].time;
+    return pen_row_time_of(runs, row->runs);
+}
+
+struct pen_runs_use pen_accuracy_use(const struct pen_accuracy *accuracy)
+{
+    struct pen_runs_use use = {0};
+    for (int i = 0; i < accuracy->task->row_count; i++)
+        for (int k = 0; k < accuracy->row[i].runs; k++)
+            pen_runs_use_add(&use, &accuracy->row[i].run[k].time, 1);
+    if (accuracy->thread_ms > 0) /* also those of the reference */
+        use.used = accuracy->had_ms / accuracy->thread_ms;
+    return use;
 }
 
 double pen_accuracy_limit(const struct pen_accuracy *accuracy)
@@ -63,24 +73,30 @@ static double ranked_error(const struct pen_accuracy *accuracy,
     return fmax(pen_accuracy_error_of(row, PEN_METRIC_RMSE).median, pen_accuracy_limit(accuracy));
 }
 
+static int compare_cost(const struct pen_accuracy_row_result *a,
+                        const struct pen_accuracy_row_result *b)
+{
+    const struct pen_row_time of_a = pen_accuracy_time_of(a), of_b = pen_accuracy_time_of(b);
+    return pen_row_cost_compare(&of_a, &a->rays, &of_b, &b->rays);
+}
+
+/* Whether row a beats row b: it is not dearer, not less accurate, and better in one, or comes
+ * first. */
+static bool beats(const struct pen_accuracy *accuracy, int a, int b)
+{
+    const struct pen_accuracy_row_result *of_a = &accuracy->row[a], *of_b = &accuracy->row[b];
+    const int cost = compare_cost(of_a, of_b);
+    const double error_a = ranked_error(accuracy, of_a), error_b = ranked_error(accuracy, of_b);
+    return cost <= 0 && error_a <= error_b && (cost < 0 || error_a < error_b || a < b);
+}
+
 void pen_accuracy_front(const struct pen_accuracy *accuracy, bool *front)
 {
     const int count = accuracy->task->row_count;
     for (int i = 0; i < count; i++) {
-        const struct pen_accuracy_row_result *row = &accuracy->row[i];
-        front[i] = row->runs > 0;
-        if (!front[i])
-            continue;
-        const double time = pen_accuracy_time_of(row).median, error = ranked_error(accuracy, row);
-        for (int k = 0; front[i] && k < count; k++) {
-            const struct pen_accuracy_row_result *other = &accuracy->row[k];
-            if (k == i || other->runs == 0)
-                continue;
-            const double other_time = pen_accuracy_time_of(other).median,
-                         other_error = ranked_error(accuracy, other);
-            const bool better = other_time < time || other_error < error || k < i;
-            front[i] = !(other_time <= time && other_error <= error && better);
-        }
+        front[i] = accuracy->row[i].runs > 0;
+        for (int k = 0; front[i] && k < count; k++)
+            front[i] = k == i || accuracy->row[k].runs == 0 || !beats(accuracy, k, i);
     }
 }
 
@@ -88,25 +104,34 @@ void pen_accuracy_front(const struct pen_accuracy *accuracy, bool *front)
 static bool meets_target(const struct pen_accuracy_task *task,
                          const struct pen_accuracy_row_result *row)
 {
-    const struct pen_accuracy_spread error = pen_accuracy_error_of(row, task->metric);
-    return pen_accuracy_metric_rises(task->metric) ? error.low >= task->target
-                                                   : error.high <= task->target;
+    const double error = pen_accuracy_worst(row, task->metric);
+    return pen_accuracy_metric_rises(task->metric) ? error >= task->target : error <= task->target;
+}
+
+/* Whether another row that meets the target is surely quicker. */
+static bool is_slower(const struct pen_accuracy *accuracy, const bool *meets, int row)
+{
+    const struct pen_row_time own = pen_accuracy_time_of(&accuracy->row[row]);
+    for (int i = 0; i < accuracy->task->row_count; i++) {
+        const struct pen_row_time other = pen_accuracy_time_of(&accuracy->row[i]);
+        if (meets[i] && pen_row_time_compare(&other, &own) < 0)
+            return true;
+    }
+    return false;
 }
 
 int pen_accuracy_recommended(const struct pen_accuracy *accuracy)
 {
+    const struct pen_runs_use use = pen_accuracy_use(accuracy);
+    bool meets[PEN_ACCURACY_ROWS_MAX];
     int best = -1;
-    double best_ms = HUGE_VAL;
-    for (int i = 0; i < accuracy->task->row_count; i++) {
-        const struct pen_accuracy_row_result *row = &accuracy->row[i];
-        if (row->runs == 0 || !meets_target(accuracy->task, row))
-            continue;
-        const double ms = pen_accuracy_time_of(row).median;
-        if (ms < best_ms) {
+    for (int i = 0; i < accuracy->task->row_count; i++)
+        meets[i] = accuracy->row[i].runs > 0 && meets_target(accuracy->task, &accuracy->row[i]);
+    for (int i = 0; i < accuracy->task->row_count && !pen_runs_spoiled(&use); i++)
+        if (meets[i] && !is_slower(accuracy, meets, i) &&
+            (best < 0 ||
+             pen_rays_total(&accuracy->row[i].rays) < pen_rays_total(&accuracy->row[best].rays)))
             best = i;
-            best_ms = ms;
-        }
-    }
     return best;
 }
 

@@ -24,10 +24,17 @@ static void write_text(const json_t *report, struct pen_buf *out)
 {
     size_t i;
     json_t *member;
+    const bool spoiled = pen_accuracy_is_spoiled(report);
+    if (spoiled) {
+        write_line(report, pen_accuracy_write_answer, out);
+        pen_buf_puts(out, "\n");
+    }
     pen_bench_write_text_table(report, pen_accuracy_columns, out);
     pen_buf_puts(out, "\n");
-    write_line(report, pen_accuracy_write_answer, out);
-    pen_buf_puts(out, "\n");
+    if (!spoiled) {
+        write_line(report, pen_accuracy_write_answer, out);
+        pen_buf_puts(out, "\n");
+    }
     json_array_foreach(json_object_get(report, "convergence"), i, member)
     {
         write_line(member, pen_accuracy_write_slope, out);

@@ -91,26 +91,72 @@ static void write_row(const json_t *row, struct pen_buf *out)
     pen_buf_puts(out, " ms)");
 }
 
+static struct pen_runs_use use_of(const json_t *report)
+{
+    return (struct pen_runs_use){.runs = (int)pen_bench_report_number(report, "timing.runs"),
+                                 .spoiled = (int)pen_bench_report_number(report, "timing.spoiled"),
+                                 .used = pen_bench_report_number(report, "timing.cpu_share")};
+}
+
+bool pen_accuracy_is_spoiled(const json_t *report)
+{
+    const struct pen_runs_use use = use_of(report);
+    return pen_runs_spoiled(&use);
+}
+
+static void write_spoiled(const json_t *report, struct pen_buf *out)
+{
+    const struct pen_runs_use use = use_of(report);
+    pen_runs_use_write(&use,
+                       "No row is recommended. Repeat the study when nothing else runs, or with "
+                       "fewer threads.",
+                       out);
+}
+
+static void write_recommended(const json_t *report, const json_t *row, struct pen_buf *out)
+{
+    const char *metric = pen_bench_report_string(report, "target.metric");
+    pen_buf_printf(out, "The cheapest row with %s %s %g in 95 %% of its runs: ",
+                   pen_accuracy_metric_title(metric), rises(metric) ? "at least" : "at most",
+                   pen_bench_report_number(report, "target.value"));
+    write_row(row, out);
+    pen_buf_puts(out, ". To get it:");
+    write_options(json_object_get(row, "settings"), out);
+}
+
+/* "; samples_per_pixel 43 would be needed, with which a picture is expected to take 2.1 s" */
+static void write_needed(const json_t *report, struct pen_buf *out)
+{
+    const json_t *settings = pen_bench_report_member(report, "needed.settings");
+    if (!settings)
+        return;
+    pen_buf_puts(out, ": ");
+    pen_accuracy_write_settings(settings, out);
+    pen_buf_printf(out, " would be needed, with which a picture is expected to take %.2g s",
+                   pen_bench_report_number(report, "needed.expected_ms") / 1000);
+}
+
 void pen_accuracy_write_answer(const json_t *report, struct pen_buf *out)
 {
     const char *metric = pen_bench_report_string(report, "target.metric");
-    const double target = pen_bench_report_number(report, "target.value");
     const json_t *number = pen_bench_report_member(report, "recommended.row");
-    const char *bound = rises(metric) ? "at least" : "at most";
     if (json_is_integer(number) && json_integer_value(number) >= 0) {
-        const json_t *row = pen_bench_report_row(report, (size_t)json_integer_value(number));
-        pen_buf_printf(out, "The cheapest row with %s %s %g in 95 %% of its runs: ",
-                       pen_accuracy_metric_title(metric), bound, target);
-        write_row(row, out);
-        pen_buf_puts(out, ". To get it:");
-        write_options(json_object_get(row, "settings"), out);
+        write_recommended(report, pen_bench_report_row(report, (size_t)json_integer_value(number)),
+                          out);
         return;
     }
+    if (pen_accuracy_is_spoiled(report)) {
+        write_spoiled(report, out);
+        return;
+    }
+    pen_buf_printf(out, "None %s the target, %s %g in 95 %% of its runs, in %g s",
+                   rises(metric) ? "above" : "below", pen_accuracy_metric_title(metric),
+                   pen_bench_report_number(report, "target.value"),
+                   pen_bench_report_number(report, "budget_seconds"));
+    write_needed(report, out);
     const json_t *row = nearest(report, metric);
-    pen_buf_printf(out, "No row has %s %s %g in 95 %% of its runs",
-                   pen_accuracy_metric_title(metric), bound, target);
     if (row) {
-        pen_buf_puts(out, "; the nearest, with ");
+        pen_buf_puts(out, ". The nearest, with ");
         pen_accuracy_write_error(pen_bench_report_number(row, metric), out);
         pen_buf_puts(out, ", is ");
         write_row(row, out);
@@ -130,7 +176,10 @@ void pen_accuracy_write_method(const json_t *report, struct pen_buf *out)
                        "order. ",
                        seeds);
     pen_buf_puts(out, "Errors are medians over the seeds, against the reference; spreads are from "
-                      "5 to 95 %. Efficiency is 1 / (MSE · s).");
+                      "5 to 95 %. Efficiency is 1 / (MSE · s). Rows that times do not distinguish "
+                      "are distinguished by their rays. ");
+    if (!pen_accuracy_is_spoiled(report))
+        write_spoiled(report, out);
 }
 
 void pen_accuracy_write_reference(const json_t *report, struct pen_buf *out)
@@ -159,27 +208,78 @@ void pen_accuracy_write_reference(const json_t *report, struct pen_buf *out)
                           "jagged edges are not part of the error.");
 }
 
-void pen_accuracy_write_forecast(const json_t *report, struct pen_buf *out)
+/* Why a study took so many times as long as expected. */
+static void write_overrun(const json_t *report, double times, struct pen_buf *out)
 {
-    pen_buf_printf(out, "Expected to take %.3g s (%.3g to %.3g); took %.3g s, of at most %g s.",
-                   pen_bench_report_number(report, "forecast.expected_seconds"),
-                   pen_bench_report_number(report, "forecast.low"),
-                   pen_bench_report_number(report, "forecast.high"),
-                   pen_bench_report_number(report, "forecast.actual"),
-                   pen_bench_report_number(report, "budget_seconds"));
+    const double used = pen_bench_report_number(report, "timing.cpu_share"),
+                 factor = pen_bench_report_number(report, "reference.factor");
+    pen_buf_printf(out, " That is %.3g times as long: ", times);
+    if (used > 0 && used < 0.95)
+        pen_buf_printf(out, "other programs used the processors, of which the study had %.0f %%.",
+                       100 * used);
+    else if (factor > 8)
+        pen_buf_printf(out,
+                       "the reference was made again, with %g times the samples of the longest "
+                       "row.",
+                       factor);
+    else
+        pen_buf_puts(out, "the forecast, which renders a few pixels of each row, was too low.");
 }
 
-void pen_accuracy_write_slope(const json_t *series, struct pen_buf *out)
+void pen_accuracy_write_forecast(const json_t *report, struct pen_buf *out)
 {
-    const json_t *with = json_object_get(series, "with"),
-                 *interval = json_object_get(series, "interval");
+    const double expected = pen_bench_report_number(report, "forecast.expected_seconds"),
+                 high = pen_bench_report_number(report, "forecast.high"),
+                 actual = pen_bench_report_number(report, "forecast.actual"),
+                 budget = pen_bench_report_number(report, "budget_seconds");
+    pen_buf_printf(out, "Expected to take %.3g s (%.3g to %.3g); took %.3g s, of at most %g s.",
+                   expected, pen_bench_report_number(report, "forecast.low"), high, actual, budget);
+    if (expected > 0 && actual > fmin(fmax(1.5 * expected, high), 1.1 * budget))
+        write_overrun(report, actual / fmin(expected, budget), out);
+}
+
+/* The error that samples of a kind make smaller. */
+static const char *error_of_setting(const char *setting)
+{
+    static const char *const errors[][2] = {
+        {"samples_per_pixel", "edges"},
+        {"lens_samples", "edges and what is out of focus"},
+        {"light_samples", "soft shadows"},
+        {"blur_samples", "blurred reflections and frosted glass"}};
+    for (size_t i = 0; i < sizeof errors / sizeof errors[0]; i++)
+        if (strcmp(errors[i][0], setting) == 0)
+            return errors[i][1];
+    return setting;
+}
+
+/* Which error is left where more samples of one setting do not make it smaller. */
+static void write_floor(const json_t *series, const json_t *floor, struct pen_buf *out)
+{
+    const json_t *settings = json_object_get(floor, "settings");
+    const char *own = pen_bench_report_string(series, "setting"), *key, *separator = "";
+    json_t *value;
+    pen_buf_printf(out,
+                   ": the error stays at %.2g, however many there are. %.0f %% of what is left"
+                   " (of its square) does not come from %s",
+                   pen_bench_report_number(floor, "rmse"),
+                   100 * pen_bench_report_number(floor, "share"), error_of_setting(own));
+    json_object_foreach((json_t *)(uintptr_t)settings, key, value)
+    {
+        pen_buf_printf(out, "%s%s", *separator ? " or " : ", but from ", error_of_setting(key));
+        separator = ", ";
+    }
+    if (json_object_size(settings) > 0) {
+        pen_buf_puts(out, ", which take more than ");
+        pen_accuracy_write_settings(settings, out);
+    }
+    pen_buf_puts(out, ".");
+}
+
+static void write_power(const json_t *series, struct pen_buf *out)
+{
+    const json_t *interval = json_object_get(series, "interval");
     const double slope = pen_bench_report_number(series, "slope"),
                  digit = slope < 0 ? pow(10, -1 / slope) : HUGE_VAL;
-    pen_buf_puts(out, pen_bench_report_string(series, "setting"));
-    if (json_object_size(with) > 0) {
-        pen_buf_puts(out, " with ");
-        pen_accuracy_write_settings(with, out);
-    }
     pen_buf_printf(out,
                    ": the error is proportional to N to the power of %.2f (95 %%: %.2f to %.2f; "
                    "expected: %.2f)",
@@ -189,6 +289,20 @@ void pen_accuracy_write_slope(const json_t *series, struct pen_buf *out)
     if (digit < 1e6)
         pen_buf_printf(out, "; one more digit takes %.2g times the samples", digit);
     pen_buf_puts(out, ".");
+}
+
+void pen_accuracy_write_slope(const json_t *series, struct pen_buf *out)
+{
+    const json_t *with = json_object_get(series, "with"), *floor = json_object_get(series, "floor");
+    pen_buf_puts(out, pen_bench_report_string(series, "setting"));
+    if (json_object_size(with) > 0) {
+        pen_buf_puts(out, " with ");
+        pen_accuracy_write_settings(with, out);
+    }
+    if (json_is_object(floor))
+        write_floor(series, floor, out);
+    else
+        write_power(series, out);
 }
 
 static void write_times(const json_t *row, struct pen_buf *out)
@@ -255,13 +369,23 @@ static void write_relative(const json_t *row, struct pen_buf *out)
 
 static void write_remark(const json_t *row, struct pen_buf *out)
 {
-    if (!was_run(row))
+    const size_t spoiled = json_array_size(json_object_get(row, "spoiled_runs"));
+    const char *separator = "";
+    if (!was_run(row)) {
         pen_buf_puts(out, "left out");
-    else if (json_is_false(json_object_get(row, "resolved")))
+        return;
+    }
+    if (json_is_false(json_object_get(row, "resolved"))) {
         pen_buf_puts(out, "unresolved");
-    if (json_is_true(json_object_get(row, "pareto")))
-        pen_buf_puts(out, json_is_false(json_object_get(row, "resolved")) ? ", on the front"
-                                                                          : "on the front");
+        separator = ", ";
+    }
+    if (json_is_true(json_object_get(row, "pareto"))) {
+        pen_buf_printf(out, "%son the front", separator);
+        separator = ", ";
+    }
+    if (spoiled > 0)
+        pen_buf_printf(out, "%s%zu of %.0f spoiled", separator, spoiled,
+                       pen_bench_report_number(row, "runs"));
 }
 
 const struct pen_bench_column pen_accuracy_columns[] = {

@@ -16,9 +16,8 @@
  * 3. One run for each set of rows that do the same work, to count box and primitive tests. Its time
  *    is thrown away, because counting takes time.
  *
- * verdict.h has the statistics. A run is spoiled if its threads waited for processors that others
- * used, or a hypervisor gave the processors to others (bench_run.c has the thresholds); a pair is
- * spoiled if one of its runs is, and intervals leave spoiled pairs out of account.
+ * verdict.h has the statistics, run_time.h which runs are spoiled; a pair is spoiled if one of its
+ * runs is, and intervals leave spoiled pairs out of account.
  *
  * Rows whose settings differ in accelerator, threads and tile alone show the same picture, bit for
  * bit (in fast precision: rows that differ in threads and tile alone). Every run's pictures are

@@ -1,29 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes one run and times it. Nothing but freezing and rendering happens while it is timed.
- *
- * A run is spoiled if others had a part of the processors that it could have used:
- *
- * - its threads waited: their processor time is less than 95 % of the time from their call to their
- *   return, and that by 0.5 ms for each, within which threads wake up and are moved. A thread that
- *   finds no more work returns, so neither a tree that one thread builds nor a picture of few
- * blocks counts as waiting. Of more threads than there are processors, those that have one count.
- * - a hypervisor gave more than 5 % of all processors to others, and a clock tick besides, since
- *   the kernel counts in ticks.
- *
- * 5 %: while nothing else ran, runs of 2 to 55 ms on 2 cores had 0.98 to 0.999 of their time, and
- * beside a busy loop 0.50 (README.md of this room). What is taken from a run lengthens it by about
- * the same share, so a run that is not spoiled was disturbed by 5 % at most. */
+/* Makes one run and times it. Nothing but freezing and rendering happens while it is timed. */
 #include "study/internal/bench_run.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
-#include "base/cpu.h"
-#include "study/host.h"
-
-static const double least_used = 0.95, most_stolen = 0.05;
-static const double wake_ms = 0.5, tick_ms = 10;
+#include "study/run_time.h"
 
 static void add_stats(struct pen_render_stats *sum, const struct pen_render_stats *view)
 {
@@ -67,57 +50,28 @@ static bool render_views(struct pen_bench_run *run, const struct pen_scene *scen
     return true;
 }
 
-/* The calling thread's clocks. */
-struct moment {
-    int64_t wall_ns, cpu_ns;
-};
-
-static struct moment now(void)
-{
-    return (struct moment){.wall_ns = pen_clock_ns(), .cpu_ns = pen_clock_thread_ns()};
-}
-
-/* Fills the times from the render's, and from the beginning and the end of the build. */
-static void fill_times(struct pen_bench_run *run, struct moment begun, struct moment built)
-{
-    const struct pen_render_stats *s = &run->stats;
-    struct pen_bench_times *t = &run->times;
-    const int processors = pen_cpu_count();
-    const double share = s->threads > processors ? (double)processors / s->threads : 1;
-    t->build_ms = (double)(built.wall_ns - begun.wall_ns) * 1e-6;
-    t->render_ms = s->render_ms;
-    t->cpu_ms = s->cpu_ms;
-    const double cpu_ms = s->cpu_ms + (double)(built.cpu_ns - begun.cpu_ns) * 1e-6;
-    const double could_ms = s->thread_ms * share + t->build_ms;
-    t->used = could_ms > 0 && cpu_ms < could_ms ? cpu_ms / could_ms : 1;
-    t->spoiled = t->used < least_used && could_ms - cpu_ms > wake_ms * (s->threads + 1);
-}
-
-static void judge_steal(struct pen_bench_times *times, double before_ms, double after_ms,
-                        double wall_ms)
-{
-    times->steal_ms = before_ms < 0 || after_ms < before_ms ? -1 : after_ms - before_ms;
-    if (times->steal_ms - tick_ms > most_stolen * wall_ms * pen_host_processors())
-        times->spoiled = true;
-}
-
 bool pen_bench_run_once(struct pen_bench_run *run, struct pen_status *st)
 {
     const struct pen_bench *bench = run->bench;
-    const double steal_ms = pen_host_steal_ms();
-    const struct moment begun = now();
+    const struct pen_run_watch watch = pen_run_begin();
+    const int64_t cpu_ns = pen_clock_thread_ns();
     struct pen_scene *scene = pen_scene_freeze(
         bench->desc, (enum pen_accelerator)run->settings->accelerator, bench->scene_cap_bytes, st);
     if (scene && bench->dawdle)
         bench->dawdle(bench->user, run->row);
-    const struct moment built = now();
+    const double build_ms = (double)(pen_clock_ns() - watch.begun_ns) * 1e-6,
+                 build_cpu_ms = (double)(pen_clock_thread_ns() - cpu_ns) * 1e-6;
     if (!scene)
         return false;
     run->accel = *pen_accel_get_stats(scene->accel);
     const bool ok = render_views(run, scene, st);
-    const double wall_ms = (double)(pen_clock_ns() - begun.wall_ns) * 1e-6;
-    fill_times(run, begun, built);
-    judge_steal(&run->times, steal_ms, pen_host_steal_ms(), wall_ms);
+    const struct pen_run_use use = pen_run_end(&watch, &run->stats, build_ms, build_cpu_ms);
+    run->times = (struct pen_bench_times){.build_ms = build_ms,
+                                          .render_ms = run->stats.render_ms,
+                                          .cpu_ms = run->stats.cpu_ms,
+                                          .used = use.used,
+                                          .steal_ms = use.steal_ms,
+                                          .spoiled = use.spoiled};
     pen_scene_free(scene);
     return ok;
 }

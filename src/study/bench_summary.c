@@ -2,15 +2,8 @@
 #include "study/internal/bench_summary.h"
 
 #include <stddef.h>
-#include <stdlib.h>
 
 #include "study/internal/pictures.h"
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 struct spread {
     double median, min, max;
@@ -47,10 +40,8 @@ static struct spread spread_of(const struct pen_bench_times *runs, int count,
 {
     for (int i = 0; i < count; i++)
         values[i] = part(&runs[i]);
-    qsort(values, (size_t)count, sizeof *values, by_value);
-    return (struct spread){.median = (values[(count - 1) / 2] + values[count / 2]) / 2,
-                           .min = values[0],
-                           .max = values[count - 1]};
+    const double median = pen_median(values, count);
+    return (struct spread){.median = median, .min = values[0], .max = values[count - 1]};
 }
 
 static void summarize_row(struct pen_bench_row_result *row, int count, double *values)

@@ -49,18 +49,20 @@ static bool render_row(struct pen_bill *bill, const struct pen_scene *scene,
                                            .pixel_begins = task->pixel_begins,
                                            .pixel_user = task->pixel_user,
                                            .keep_tile_ms = whole};
+    const struct pen_run_watch watch = pen_run_begin();
     if (!pen_render_run(task->pool, &render, &stats, st))
         return false;
+    const struct pen_run_use use = pen_run_end(&watch, &stats, 0, 0);
     if (whole)
         keep_whole(bill, scene, &stats, build_ms);
     if (pass >= 0)
-        row->runs_ms[pass] = stats.render_ms;
+        row->runs[pass] = (struct pen_run_time){stats.render_ms, use.used, use.spoiled};
     row->rays = stats.rays;
     row->kernel = stats.kernel;
     return true;
 }
 
-/* Renders a row once; pass -1 is to warm up. */
+/* Renders a row once, again if the run is spoiled; pass -1 is to warm up. */
 static bool run_row(struct pen_bill *bill, struct pen_bill_row *row, int pass,
                     struct pen_status *st)
 {
@@ -77,24 +79,13 @@ static bool run_row(struct pen_bill *bill, struct pen_bill_row *row, int pass,
         scene = pen_scene_freeze(&desc, (enum pen_accelerator)settings.accelerator,
                                  task->scene_cap_bytes, st);
     const double build_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
-    ok = scene && render_row(bill, scene, &settings, row, pass, build_ms, st);
+    int repeats = 0;
+    do {
+        ok = scene && render_row(bill, scene, &settings, row, pass, build_ms, st);
+    } while (ok && pass >= 0 && row->runs[pass].spoiled && repeats++ < PEN_SPOILED_REPEATS);
     pen_scene_free(scene);
     pen_arena_free(arena);
     return ok;
-}
-
-static int compare_times(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static void summarize(struct pen_bill_row *row, int repeats)
-{
-    qsort(row->runs_ms, (size_t)repeats, sizeof *row->runs_ms, compare_times);
-    row->min_ms = row->runs_ms[0];
-    row->max_ms = row->runs_ms[repeats - 1];
-    row->median_ms = (row->runs_ms[(repeats - 1) / 2] + row->runs_ms[repeats / 2]) / 2;
 }
 
 /* How far the row's picture is from the whole one. */
@@ -167,9 +158,9 @@ static bool add_row(struct pen_bill *bill, unsigned effect)
 {
     struct pen_bill_row *row = &bill->row[bill->rows++];
     row->effect = effect;
-    row->runs_ms = calloc((size_t)bill->task->repeats, sizeof *row->runs_ms);
+    row->runs = calloc((size_t)bill->task->repeats, sizeof *row->runs);
     row->rgb = malloc(film_bytes(bill->task->settings));
-    return row->runs_ms && row->rgb;
+    return row->runs && row->rgb;
 }
 
 /* Adds a row for the whole scene, and one for each of its effects. */
@@ -189,7 +180,8 @@ static bool finish_rows(struct pen_bill *bill, struct pen_status *st)
 {
     const atomic_bool *cancel = bill->task->cancel;
     for (int i = 0; i < bill->rows; i++) {
-        summarize(&bill->row[i], bill->task->repeats);
+        bill->row[i].time = pen_row_time_of(bill->row[i].runs, bill->task->repeats);
+        pen_runs_use_add(&bill->use, bill->row[i].runs, bill->task->repeats);
         if (cancel && atomic_load(cancel))
             return pen_fail(st, PEN_CANCELLED, "cancelled after %d of %d comparisons", i,
                             bill->rows);
@@ -244,7 +236,7 @@ bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, stru
 void pen_bill_release(struct pen_bill *bill)
 {
     for (int i = 0; i < bill->rows; i++) {
-        free(bill->row[i].runs_ms);
+        free(bill->row[i].runs);
         free(bill->row[i].rgb);
     }
     free(bill->whole.tile_ms);

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* What each effect of a scene costs and changes: the scene is rendered as it is, and with each of
  * its effects left out in turn (leave_out.h). Runs are interleaved: a pass visits every row, so
- * that a change of the machine's load meets all rows alike. One pass to warm up is thrown away. */
+ * that a change of the machine's load meets all rows alike. One pass to warm up is thrown away. A
+ * run that is spoiled (run_time.h) is repeated, twice at most; if it stays spoiled, its time does
+ * not count. If over half of the runs are spoiled, no cost is told. */
 #ifndef PEN_STUDY_BILL_H
 #define PEN_STUDY_BILL_H
 
@@ -10,12 +12,13 @@
 #include "base/buf.h"
 #include "io/scene_json.h"
 #include "render/render.h"
+#include "study/run_time.h"
 #include "study/unfinished.h"
 
 struct pen_bill_row {
-    unsigned effect; /* the one that is left out; 0: none */
-    double *runs_ms; /* times of rendering, by pass */
-    double median_ms, min_ms, max_ms;
+    unsigned effect;           /* the one that is left out; 0: none */
+    struct pen_run_time *runs; /* of rendering, by pass */
+    struct pen_row_time time;
     struct pen_ray_counts rays;
     const char *kernel;
     /* From the whole picture: film/metrics.h, and the mean of film/flip.h. */
@@ -28,7 +31,7 @@ struct pen_bill_row {
 struct pen_bill_task {
     const struct pen_scene_desc *desc;
     const struct pen_settings *settings;
-    int view, repeats;      /* repeats: at least 1 */
+    int view, repeats;      /* repeats: 1 .. PEN_RUN_TIMES_MAX */
     size_t scene_cap_bytes; /* as pen_scene_freeze; 0: none */
     struct pen_thread_pool *pool;
     const atomic_bool *cancel; /* may be NULL */
@@ -49,8 +52,9 @@ struct pen_bill {
     const struct pen_bill_task *task;
     struct pen_bill_row row[PEN_FX_COUNT + 1]; /* row 0 has all effects */
     int rows;
-    int done;     /* runs, also those to warm up */
-    json_t *host; /* of this process; null unless the bill may be kept */
+    struct pen_runs_use use; /* of the processors, by all runs */
+    int done;                /* runs, also those to warm up */
+    json_t *host;            /* of this process; null unless the bill may be kept */
     /* Of the last render with all effects. */
     struct pen_render_stats whole;
     struct pen_accel_stats accel;

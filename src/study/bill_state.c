@@ -9,7 +9,7 @@
 #include "io/json_build.h"
 #include "study/internal/kept_state.h"
 
-enum { VERSION = 1 };
+enum { VERSION = 2, TIMES = 3 };
 
 _Static_assert((int)PEN_FX_COUNT + 1 <= (int)PEN_STUDY_PICTURES_MAX, "a place for each row");
 
@@ -17,6 +17,17 @@ _Static_assert((int)PEN_FX_COUNT + 1 <= (int)PEN_STUDY_PICTURES_MAX, "a place fo
 static int repeats_of(const struct pen_bill *bill, int row)
 {
     return bill->done / bill->rows - (row >= bill->done % bill->rows);
+}
+
+/* The time of each run, its share of the processors, and 1 if it is spoiled. */
+static json_t *runs_json(const struct pen_bill_row *row, int count)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++) {
+        const double values[TIMES] = {row->runs[i].ms, row->runs[i].used, row->runs[i].spoiled};
+        json_array_append_new(list, pen_kept_numbers(values, TIMES));
+    }
+    return pen_json_all(list, (size_t)count);
 }
 
 static json_t *rows_json(const struct pen_bill *bill)
@@ -28,7 +39,7 @@ static json_t *rows_json(const struct pen_bill *bill)
         json_array_append_new(
             list, json_pack("{s:s, s:o, s:o, s:o}", "kernel", row->kernel ? row->kernel : "",
                             "hash", pen_kept_hash(row->hash), "rays", pen_kept_rays(&row->rays),
-                            "runs", pen_kept_numbers(row->runs_ms, repeats > 0 ? repeats : 0)));
+                            "runs", runs_json(row, repeats > 0 ? repeats : 0)));
     }
     return pen_json_all(list, (size_t)bill->rows);
 }
@@ -82,12 +93,18 @@ static bool read_row(struct pen_bill *bill, int number, const json_t *kept)
     const json_t *runs = json_object_get(kept, "runs");
     const int repeats = repeats_of(bill, number);
     row->kernel = kernel_name(json_string_value(json_object_get(kept, "kernel")));
-    if (!row->kernel || !pen_kept_is_numbers(runs, repeats, false) ||
+    if (!row->kernel || !json_is_array(runs) || json_array_size(runs) != (size_t)repeats ||
         !pen_kept_read_hash(json_object_get(kept, "hash"), &row->hash) ||
         !pen_kept_read_rays(json_object_get(kept, "rays"), &row->rays))
         return false;
-    for (int i = 0; i < repeats; i++)
-        row->runs_ms[i] = pen_kept_number(runs, i);
+    for (int i = 0; i < repeats; i++) {
+        const json_t *values = json_array_get(runs, (size_t)i);
+        if (!pen_kept_is_numbers(values, TIMES, false))
+            return false;
+        row->runs[i] = (struct pen_run_time){.ms = pen_kept_number(values, 0),
+                                             .used = pen_kept_number(values, 1),
+                                             .spoiled = pen_kept_number(values, 2) != 0};
+    }
     return true;
 }
 

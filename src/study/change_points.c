@@ -6,23 +6,17 @@
 
 #include "study/history.h"
 #include "study/internal/random_order.h"
+#include "study/verdict.h"
 
 enum { ORDERS = 999, POINTS_MIN = 8 };
 
 static const double most_likely = 0.05;
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The median of a range; `sorted` is scratch space. */
 static double median_of(const double *values, int count, double *sorted)
 {
     memcpy(sorted, values, (size_t)count * sizeof *values);
-    qsort(sorted, (size_t)count, sizeof *sorted, by_value);
-    return (sorted[(count - 1) / 2] + sorted[count / 2]) / 2;
+    return pen_median(sorted, count);
 }
 
 /* The ranks of the values, from 1 on; equal ones share the mean of theirs. */

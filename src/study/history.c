@@ -8,6 +8,7 @@
 #include "io/json_build.h"
 #include "study/internal/report_rows.h"
 #include "study/internal/report_values.h"
+#include "study/verdict.h"
 
 /* A row of the history while it is made. */
 struct series {
@@ -135,19 +136,6 @@ static int points_of_host(const struct maker *m, const json_t *points, int host,
     return count;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* The median of some values, which it sorts. */
-static double median_of(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, by_value);
-    return (values[(count - 1) / 2] + values[count / 2]) / 2;
-}
-
 /* Scratch space for the points of one series. */
 struct scratch {
     double *values;
@@ -161,10 +149,10 @@ static bool add_changes(const struct maker *m, const json_t *points, int host, s
     const int count = points_of_host(m, points, host, s->values, s->numbers);
     const int found = pen_history_changes(s->values, count, m->least_effect, s->at);
     bool ok = found >= 0;
-    double before = found > 0 ? median_of(s->values, s->at[0]) : 0;
+    double before = found > 0 ? pen_median(s->values, s->at[0]) : 0;
     for (int i = 0; ok && i < found; i++) {
         const int end = i + 1 < found ? s->at[i + 1] : count;
-        const double after = median_of(s->values + s->at[i], end - s->at[i]);
+        const double after = pen_median(s->values + s->at[i], end - s->at[i]);
         ok = json_array_append_new(changes,
                                    json_pack("{s:i, s:f, s:f, s:f}", "point", s->numbers[s->at[i]],
                                              "before_ms", before, "after_ms", after, "ratio",

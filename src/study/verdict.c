@@ -35,12 +35,16 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-struct pen_confidence pen_median_interval(double *values, int count, int spoiled, double alpha)
+double pen_median(double *values, int count)
 {
     qsort(values, (size_t)count, sizeof *values, by_value);
-    struct pen_confidence out = {.median = (values[(count - 1) / 2] + values[count / 2]) / 2,
-                                 .count = count,
-                                 .spoiled = spoiled};
+    return (values[(count - 1) / 2] + values[count / 2]) / 2;
+}
+
+struct pen_confidence pen_median_interval(double *values, int count, int spoiled, double alpha)
+{
+    struct pen_confidence out = {
+        .median = pen_median(values, count), .count = count, .spoiled = spoiled};
     const int k = pen_median_rank(count, alpha) - spoiled;
     if (count >= PEN_PAIRS_MIN && k > 0) {
         out.bounded = true;

@@ -26,6 +26,10 @@ struct pen_confidence {
     bool bounded;             /* low and high are an interval */
 };
 
+/* The median of some values, which it sorts: of an even number, the mean of the middle two. Shape:
+ * count is at least 1. */
+double pen_median(double *values, int count);
+
 /* The largest k for which x(k) and x(count + 1 - k) err with a probability of at most alpha; 0 if
  * there is none. Shape: count is 0 .. PEN_PAIRS_MAX. */
 int pen_median_rank(int count, double alpha);

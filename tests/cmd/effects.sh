@@ -7,7 +7,8 @@ cd "$work" || exit 1
 small="--set width=40 --set height=30 --repeats 2"
 
 exits "the bill of a scene" 0 "$penumbra" effects builtin:glass $small
-expect "a line for all effects, and for each" "$(sed '/^$/,$d' stdout | wc -l | tr -d ' ')" 11
+sed '/ runs are spoiled: /,/^$/d' stdout >table
+expect "a line for all effects, and for each" "$(sed '/^$/,$d' table | wc -l | tr -d ' ')" 11
 prints "each effect is named" stdout "refraction"
 for form in json csv md html; do
     exits "the bill as $form" 0 "$penumbra" effects builtin:glass $small -q -o "r.$form"
@@ -18,7 +19,9 @@ expect "JSON has the rows" "$(jq -c '[.rows[].without] | join(" ")' r.json)" \
 expect "rows have times, rays and differences" "$(jq '[.rows[1:][] | (.min_ms <= .median_ms
     and .median_ms <= .max_ms and .rays.primary == 1200 and .rmse > 0 and .max_error >= .rmse
     and .flip > 0 and .flip < 1
-    and has("cost_ms") and has("cost_share"))] | all' r.json)" true
+    and has("cost_ms") and has("cost_share")
+    and (.cost_ms != null) != has("cost_below_ms"))] | all' r.json)" true
+expect "no cost is told of spoiled runs" "$(jq '2 * .timing.spoiled > .timing.runs and any(.rows[]; .cost_ms)' r.json)" false
 expect "without transmission there are no such rays" \
     "$(jq '.rows[] | select(.without == "transmission") | .rays.transmission' r.json)" 0
 expect "the first row differs by nothing" "$(jq -c '.rows[0] | [.rmse, .max_error, .flip]' r.json)" "[0,0,0]"

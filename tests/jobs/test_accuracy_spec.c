@@ -146,10 +146,15 @@ START_TEST(test_accuracy_spec__defaults_follow_the_scene)
         kit.lights[i].radius = kit.lights[i].angular_radius = 0;
     read_good("{}");
     ck_assert_int_eq(spec.seeds, 5);
-    ck_assert(spec.metric == PEN_METRIC_FLIP && spec.target == 0.02 && spec.budget_s == 600);
+    ck_assert(spec.metric == PEN_METRIC_FLIP && spec.target == 0.02 && spec.budget_s == 60);
     ck_assert_ptr_nonnull(json_object_get(spec.ladder, "samples_per_pixel"));
     pen_accuracy_spec_release(&spec);
     kit.lights[0].radius = 0.5;
+    read_good("{}");
+    ck_assert_uint_eq(json_object_size(spec.ladder), 2);
+    ck_assert_ptr_nonnull(json_object_get(spec.ladder, "light_samples"));
+    ck_assert_ptr_nonnull(json_object_get(spec.ladder, "samples_per_pixel"));
+    pen_accuracy_spec_release(&spec);
     kit.view.camera.aperture_radius = 0.25;
     kit.view.camera.focus_distance = 8;
     read_good("{}");

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "film/encode.h"
 #include "jobs/accuracy_spec.h"
@@ -158,7 +159,8 @@ END_TEST
 static struct pen_accuracy_row_result row_of(struct pen_accuracy_run *run, double ms, double rmse)
 {
     *run = (struct pen_accuracy_run){
-        .render_ms = ms, .error = {[PEN_METRIC_RMSE] = rmse, [PEN_METRIC_PSNR] = -log10(rmse)}};
+        .time = {.ms = ms, .used = 1},
+        .error = {[PEN_METRIC_RMSE] = rmse, [PEN_METRIC_PSNR] = -log10(rmse)}};
     return (struct pen_accuracy_row_result){.runs = 1, .run = run};
 }
 
@@ -183,6 +185,195 @@ START_TEST(test_accuracy__front_and_target)
     ck_assert_int_eq(pen_accuracy_recommended(&a), 1);
     row[1].runs = row[5].runs = 0; /* left out */
     ck_assert_int_eq(pen_accuracy_recommended(&a), 3);
+}
+END_TEST
+
+START_TEST(test_accuracy__times_that_say_nothing_give_way_to_rays)
+{
+    struct pen_accuracy_task task = {.row_count = 3, .metric = PEN_METRIC_RMSE, .target = 1};
+    struct pen_accuracy_run run[3];
+    struct pen_accuracy_row_result row[3] = {row_of(&run[0], 20, 0.03), row_of(&run[1], 20.3, 0.04),
+                                             row_of(&run[2], 40, 0.02)};
+    const struct pen_accuracy a = {.task = &task, .row = row};
+    row[0].rays.shadow = 300;
+    row[1].rays.shadow = 200;
+    row[2].rays.shadow = 100;
+    ck_assert_int_eq(pen_accuracy_recommended(&a), 1); /* of equal times, the fewer rays */
+    run[2].time.used = 0.5;                            /* it waited for 20 of 40 ms */
+    ck_assert_int_eq(pen_accuracy_recommended(&a), 2);
+    run[2].time = (struct pen_run_time){.ms = 40, .used = 1};
+    run[1].time.spoiled = true;
+    ck_assert_int_eq(pen_accuracy_recommended(&a), 1); /* one of three is spoiled */
+    run[0].time.spoiled = true;
+    ck_assert_int_eq(pen_accuracy_recommended(&a), -1);
+}
+END_TEST
+
+/* Rows that differ in light_samples, 4 times as many from row to row, and with 4 camera rays. The
+ * reference sees the area of pixels. */
+struct ladder {
+    struct pen_accuracy_task task;
+    struct pen_accuracy_row rows[PEN_ACCURACY_ROWS_MAX];
+    struct pen_accuracy_row_result row[PEN_ACCURACY_ROWS_MAX];
+    struct pen_accuracy_run run[PEN_ACCURACY_ROWS_MAX];
+    struct pen_accuracy accuracy;
+};
+
+static void add_rung(struct ladder *l, int camera, int light, double rmse)
+{
+    const int i = l->task.row_count++;
+    l->rows[i] = (struct pen_accuracy_row){
+        kit.settings, json_pack("{s:i, s:i}", "light_samples", light, "samples_per_pixel", camera)};
+    l->rows[i].settings.samples_per_pixel = camera;
+    l->rows[i].settings.light_samples = light;
+    l->row[i] = row_of(&l->run[i], 10, rmse);
+    l->task.desc = &kit.desc;
+    l->task.rows = l->rows;
+    l->task.metric = PEN_METRIC_RMSE;
+    l->accuracy.task = &l->task;
+    l->accuracy.row = l->row;
+    l->accuracy.reference.settings.samples_per_pixel = 32;
+}
+
+static void drop(struct ladder *l)
+{
+    for (int i = 0; i < l->task.row_count; i++)
+        json_decref((json_t *)(uintptr_t)l->rows[i].varied);
+    *l = (struct ladder){0};
+}
+
+START_TEST(test_accuracy__slopes_tell_which_error_is_left)
+{
+    static const double slopes[] = {-0.5, -0.75, -1};
+    struct ladder l = {0};
+    struct pen_accuracy_series series;
+    make_scene();
+    for (size_t s = 0; s < 3; s++) { /* without a floor, whatever the slope is */
+        for (int i = 0; i < 4; i++)
+            add_rung(&l, 4, 1 << 2 * i, 0.1 * pow(1 << 2 * i, slopes[s]));
+        series = pen_accuracy_series_of(&l.accuracy, 0, PEN_SAMPLE_LIGHT, false);
+        ck_assert_msg(series.line.known && !series.floored, "%g: %g", slopes[s], series.floor);
+        drop(&l);
+    }
+    /* 0.01 of edges; the light's own error is 0.04 N^-0.75, 0.0018 at 64. */
+    for (int i = 3; i >= 0; i--)
+        add_rung(&l, 4, 1 << 2 * i, hypot(0.01, 0.04 * pow(1 << 2 * i, -0.75)));
+    series = pen_accuracy_series_of(&l.accuracy, 0, PEN_SAMPLE_LIGHT, false);
+    ck_assert(series.floored && series.causes == 1u << PEN_SAMPLE_PIXEL);
+    ck_assert_msg(fabs(series.floor - 1 / (1 + 0.04 * 0.04 / 0.01 / 0.01 / 512)) < 1e-3, "%g",
+                  series.floor);
+    /* A target of half of that needs 4 times the camera rays at least: 4 * 2^2, and a little for
+     * the light's share. */
+    l.task.target = 0.005;
+    struct pen_accuracy_need need = pen_accuracy_needed(&l.accuracy);
+    ck_assert_str_eq(need.setting, "samples_per_pixel");
+    ck_assert_msg(need.samples == 17, "%g", need.samples);
+    ck_assert_msg(need.ms > 10 * 17.0 / 4 / 1.01 && need.ms < 10 * 17.0 / 4 * 1.01, "%g", need.ms);
+    drop(&l);
+    /* A light that leaves most does not point at the edges; what is needed is more of it. */
+    for (int i = 0; i < 3; i++)
+        add_rung(&l, 4, 1 << 2 * i, 0.1 * pow(1 << 2 * i, -0.75));
+    l.task.target = 0.1 * pow(64, -0.75);
+    need = pen_accuracy_needed(&l.accuracy);
+    ck_assert_str_eq(need.setting, "light_samples");
+    ck_assert_msg(fabs(need.samples - 64) <= 1, "%g", need.samples);
+    drop(&l);
+}
+END_TEST
+
+/* Checkers from afar, under a light with a radius: edges are all that 4 camera rays leave. */
+START_TEST(test_accuracy__edges_are_named_where_they_are_what_is_left)
+{
+    make_scene();
+    kit.settings.samples_per_pixel = 4;
+    for (int i = 0; i < 40; i++)
+        kit_sphere(&kit, pen_vec3(i % 8 - 3.5, 0.2, i / 8 - 1.5), 0.15,
+                   kit_material(&kit, kit_matte(i % 2)));
+    const struct pen_accuracy_task task =
+        task_of("{\"ladder\": {\"light_samples\": [1, 4, 16, 64]}, \"seeds\": 1}");
+    make(&task);
+    json_t *report = pen_accuracy_json(&accuracy, "s");
+    struct pen_buf out = {0};
+    ck_assert(pen_accuracy_write(report, "text", &out, &st));
+    const char *text = (const char *)out.data;
+    ck_assert_msg(strstr(text, "does not come from soft shadows, but from edges, which take more "
+                               "than samples_per_pixel 4."),
+                  "%s", text);
+    pen_buf_release(&out);
+    json_decref(report);
+    release();
+}
+END_TEST
+
+/* Keeps the threads from rendering, as other programs do that have the processors, and counts the
+ * renders of the whole picture. */
+static void wait_a_little(void *user, int thread, int x, int y)
+{
+    (void)thread;
+    if (x == 0 && y == 0)
+        atomic_fetch_add((atomic_int *)user, 1);
+    if (x == 0)
+        usleep(1000);
+}
+
+START_TEST(test_accuracy__spoiled_runs_are_repeated_and_recommend_nothing)
+{
+    static const char *const formats[] = {"text", "md"};
+    atomic_int renders = 0;
+    make_scene();
+    struct pen_accuracy_task task =
+        task_of("{\"ladder\": {\"light_samples\": [1, 4]}, \"seeds\": 2, \"target\": "
+                "{\"metric\": \"flip\", \"value\": 1}}");
+    task.pixel_begins = wait_a_little;
+    task.pixel_user = &renders;
+    task.budget_ms = 1e6;
+    make(&task);
+    const struct pen_runs_use use = pen_accuracy_use(&accuracy);
+    ck_assert_int_eq(use.runs, 2 * task.row_count);
+    ck_assert_int_eq(use.spoiled, use.runs);
+    ck_assert_int_ge(atomic_load(&renders), 3 * use.runs);
+    ck_assert_int_eq(pen_accuracy_recommended(&accuracy), -1);
+    json_t *report = pen_accuracy_json(&accuracy, "s");
+    ck_assert(json_is_null(json_object_get(report, "recommended")));
+    for (int i = 0; i < 2; i++) {
+        struct pen_buf out = {0};
+        ck_assert(pen_accuracy_write(report, formats[i], &out, &st));
+        const char *words = strstr((const char *)out.data, " runs are spoiled: other programs");
+        ck_assert_ptr_nonnull(words);
+        ck_assert_ptr_nonnull(strstr(words, "No row is recommended"));
+        ck_assert_int_eq(words - (const char *)out.data < 30, 1);
+        pen_buf_release(&out);
+    }
+    json_decref(report);
+    release();
+}
+END_TEST
+
+/* A forecast that was far from the time is commented. */
+START_TEST(test_accuracy__overruns_are_commented)
+{
+    static const struct {
+        double took, share, factor;
+        const char *words;
+    } cases[] = {{25, 1, 8, NULL},
+                 {322, 0.3, 8, "That is 13.4 times as long: other programs"},
+                 {322, 1, 32, "the reference was made again, with 32 times"},
+                 {322, 1, 8, "the forecast, which renders a few pixels"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct pen_buf out = {0};
+        json_t *report = json_pack(
+            "{s:f, s:{s:f, s:f, s:f, s:f}, s:{s:f}, s:{s:f}}", "budget_seconds", 600.0, "forecast",
+            "expected_seconds", 24.0, "low", 20.0, "high", 30.0, "actual", cases[i].took, "timing",
+            "cpu_share", cases[i].share, "reference", "factor", cases[i].factor);
+        ck_assert(pen_accuracy_write(report, "text", &out, &st));
+        const char *text = (const char *)out.data;
+        if (cases[i].words)
+            ck_assert_msg(strstr(text, cases[i].words) != NULL, "%s", text);
+        else
+            ck_assert_msg(strstr(text, "times as long") == NULL, "%s", text);
+        pen_buf_release(&out);
+        json_decref(report);
+    }
 }
 END_TEST
 
@@ -356,7 +547,7 @@ static void check_same_row(const struct pen_accuracy_row_result *a,
     ck_assert_mem_eq(&b->rays, &a->rays, sizeof a->rays);
     ck_assert_mem_eq(b->rgb, a->rgb, 3 * 48 * 36 * sizeof *a->rgb);
     for (int run = 0; run < a->runs; run++) {
-        ck_assert(b->run[run].render_ms > 0);
+        ck_assert(b->run[run].time.ms > 0);
         for (int m = 0; m < PEN_METRIC_COUNT; m++)
             ck_assert_msg(b->run[run].error[m] == a->run[run].error[m], "run %d: %s", run,
                           pen_accuracy_metrics[m]);
@@ -408,7 +599,7 @@ static bool goes_on_with(struct pen_accuracy_task *task, const struct pen_kept_s
 {
     task->kept = kept;
     make(task);
-    const bool goes_on = accuracy.row[0].run[0].render_ms == 1e6;
+    const bool goes_on = accuracy.row[0].run[0].time.ms == 1e6;
     pen_accuracy_release(&accuracy);
     return goes_on;
 }
@@ -421,6 +612,7 @@ START_TEST(test_accuracy__what_is_kept_of_another_study_is_not_used)
                                              {"/host", "{}"},
                                              {"/elapsed_ms", "-1"},
                                              {"/forecast", "[1, 2]"},
+                                             {"/threads_ms", "[1]"},
                                              {"/left_out", "1"},
                                              {"/done", "-1"},
                                              {"/pass", "4"},
@@ -436,7 +628,7 @@ START_TEST(test_accuracy__what_is_kept_of_another_study_is_not_used)
                                              {"/rows", "[]"},
                                              {"/rows/2/wanted", "false"},
                                              {"/rows/2/runs", "[]"},
-                                             {"/rows/2/runs", "[[1, 1, 1, 1, 1, 1, 1], [1]]"},
+                                             {"/rows/2/runs", "[[1, 1, 0, 1, 1, 1, 1, 1, 1], [1]]"},
                                              {"/rows/2/threads", "9"},
                                              {"/rows/2/rays", "[-1, 1, 1, 1, 1, 1, 1]"},
                                              {"/rows/2/hash", "\"\""},
@@ -476,7 +668,11 @@ END_TEST
 PEN_SUITE("accuracy", test_accuracy__rows_are_what_their_settings_render,
           test_accuracy__reference_knows_its_error,
           test_accuracy__given_reference_is_kept_and_resolves_what_it_can,
-          test_accuracy__front_and_target, test_accuracy__fitted_slope_and_its_interval,
+          test_accuracy__front_and_target, test_accuracy__times_that_say_nothing_give_way_to_rays,
+          test_accuracy__slopes_tell_which_error_is_left,
+          test_accuracy__edges_are_named_where_they_are_what_is_left,
+          test_accuracy__spoiled_runs_are_repeated_and_recommend_nothing,
+          test_accuracy__overruns_are_commented, test_accuracy__fitted_slope_and_its_interval,
           test_accuracy__convergence_of_the_study,
           test_accuracy__budget_leaves_out_the_dearest_and_says_so, test_accuracy__formats,
           test_accuracy__can_be_cancelled, test_accuracy__targets_and_depths_are_rows,

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "study/bill.h"
 #include "study/leave_out.h"
@@ -105,8 +106,8 @@ START_TEST(test_bill__rows_are_the_scene_changed)
         struct pen_scene *scene = pen_scene_freeze(&desc, PEN_ACCEL_AUTO, 0, &st);
         float *film = kit_film(scene, &settings, 1);
         ck_assert_mem_eq(film, row->rgb, 3 * 20 * 15 * sizeof *film);
-        ck_assert(row->min_ms > 0 && row->min_ms <= row->median_ms &&
-                  row->median_ms <= row->max_ms);
+        ck_assert(row->time.min > 0 && row->time.min <= row->time.median &&
+                  row->time.median <= row->time.max);
         ck_assert(row->effect == 0 || (row->rmse > 0 && row->flip > 0 && row->flip < 1));
         free(film);
         pen_scene_free(scene);
@@ -176,6 +177,44 @@ START_TEST(test_bill__reports)
 }
 END_TEST
 
+/* Keeps the threads from rendering, as other programs do that have the processors. */
+static void wait_a_little(void *user, int thread, int x, int y)
+{
+    (void)thread;
+    if (x == 0 && y == 0)
+        ++*(int *)user;
+    usleep(x == 0 ? 1000 : 0);
+}
+
+START_TEST(test_bill__spoiled_runs_are_repeated_and_tell_no_cost)
+{
+    int renders = 0;
+    struct pen_status st;
+    struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
+    everything();
+    struct pen_bill_task task = task_of(pool);
+    task.pixel_begins = wait_a_little;
+    task.pixel_user = &renders;
+    struct pen_bill bill = bill_of(&task);
+    ck_assert_int_eq(bill.use.runs, 2 * bill.rows);
+    ck_assert_int_eq(bill.use.spoiled, bill.use.runs);
+    ck_assert_int_eq(renders, bill.rows * (1 + 2 * 3)); /* to warm up; and each with two repeats */
+    json_t *json = pen_bill_json(&bill, "x"),
+           *row = json_array_get(json_object_get(json, "rows"), 1);
+    ck_assert(json_is_null(json_object_get(row, "cost_ms")));
+    ck_assert(json_is_null(json_object_get(row, "cost_below_ms")));
+    ck_assert(json_is_number(json_object_get(row, "cost_rays")));
+    struct pen_buf out = {0};
+    ck_assert(pen_bill_write(&bill, "x", "text", &out, &st));
+    const char *text = (const char *)out.data;
+    ck_assert_msg(strstr(text, " runs are spoiled: other programs used") - text < 12, "%s", text);
+    pen_buf_release(&out);
+    json_decref(json);
+    pen_bill_release(&bill);
+    pen_thread_pool_free(pool);
+}
+END_TEST
+
 /* Cancels once the last run is done. */
 static void cancel_at_end(void *user, int done, int total)
 {
@@ -235,7 +274,8 @@ START_TEST(test_bill__interrupted_one_is_that_of_a_whole_one)
         ck_assert_mem_eq(&a->rays, &b->rays, sizeof a->rays);
         ck_assert(a->effect == b->effect && strcmp(a->kernel, b->kernel) == 0);
         ck_assert(a->rmse == b->rmse && a->max_error == b->max_error && a->flip == b->flip);
-        ck_assert(b->min_ms > 0 && b->min_ms <= b->median_ms && b->median_ms <= b->max_ms);
+        ck_assert(b->time.min > 0 && b->time.min <= b->time.median &&
+                  b->time.median <= b->time.max);
     }
     ck_assert_mem_eq(&whole.whole.rays, &parts.whole.rays, sizeof whole.whole.rays);
     ck_assert_ptr_nonnull(parts.whole.tile_ms);
@@ -250,7 +290,7 @@ static bool goes_on_with(struct pen_bill_task *task, const struct pen_kept_study
 {
     task->kept = kept;
     struct pen_bill bill = bill_of(task);
-    const bool goes_on = bill.row[0].max_ms == 1e9;
+    const bool goes_on = bill.row[0].runs[0].ms == 1e9;
     pen_bill_release(&bill);
     return goes_on;
 }
@@ -269,6 +309,7 @@ START_TEST(test_bill__what_is_kept_of_another_one_is_not_used)
                                              {"/rows/3/rays", "[1]"},
                                              {"/rows/3/hash", "1"},
                                              {"/rows/3/hash", "\"0123456789abcdef\""},
+                                             {"/rows/3/runs", "[[1, 1]]"},
                                              {"/rows/3/runs", "[\"\"]"},
                                              {"/rows/3/kernel", "\"none\""}};
     struct pen_status st;
@@ -283,7 +324,7 @@ START_TEST(test_bill__what_is_kept_of_another_one_is_not_used)
     first.user = &bed;
     ck_assert(!pen_bill_make(&first, &bill, &st)); /* after three runs of the second repeat */
     pen_bill_release(&bill);
-    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0", "1e9");
+    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0/0", "1e9");
     struct pen_kept_study kept = bed.kept;
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
         json_t *changed = unfinished_changed(marked, changes[i][0], changes[i][1]);
@@ -304,6 +345,7 @@ START_TEST(test_bill__what_is_kept_of_another_one_is_not_used)
 END_TEST
 
 PEN_SUITE("bill", test_bill__each_effect_can_be_left_out, test_bill__rows_are_the_scene_changed,
-          test_bill__opaque_shadows, test_bill__reports, test_bill__comparing_can_be_cancelled,
-          test_bill__interrupted_one_is_that_of_a_whole_one,
+          test_bill__opaque_shadows, test_bill__reports,
+          test_bill__spoiled_runs_are_repeated_and_tell_no_cost,
+          test_bill__comparing_can_be_cancelled, test_bill__interrupted_one_is_that_of_a_whole_one,
           test_bill__what_is_kept_of_another_one_is_not_used)

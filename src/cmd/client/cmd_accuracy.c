@@ -28,7 +28,7 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, budget),
      .value = "SECONDS",
      .max = PEN_ACCURACY_BUDGET_MAX_S,
-     .help = "what the whole study may take, 600 by default; the report says what it left out"},
+     .help = "what the whole study may take, 60 by default; the report says what it left out"},
     PEN_SET_OPTION(struct values),
     PEN_VIEW_OPTION(struct values),
     PEN_RENDER_THREADS_OPTION(struct values),

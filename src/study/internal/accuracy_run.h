@@ -17,6 +17,7 @@ struct pen_accuracy_state {
     float *target; /* to render into: so many values */
     json_t *host;  /* of this process; null unless the study may be kept */
     int64_t begun_ns;
+    struct pen_run_use use;             /* of the last render */
     int done, total;                    /* runs */
     bool wanted[PEN_ACCURACY_ROWS_MAX]; /* by row: it is not left out */
     /* Of the reference: its whole renders, 0 to 2, and the finished tiles of the one after these.
@@ -32,8 +33,8 @@ struct pen_accuracy_state {
 /* The time that is left of the budget, which may be below 0. Units: ms. */
 double pen_accuracy_left_ms(const struct pen_accuracy_state *state);
 
-/* Renders tiles of the view: the task has settings, tiles and rgb. Fails: PEN_CANCELLED,
- * PEN_NO_MEMORY. */
+/* Renders tiles of the view: the task has settings, tiles and rgb. Sets state->use. Fails:
+ * PEN_CANCELLED, PEN_NO_MEMORY. */
 bool pen_accuracy_render(struct pen_accuracy_state *state, struct pen_render_task *render,
                          struct pen_render_stats *stats, struct pen_status *st);
 

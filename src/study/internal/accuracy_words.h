@@ -9,7 +9,12 @@
 /* "RMSE", "FLIP", … of a metric's name. */
 const char *pen_accuracy_metric_title(const char *metric);
 
-/* Which row meets the target, and what to write to get it. */
+/* Whether over half of the runs are spoiled. Then the answer is that, and all formats begin with
+ * it.
+ */
+bool pen_accuracy_is_spoiled(const json_t *report);
+
+/* Which row meets the target, and what to write to get it; or what would be needed. */
 void pen_accuracy_write_answer(const json_t *report, struct pen_buf *out);
 
 /* How times and errors were measured; of the reference; of the forecast. */
@@ -17,7 +22,7 @@ void pen_accuracy_write_method(const json_t *report, struct pen_buf *out);
 void pen_accuracy_write_reference(const json_t *report, struct pen_buf *out);
 void pen_accuracy_write_forecast(const json_t *report, struct pen_buf *out);
 
-/* How fast the error falls, of one member of `convergence`. */
+/* How fast the error falls, or which error is left, of one member of `convergence`. */
 void pen_accuracy_write_slope(const json_t *series, struct pen_buf *out);
 
 /* The settings of an object in words: "light_samples 64, light_pattern grid". */
