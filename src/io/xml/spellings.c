@@ -24,7 +24,8 @@ const struct pen_xml_spelling pen_xml_spellings[] = {
 /* The next letter that counts, in lower case; 0 at the end. */
 static char next_letter(const char **name)
 {
-    *name += strspn(*name, "-_");
+    while (**name == '-' || **name == '_')
+        ++*name;
     char c = **name;
     *name += c != '\0';
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
