@@ -37,6 +37,16 @@ size_t pen_utf8_char(const char *text, size_t bytes)
     return length;
 }
 
+size_t pen_utf8_encode(unsigned code, char out[4])
+{
+    static const unsigned char lead[] = {0, 0, 0xC0, 0xE0, 0xF0};
+    size_t length = code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
+    for (size_t i = length; i-- > 1; code >>= 6)
+        out[i] = (char)(0x80 | (code & 0x3F));
+    out[0] = (char)(lead[length] | code);
+    return length;
+}
+
 size_t pen_utf8_count(const char *text)
 {
     size_t count = 0;

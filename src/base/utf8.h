@@ -10,6 +10,9 @@
  * not start with a complete and valid character. A zero byte is a character of length 1. */
 size_t pen_utf8_char(const char *text, size_t bytes);
 
+/* Writes the character with this code point, at most 0x10FFFF, to out. Returns its length. */
+size_t pen_utf8_encode(unsigned code, char out[4]);
+
 /* The number of characters of text, as JSON Schema counts them: code points. Each byte that is not
  * part of a valid character counts as one. */
 size_t pen_utf8_count(const char *text);

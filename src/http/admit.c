@@ -182,14 +182,16 @@ static bool check_media(const struct request *request, struct pen_status *st)
     case PEN_MEDIA_NONE:
     case PEN_MEDIA_JSON:
     case PEN_MEDIA_XML:
+    case PEN_MEDIA_XML_UTF16:
         return true;
     case PEN_MEDIA_OTHER:
         break;
     }
-    return pen_fail(st, PEN_MEDIA_TYPE,
-                    "a body of type \"%s\" is not accepted; application/json, text/xml and "
-                    "application/xml in UTF-8 are",
-                    request->fields.content_type);
+    return pen_fail(
+        st, PEN_MEDIA_TYPE,
+        "a body of type \"%s\" is not accepted; application/json in UTF-8, text/xml and "
+        "application/xml in UTF-8 or UTF-16 are",
+        request->fields.content_type);
 }
 
 /* "identity" says that the body is as it is, as no field does. */

@@ -72,16 +72,22 @@ bool pen_origin_listed(const char *list, const char *origin)
     return false;
 }
 
-static bool charset_is_utf8(const char *parameters)
+/* The media type with the charset of its parameters; PEN_MEDIA_OTHER if that is not read. */
+static enum pen_media with_charset(enum pen_media media, const char *parameters)
 {
     const char *charset = strcasestr(parameters, "charset=");
     if (!charset)
-        return true;
+        return media;
     charset += strlen("charset=");
     charset += *charset == '"';
     size_t length = strcspn(charset, "\"; \t");
-    return (length == 5 && strncasecmp(charset, "utf-8", length) == 0) ||
-           (length == 8 && strncasecmp(charset, "us-ascii", length) == 0);
+    if ((length == 5 && strncasecmp(charset, "utf-8", length) == 0) ||
+        (length == 8 && strncasecmp(charset, "us-ascii", length) == 0))
+        return media;
+    bool utf16 = (length == 6 && strncasecmp(charset, "utf-16", length) == 0) ||
+                 (length == 8 && strncasecmp(charset, "utf-16le", length) == 0) ||
+                 (length == 8 && strncasecmp(charset, "utf-16be", length) == 0);
+    return utf16 && media == PEN_MEDIA_XML ? PEN_MEDIA_XML_UTF16 : PEN_MEDIA_OTHER;
 }
 
 enum pen_media pen_media_parse(const char *content_type)
@@ -101,7 +107,7 @@ enum pen_media pen_media_parse(const char *content_type)
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
         if (strlen(types[i].name) == length &&
             strncasecmp(content_type, types[i].name, length) == 0)
-            return charset_is_utf8(content_type + length) ? types[i].media : PEN_MEDIA_OTHER;
+            return with_charset(types[i].media, content_type + length);
     }
     return PEN_MEDIA_OTHER;
 }

@@ -13,8 +13,28 @@
 
 enum { EXPLAIN_WAIT_S = 10 }; /* after which the answer to an explain is the job */
 
-static enum outcome answer_errors(struct request *request, const struct pen_errors *errors)
+/* Adds to the first error that the body seems to have lost its line breaks, which curl -d removes:
+ * all places then are on line 1. A body of curl's type on one line shows it by indentation between
+ * its elements, or by its length. */
+static void hint_at_lost_lines(const struct request *request, struct pen_errors *errors)
 {
+    enum { LONG_LINE = 200 };
+    const char *text = (const char *)request->body.data;
+    const size_t bytes = request->body.bytes;
+    if (!request->fields.content_type || errors->count == 0 || !text ||
+        pen_media_parse(request->fields.content_type) != PEN_MEDIA_NONE ||
+        !pen_text_is_xml(text, bytes) || memchr(text, '\n', bytes) ||
+        (bytes <= LONG_LINE && !memmem(text, bytes, ">  ", 3) && !memmem(text, bytes, ">\t", 2)))
+        return;
+    char *message = errors->item[0].msg;
+    const size_t used = strlen(message);
+    snprintf(message + used, sizeof errors->item[0].msg - used,
+             "; the body has no line breaks: curl -d removes them, curl --data-binary does not");
+}
+
+static enum outcome answer_errors(struct request *request, struct pen_errors *errors)
+{
+    hint_at_lost_lines(request, errors);
     const enum pen_code code = errors->count ? errors->item[0].code : PEN_INTERNAL;
     struct pen_buf text = {0};
     pen_problem_list_write(&text, errors, request->id);
@@ -31,9 +51,24 @@ static struct pen_submission read_submission(const struct request *request)
                                 .traceparent = request->fields.traceparent,
                                 .idempotency_key = request->fields.idempotency_key};
     enum pen_media media = pen_media_parse(request->fields.content_type);
-    in.xml =
-        media == PEN_MEDIA_XML || (media == PEN_MEDIA_NONE && pen_text_is_xml(in.body, in.bytes));
+    in.xml = media == PEN_MEDIA_XML || media == PEN_MEDIA_XML_UTF16 ||
+             (media == PEN_MEDIA_NONE && pen_text_is_xml(in.body, in.bytes));
     return in;
+}
+
+/* Answers a request whose charset is UTF-16 although its body is not. Returns whether it is right.
+ */
+static bool check_charset(struct request *request)
+{
+    struct pen_status st;
+    if (pen_media_parse(request->fields.content_type) != PEN_MEDIA_XML_UTF16 ||
+        pen_text_is_utf16((const char *)request->body.data, request->body.bytes))
+        return true;
+    pen_fail(&st, PEN_MEDIA_TYPE,
+             "the charset is UTF-16, but the body does not begin with a byte-order mark of UTF-16; "
+             "application/xml in UTF-8 needs no charset");
+    pen_http_request_fail(request, &st);
+    return false;
 }
 
 bool pen_http_quick_refusal(struct request *request)
@@ -72,6 +107,8 @@ static bool submit(struct request *request, struct pen_jobs *jobs, bool explain,
     char client[CLIENT_BYTES];
     struct pen_submission in = read_submission(request);
     struct pen_errors errors = {0};
+    if (!check_charset(request))
+        return false;
     in.client = pen_http_request_client(request, client);
     in.explain = explain;
     if (explain)
@@ -110,6 +147,8 @@ enum outcome pen_http_handle_validate(struct request *request, struct pen_jobs *
     struct pen_submission in = read_submission(request);
     struct pen_errors errors = {0};
     json_t *answer = NULL;
+    if (!check_charset(request))
+        return OUTCOME_ANSWERED;
     if (!pen_jobs_validate(jobs, &in, &answer, &errors))
         return answer_errors(request, &errors);
     return pen_http_request_json(request, 200, answer);

@@ -7,8 +7,9 @@
 
 #include "io/scene/reader.h"
 #include "io/xml/parse.h"
+#include "io/xml/utf16.h"
 
-/* Whether a text begins with this character, after a byte order mark and blanks. */
+/* Whether a text in UTF-8 begins with this character, after a byte-order mark and blanks. */
 static bool begins_with(const char *text, size_t bytes, char wanted)
 {
     size_t i = bytes >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
@@ -19,7 +20,7 @@ static bool begins_with(const char *text, size_t bytes, char wanted)
 
 bool pen_text_is_xml(const char *text, size_t bytes)
 {
-    return begins_with(text, bytes, '<');
+    return begins_with(text, bytes, '<') || pen_text_is_utf16(text, bytes);
 }
 
 bool pen_text_is_object(const char *text, size_t bytes)

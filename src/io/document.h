@@ -9,15 +9,17 @@
  *  - an object inside an object is an element inside an element (`<transform>`, `<transforms>`);
  *  - every other key is an attribute, with - for _;
  *  - colours are 0 to 255, and `color` is a light's intensity;
- *  - a primitive's element has the attributes of its own material;
+ *  - a primitive's element has the attributes of its own material, or an element `<material>` has;
+ *  - names are compared without regard to case, - and _, and some have other names
+ *    (io/xml/spellings.h);
  *  - without `transfer` in `<render>`, pictures are encoded linearly.
  *
  * Numbers are read and written in the calling thread's locale, which must be "C": the programs
  * never set another, and room embed sets it during its calls.
  *
- * Text that is not well-formed, or not UTF-8, is PEN_SYNTAX: the first error only, with line and
- * column. Document types and entity declarations are refused likewise. All other errors are
- * collected as in JSON. */
+ * Text that is not well-formed, or neither UTF-8 nor UTF-16 with a byte-order mark, is PEN_SYNTAX:
+ * the first error only, with line and column. Document types and entity declarations are refused
+ * likewise. All other errors are collected as in JSON. */
 #ifndef PEN_IO_DOCUMENT_H
 #define PEN_IO_DOCUMENT_H
 
@@ -31,10 +33,13 @@ struct pen_document {
     struct pen_xml *xml; /* the positions of an XML document; NULL for JSON */
 };
 
-/* Whether the text is XML, or a JSON object: begins with `<`, or `{`, after an optional byte order
- * mark and white space. */
+/* Whether the text is XML, or a JSON object: begins with `<`, or `{`, after an optional byte-order
+ * mark and white space. A text in UTF-16 is XML, since JSON is UTF-8. */
 bool pen_text_is_xml(const char *text, size_t bytes);
 bool pen_text_is_object(const char *text, size_t bytes);
+
+/* Whether the text begins with a byte-order mark of UTF-16. */
+bool pen_text_is_utf16(const char *text, size_t bytes);
 
 /* Parses JSON or, if `xml` is set, XML, whose text must outlive the document. Well-formed XML that
  * is not a scene (unknown elements, wrong attributes) is parsed too; pen_document_read reports its

@@ -75,6 +75,22 @@ START_TEST(test_utf8__columns_of_a_terminal_are_counted)
 }
 END_TEST
 
-PEN_SUITE("utf8", test_utf8__characters_are_counted, test_utf8__columns_of_a_terminal_are_counted,
+START_TEST(test_utf8__every_character_is_encoded_as_it_is_read)
+{
+    char out[4];
+    ck_assert_uint_eq(pen_utf8_encode(0x20AC, out), 3);
+    ck_assert_mem_eq(out, "\xE2\x82\xAC", 3);
+    ck_assert_uint_eq(pen_utf8_encode(0x1D11E, out), 4);
+    ck_assert_mem_eq(out, "\xF0\x9D\x84\x9E", 4);
+    for (unsigned code = 0; code <= 0x10FFFF; code++) {
+        size_t length = pen_utf8_encode(code, out);
+        bool surrogate = code >= 0xD800 && code <= 0xDFFF;
+        ck_assert_uint_eq(pen_utf8_char(out, length), surrogate ? 0 : length);
+    }
+}
+END_TEST
+
+PEN_SUITE("utf8", test_utf8__every_character_is_encoded_as_it_is_read,
+          test_utf8__characters_are_counted, test_utf8__columns_of_a_terminal_are_counted,
           test_utf8__hidden_characters_are_escaped, test_utf8__other_text_is_shown_as_it_is,
           test_utf8__text_is_cut_between_characters)

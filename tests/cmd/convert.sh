@@ -16,6 +16,13 @@ for xml in "$golden"/xml/*.xml; do
     check "$name gives the same picture in XML and JSON" cmp x.pfm j.pfm
 done
 
+# Other people's words for a scene give the picture of ours, bit for bit
+for ours in "$corpus"/xml-spellings/*.ours.xml; do
+    set -- --set width=61 --set height=43
+    "$penumbra" render "$ours" -o ours.pfm "$@" && "$penumbra" render "${ours%.ours.xml}.xml" -o theirs.pfm "$@"
+    check "$(basename "$ours" .ours.xml) gives the picture of our words" cmp ours.pfm theirs.pfm
+done
+
 # The output of convert renders to the same bytes, in every view, with the scene's own settings
 for xml in "$golden"/xml/*.xml "$corpus"/xml-good/*.xml; do
     name=$(basename "$xml" .xml)

@@ -102,7 +102,9 @@ for type in application/xml text/xml; do
     expect_problem "no xml, but type $type" 400 '*not well-formed*'
 done
 call /v1/jobs -H 'Content-Type: application/xml; charset=utf-16' -d '<scene/>'
-expect_problem xml-in-utf-16 415 '*application/xml in UTF-8*'
+expect_problem xml-in-utf-8-called-utf-16 415 '*application/xml in UTF-8*'
+call /v1/jobs -H 'Content-Type: application/json; charset=utf-16' -d '{}'
+expect_problem json-in-utf-16 415 '*application/json in UTF-8*'
 call /v1/jobs -H 'Content-Type: application/json' -d '<scene/>'
 expect_problem xml-as-json 400 '*not JSON*'
 call /v1/jobs -d ' <scene><sphere/></scene>'

@@ -54,10 +54,43 @@ call /v1/validate -H 'Content-Type: application/xml' --data-binary '<scene>
 </scen>'
 expect_problem "not well-formed" 400 '*does not close <scene>*'
 expect "a syntax error has line and column" "$(jq -c '.errors[0] | [.line, .column]' "$work/body")" '[2,1]'
-for bomb in billion-laughs external-entity parameter-entity doctype-system utf16-le zero-byte; do
+for bomb in billion-laughs external-entity parameter-entity doctype-system utf16-no-mark utf16-surrogate zero-byte; do
     call /v1/jobs -H 'Content-Type: text/xml' --data-binary "@tests/io/corpus/xml-bad/$bomb.xml"
     expect_problem "$bomb" 400
 done
+
+# UTF-16, with and without a charset, is kept as it was sent
+wide=tests/io/corpus/xml-spellings/utf16-le.xml
+for type in 'application/xml' 'text/xml; charset=utf-16' ''; do
+    call /v1/validate -H "Content-Type:${type:+ $type}" --data-binary "@$wide"
+    expect "UTF-16 as ${type:-nothing}" "$status $(jq -c .valid "$work/body")" '200 true'
+done
+call /v1/jobs -H 'Content-Type: text/xml; charset=utf-16' --data-binary "@$wide"
+call "$(header location)/scene"
+expect "GET scene gives UTF-16 as it was sent" "$status $(cmp "$work/body" $wide && echo same)" "200 same"
+
+# Line breaks that curl -d has removed: the same error, and a hint
+typo='<?xml version="1.0"?>
+<scene background-color="20 30 40">
+  <geometries>
+    <sphere center="1 2 -60" radios="15"/>
+  </geometries>
+</scene>'
+printf '%s\n' "$typo" >"$work/typo.xml"
+long="<scene><geometries><sphere center=\"1 2 -60\" radios=\"15\" name=\"$(printf %0200d 0)\"/></geometries></scene>"
+lost='; the body has no line breaks: curl -d removes them, curl --data-binary does not'
+hints() { jq -c "[.errors[] | [.line, .column, (.detail | contains(\"$lost\"))]]" "$work/body"; }
+call /v1/validate --data-binary "@$work/typo.xml"
+expect "an error behind line breaks" "$(hints)" '[[4,5,false],[4,30,false]]'
+call /v1/validate -d "@$work/typo.xml"
+expect "the same error without them has a hint" "$(hints)" '[[1,75,true],[1,100,false]]'
+call /v1/jobs -d "$long"
+expect "and so has an error in one long line" "$(hints)" '[[1,20,true],[1,45,false]]'
+call /v1/validate -H 'Content-Type: application/xml' -d "$long"
+expect "but none with a type of its own" "$(hints)" '[[1,20,false],[1,45,false]]'
+call /v1/validate -d '<scene><fog/></scene>'
+expect "and none in a short line" "$(jq -r .errors[0].detail "$work/body" | grep -c 'curl')" 0
+
 call /v1/validate --data-binary "@tests/io/corpus/xml-good/notes.xml"
 expect "warnings have line and column" "$(jq -c '[.warnings[] | [.line, .column]]' "$work/body")" \
     '[[1,1],[2,14],[4,29]]'

@@ -201,7 +201,25 @@ START_TEST(test_json_parse__any_failed_allocation_is_an_error)
 }
 END_TEST
 
-PEN_SUITE("io/json_parse", test_json_parse__nesting_of_64_is_the_most,
+START_TEST(test_json_parse__a_byte_order_mark_in_front_has_no_width)
+{
+    static const char marked[] = "\xEF\xBB\xBF[1]", wrong[] = "\xEF\xBB\xBF[1,\n x]",
+                      twice[] = "\xEF\xBB\xBF\xEF\xBB\xBF[1]", alone[] = "\xEF\xBB\xBF";
+    struct pen_status st;
+    json_t *document = parse(marked, strlen(marked), &st);
+    ck_assert_msg(json_is_array(document), "%s", st.msg);
+    json_decref(document);
+    ck_assert_ptr_null(parse(wrong, strlen(wrong), &st));
+    ck_assert(st.line == 2 && st.column == 2);
+    ck_assert_ptr_null(parse(twice, strlen(twice), &st));
+    ck_assert_msg(strstr(st.msg, "byte order mark") != NULL, "%s", st.msg);
+    ck_assert_ptr_null(parse(alone, strlen(alone), &st));
+    ck_assert_msg(strstr(st.msg, "empty") != NULL, "%s", st.msg);
+}
+END_TEST
+
+PEN_SUITE("io/json_parse", test_json_parse__a_byte_order_mark_in_front_has_no_width,
+          test_json_parse__nesting_of_64_is_the_most,
           test_json_parse__brackets_in_strings_do_not_nest,
           test_json_parse__a_million_brackets_are_refused_quickly,
           test_json_parse__one_byte_over_the_limit_is_too_large,

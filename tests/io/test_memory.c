@@ -9,11 +9,14 @@
 #include "support/suite.h"
 
 static const char *const files[] = {
-    "tests/io/corpus/good/all-objects.json",  "tests/io/corpus/good/all-lights.json",
-    "tests/io/corpus/good/camera-full.json",  "tests/io/corpus/good/views.json",
-    "tests/io/corpus/good/text-escapes.json", "tests/io/corpus/xml-good/bodies.xml",
-    "tests/io/corpus/xml-good/order.xml",     "tests/io/corpus/xml-good/views.xml",
-    "tests/io/corpus/xml-good/classroom.xml"};
+    "tests/io/corpus/good/all-objects.json",      "tests/io/corpus/good/all-lights.json",
+    "tests/io/corpus/good/camera-full.json",      "tests/io/corpus/good/views.json",
+    "tests/io/corpus/good/text-escapes.json",     "tests/io/corpus/xml-good/bodies.xml",
+    "tests/io/corpus/xml-good/order.xml",         "tests/io/corpus/xml-good/views.xml",
+    "tests/io/corpus/xml-good/classroom.xml",     "tests/io/corpus/xml-spellings/lights.xml",
+    "tests/io/corpus/xml-spellings/material.xml", "tests/io/corpus/xml-spellings/points.xml",
+    "tests/io/corpus/xml-spellings/ambient.xml",  "tests/io/corpus/xml-spellings/twice.xml",
+    "tests/io/corpus/xml-spellings/utf16-le.xml"};
 
 static char *read_file(const char *path, size_t *bytes)
 {

@@ -364,6 +364,8 @@ START_TEST(test_xml__values_take_as_much_memory_as_in_json)
         "<plane p0='0 0 0' p1='1 0 0' p2='0 1 0'/>",
         "<triangle p0='0 0 0' p1='1 0 0' p2='0 1 0' name='a &lt; b'/>",
         "<polygon points='0 0 0; 1 0 0; 1 1 0; 0 1 0'/>",
+        "<polygon p0='0 0 0' p1='1 0 0' p2='1 1 0' p3='0 1 0'/>",
+        "<plane p0='0 0 0' normal='0 1 0' kd='0.5'><material ks='0.25'/></plane>",
         ("<group><transform translate='1 2 3' scale='2'><rotate axis='1 0 0' degrees='9'/>"
          "</transform></group>"),
         "<group><transform matrix='1 0 0 0 0 1 0 0 0 0 1 0'/></group>"};

@@ -36,6 +36,11 @@ static const char *const tokens[] = {"<",
                                      "<views><view/></views>",
                                      " material=\"m\"",
                                      " p0='0 0 0'",
+                                     " P3='0 0 1'",
+                                     " kD='.5'",
+                                     " kq='+1f'",
+                                     "<material kd='1'/>",
+                                     "<pointLight intensity='1 1 1'/>",
                                      ";",
                                      "1e999",
                                      "-0",
@@ -50,9 +55,11 @@ static const char *const tokens[] = {"<",
 
 static const struct corrupt_kind kind = {tokens, sizeof tokens / sizeof tokens[0]};
 
-/* Whether a position is in the text or at its end. */
+/* Whether a position is in the text or at its end. Of UTF-16 the corpus has the positions. */
 static bool is_inside(const struct corrupt_text *text, const struct pen_status *st)
 {
+    if (pen_text_is_utf16(text->data, text->bytes))
+        return st->line > 0 && st->column > 0;
     int line = 1, column = 1;
     size_t i = text->bytes >= 3 && memcmp(text->data, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
     for (; i <= text->bytes; i++) {

@@ -66,29 +66,49 @@ static size_t scan_exponent(const char *text, size_t at, size_t end, struct pen_
     return next > first ? next : at;
 }
 
-size_t pen_json_scan_number(const char *text, size_t offset, size_t end,
-                            struct pen_json_decimal *out)
+/* Reads sign, digits, fraction and exponent. With `java`, a plus sign, zeros in front, and a point
+ * with digits on one side only are read, too. */
+static size_t scan(const char *text, size_t offset, size_t end, bool java,
+                   struct pen_json_decimal *out)
 {
     *out = (struct pen_json_decimal){.negative = offset < end && text[offset] == '-'};
-    size_t first = offset + out->negative, at = scan_digits(text, first, end, out), start;
-    if (at == first || (text[first] == '0' && at > first + 1))
+    bool plus = java && offset < end && text[offset] == '+';
+    size_t first = offset + (out->negative || plus), at = scan_digits(text, first, end, out), start;
+    bool digits = at > first;
+    if (!java && (!digits || (text[first] == '0' && at > first + 1)))
         return offset;
     out->integer = true;
     if (at < end && text[at] == '.') {
         out->integer = false;
         at = scan_digits(text, start = at + 1, end, out);
-        if (at == start)
+        if (at == start && !(java && digits))
             return offset;
+        digits = true;
         out->cut = out->cut || at - start > EXPONENT_MAX;
         out->exponent = out->cut ? 0 : -(int)(at - start);
     }
-    if (at < end && (text[at] == 'e' || text[at] == 'E')) {
+    if (digits && at < end && (text[at] == 'e' || text[at] == 'E')) {
         out->integer = false;
         at = scan_exponent(text, start = at + 1, end, out);
         if (at == start)
             return offset;
     }
-    return at;
+    return digits ? at : offset;
+}
+
+size_t pen_json_scan_number(const char *text, size_t offset, size_t end,
+                            struct pen_json_decimal *out)
+{
+    return scan(text, offset, end, false, out);
+}
+
+size_t pen_java_scan_number(const char *text, size_t offset, size_t end,
+                            struct pen_json_decimal *out, size_t *bytes)
+{
+    size_t at = scan(text, offset, end, true, out);
+    bool suffix = at > offset && at < end && strchr("fFdD", text[at]) != NULL && text[at] != '\0';
+    *bytes = at - offset;
+    return at + suffix;
 }
 
 /* n 2^exponent, rounded to nearest, ties to even. Integers round it, because a program that embeds

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The numbers of JSON text. Those in XML attributes are written the same way. */
+/* The numbers of JSON text, and those of XML attributes, which may be written as Java reads them.
+ */
 #ifndef PEN_IO_JSON_NUMBER_H
 #define PEN_IO_JSON_NUMBER_H
 
@@ -24,6 +25,12 @@ struct pen_json_decimal {
  * where it ends; `offset` if there is none. */
 size_t pen_json_scan_number(const char *text, size_t offset, size_t end,
                             struct pen_json_decimal *out);
+
+/* The same for a decimal number as Java's Double.parseDouble reads it: also .5, 60., +20, 007 and
+ * 50.0f, but not NaN, Infinity and hexadecimal numbers. *bytes becomes its length without the
+ * suffix, as pen_json_number takes it. */
+size_t pen_java_scan_number(const char *text, size_t offset, size_t end,
+                            struct pen_json_decimal *out, size_t *bytes);
 
 enum { PEN_JSON_RECENT = 1024 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A parser for RFC 8259, without extensions. The values are jansson's. Its parser is not used
- * because jansson 2.14
+/* A parser for RFC 8259, without extensions. A byte-order mark in front is skipped, as its section
+ * 8.1 allows. The values are jansson's. Its parser is not used because jansson 2.14
  *  - ends the process by an assertion when its token buffer cannot grow;
  *  - reports an error where the token ends, not where it begins;
  *  - reads either all integers as reals or none, so not only those that exceed 64 bits.
@@ -91,13 +91,8 @@ static int hex4(const struct parser *p, size_t offset)
 
 static void add_character(struct parser *p, int code)
 {
-    unsigned char utf8[4];
-    size_t length = code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
-    static const unsigned char lead[] = {0, 0, 0xC0, 0xE0, 0xF0};
-    for (size_t i = length; i-- > 1; code >>= 6)
-        utf8[i] = (unsigned char)(0x80 | (code & 0x3F));
-    utf8[0] = (unsigned char)(lead[length] | code);
-    pen_buf_add(&p->scratch, utf8, length);
+    char utf8[4];
+    pen_buf_add(&p->scratch, utf8, pen_utf8_encode((unsigned)code, utf8));
 }
 
 /* Reads "\uXXXX" at `at`, or two of them that are the surrogates of one character. */
@@ -386,6 +381,8 @@ static json_t *parse_value(struct parser *p, const struct pen_place *place)
 static json_t *parse_document(struct parser *p)
 {
     const struct pen_place root = {0};
+    if (p->json.bytes >= 3 && memcmp(p->json.text, "\xEF\xBB\xBF", 3) == 0)
+        p->at = 3; /* a byte-order mark, which editors write in front */
     skip_space(p);
     if (p->at == p->json.bytes) {
         pen_json_error(&p->json, 0, p->st, "the document is empty");

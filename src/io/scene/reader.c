@@ -70,6 +70,8 @@ bool pen_reader_missing(struct pen_reader *r, const struct pen_place *up, const 
                         const char *other)
 {
     const char *noun = pen_reader_is_xml(r) ? "attribute" : "key";
+    if (!pen_reader_wants_message(r))
+        return pen_reader_fail(r, up, PEN_INVALID, "missing %s", noun);
     struct pen_text one = pen_reader_name(r, up, key);
     if (!other)
         return pen_reader_fail(r, up, PEN_INVALID, "missing %s %s", noun, one.text);

@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Making JSON values from XML elements as they open. io/xml/parse.c receives expat's events,
- * io/xml/build.c makes the value of each element, io/xml/errors.c reports errors. */
+ * io/xml/build.c makes the value of each element, io/xml/finish.c completes it after its
+ * attributes, and the document after its elements, io/xml/errors.c reports errors, io/xml/unknown.c
+ * those about unknown names. */
 #ifndef PEN_IO_XML_BUILD_H
 #define PEN_IO_XML_BUILD_H
 
 #include <expat.h>
+#include <string.h>
 
+#include "io/json/memory.h"
 #include "io/json/number.h"
 #include "io/xml/parse.h"
 
@@ -16,6 +20,31 @@ struct pen_xml_frame {
     json_t *object, *list; /* the containers for members and list elements, or NULL. Borrowed. */
     int depth;             /* nesting of the object in the JSON values */
     bool text_reported;    /* the error that this element must not hold text */
+};
+
+/* An attribute of a tag. */
+struct pen_xml_given {
+    const char *name, *text; /* as written, and as expat has decoded it */
+    struct pen_xml_row row;
+    bool known; /* the element has it, and `row` is set */
+};
+
+/* The attributes of a tag, without those that are about XML itself. */
+struct pen_xml_given_list {
+    size_t count;
+    struct pen_xml_given item[PEN_XML_ATTRIBUTES_MAX];
+};
+
+/* A name that is unknown at several lines is one error, which lists the lines. */
+enum { PEN_XML_UNKNOWN_BYTES = 48, PEN_XML_UNKNOWN_LINES = 8 };
+struct pen_xml_unknown {
+    const struct pen_xml_element *element; /* that has no such attribute or child */
+    bool attribute;
+    char name[PEN_XML_UNKNOWN_BYTES];
+    size_t error;                     /* its index in the list of errors */
+    size_t list_at;                   /* where in its message the lines are to be listed */
+    int lines[PEN_XML_UNKNOWN_LINES]; /* the first of `line_count` lines */
+    int line_count, last_line;
 };
 
 struct pen_xml_builder {
@@ -33,7 +62,22 @@ struct pen_xml_builder {
     struct pen_json_numbers numbers;
     size_t bytes_left; /* memory that further values may take */
     bool stopped;      /* parsing has ended with the error in *st */
+    struct pen_xml_unknown unknown[PEN_ERRORS_MAX];
+    size_t unknown_count;
+    size_t line_at; /* the offset up to which lines have been counted */
+    int line;       /* the line there, from 0 */
 };
+
+/* The memory of containers, as estimated by io/json/memory.h. */
+enum {
+    PEN_XML_TRIPLE_BYTES = PEN_JSON_ARRAY_BYTES + 3 * PEN_JSON_ELEMENT_BYTES, /* without values */
+    PEN_XML_NUMBERS_BYTES = PEN_XML_TRIPLE_BYTES + 3 * PEN_JSON_NUMBER_BYTES
+};
+
+static inline size_t pen_xml_member_bytes(const char *key)
+{
+    return PEN_JSON_MEMBER_BYTES + strlen(key);
+}
 
 /* Returns the value. NULL, or `done` false, means out of memory and stops parsing. */
 json_t *pen_xml_check_value(struct pen_xml_builder *b, json_t *value);
@@ -42,6 +86,19 @@ void pen_xml_require(struct pen_xml_builder *b, bool done);
 /* Reserves memory of the limit parsed_bytes for values about to be made. Returns false, and stops
  * parsing, if the limit is exceeded. */
 bool pen_xml_reserve(struct pen_xml_builder *b, size_t bytes);
+
+/* Whether the list of errors still keeps messages. */
+static inline bool pen_xml_wants_message(const struct pen_xml_builder *b)
+{
+    return b->xml->errors.count < PEN_ERRORS_MAX;
+}
+
+/* The name of the frame's element as it is written. */
+static inline struct pen_text pen_xml_frame_name(const struct pen_xml_builder *b,
+                                                 const struct pen_xml_frame *frame)
+{
+    return pen_xml_tag_name(b->xml->text, b->xml->bytes, frame->tag);
+}
 
 /* Adds an error at an offset into the text; parsing continues. */
 void pen_xml_error(struct pen_xml_builder *b, size_t offset, enum pen_code code, const char *format,
@@ -55,7 +112,7 @@ void pen_xml_abort(struct pen_xml_builder *b, size_t offset, enum pen_code code,
  * `offset` is not 0, that many bytes into its value. */
 struct pen_xml_attribute_ref {
     const struct pen_xml_frame *frame;
-    const char *name;
+    const char *name;  /* as written */
     const char *value; /* as expat has decoded it; NULL if offset is 0 */
     size_t offset;
 };
@@ -66,24 +123,43 @@ void pen_xml_attribute_error(struct pen_xml_builder *b, const struct pen_xml_att
 
 void pen_xml_missing_attribute(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                                const char *name);
+
+/* Reports names that the element does not have. */
 void pen_xml_unknown_attribute(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                                const char *name);
 void pen_xml_unknown_element(struct pen_xml_builder *b, const struct pen_xml_frame *up,
                              const char *name, size_t tag);
 
+/* Completes the errors about unknown names by their lines, when there are no more. */
+void pen_xml_list_lines(struct pen_xml_builder *b);
+
+/* Reports that the attribute and an earlier one, or an element, have different values for the same
+ * `path`; names the place of both. `old` is the value that was first. */
+void pen_xml_conflict(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                      const struct pen_xml_given *given, const char *path, const json_t *old);
+
+/* Reports that the element has been there before, where `old` was made. */
+void pen_xml_duplicate(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                       const json_t *old);
+
+/* The first attribute whose value has the path, or NULL. */
+const struct pen_xml_given *pen_xml_given_at(const struct pen_xml_given_list *list,
+                                             const char *path);
+
 /* Makes the value of the element of *frame inside the element of *up. Returns the value, borrowed,
- * or NULL if the element and its content must be skipped. `attributes` alternates names and values
- * and ends with NULL. */
+ * or NULL if the element and its content must be skipped. */
 json_t *pen_xml_build(struct pen_xml_builder *b, const struct pen_xml_frame *up,
-                      struct pen_xml_frame *frame, const char *const *attributes);
+                      struct pen_xml_frame *frame, const struct pen_xml_given_list *attributes);
 
 /* Reads one attribute into the value that pen_xml_build has made. */
 void pen_xml_attribute_read(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
-                            const char *name, const char *text);
+                            const struct pen_xml_given_list *attributes,
+                            const struct pen_xml_given *given);
 
-/* Completes the value after all attributes (planes by three points, missing corners, groups). */
+/* Completes the value after all attributes: planes by three points, missing corners, groups, the
+ * attenuation of lights. */
 void pen_xml_finish(struct pen_xml_builder *b, struct pen_xml_frame *frame,
-                    const char *const *attributes);
+                    const struct pen_xml_given_list *attributes);
 
 /* Called after the last element: adds the defaults of the XML format and puts the scene's parts
  * into the order of the JSON format. */

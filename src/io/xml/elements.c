@@ -7,6 +7,7 @@
 
 #include "io/scene/tables.h"
 #include "io/xml/elements.h"
+#include "io/xml/spellings.h"
 
 static const struct pen_xml_attribute scene_own[] = {
     {"background-color", PEN_XML_COLOUR, "background"},
@@ -18,7 +19,8 @@ static const struct pen_xml_attribute sky_own[] = {{"zenith", PEN_XML_COLOUR, "s
                                                    {"nadir", PEN_XML_COLOUR, "sky/nadir"},
                                                    {"up", PEN_XML_TRIPLE, "sky/up"},
                                                    {0}};
-static const struct pen_xml_attribute color_own[] = {{"color", PEN_XML_COLOUR, ""}, {0}};
+static const struct pen_xml_attribute ambient_own[] = {
+    {"color", PEN_XML_COLOUR, ""}, {"k", PEN_XML_FACTOR, "@factor"}, {0}};
 static const struct pen_xml_attribute by_own[] = {{"by", PEN_XML_TRIPLE, ""}, {0}};
 static const struct pen_xml_attribute axis_own[] = {{"axis", PEN_XML_AXIS, "axis"}, {0}};
 static const struct pen_xml_attribute name_own[] = {{"name", PEN_XML_TEXT, "@name"}, {0}};
@@ -36,7 +38,6 @@ static const struct pen_xml_attribute camera_own[] = {
 static const struct pen_xml_attribute light_own[] = {{"color", PEN_XML_COLOUR, "intensity"}, {0}};
 static const struct pen_xml_attribute sphere_own[] = {{"material", PEN_XML_TEXT, "material"}, {0}};
 static const struct pen_xml_attribute plane_own[] = {{"material", PEN_XML_TEXT, "material"},
-                                                     {"p0", PEN_XML_TRIPLE, "corners/0"},
                                                      {"p1", PEN_XML_TRIPLE, "corners/1"},
                                                      {"p2", PEN_XML_TRIPLE, "corners/2"},
                                                      {0}};
@@ -93,25 +94,29 @@ PATTERN(kt, pen_factor_pattern_fields)
 PATTERN(kr, pen_factor_pattern_fields)
 static const struct pen_xml_element *const patterns[] = {
     &emission_pattern, &ka_pattern, &kd_pattern, &ks_pattern, &kt_pattern, &kr_pattern, NULL};
-static const struct pen_xml_element *const own_patterns[] = {&own_emission_pattern,
-                                                             &own_ka_pattern,
-                                                             &own_kd_pattern,
-                                                             &own_ks_pattern,
-                                                             &own_kt_pattern,
-                                                             &own_kr_pattern,
-                                                             NULL};
-
 static const struct pen_xml_element material = {
     "material",          PEN_XML_NAMED, NULL, .own = name_own, .fields = pen_material_fields,
     .children = patterns};
 static const struct pen_xml_element *const materials_children[] = {&material, NULL};
+/* Of a primitive. */
+static const struct pen_xml_element own_material = {"material", PEN_XML_MEMBER_MORE, "material",
+                                                    .fields = pen_material_fields,
+                                                    .children = patterns};
+static const struct pen_xml_element *const object_children[] = {
+    &own_emission_pattern, &own_ka_pattern, &own_kd_pattern, &own_ks_pattern,
+    &own_kt_pattern,       &own_kr_pattern, &own_material,   NULL};
 
-static const struct pen_xml_element directional = {
-    "directional", PEN_XML_ITEM, "directional", .own = light_own, .fields = pen_directional_fields};
-static const struct pen_xml_element point = {"point", PEN_XML_ITEM, "point", .own = light_own,
-                                             .fields = pen_point_fields};
-static const struct pen_xml_element spot = {"spot", PEN_XML_ITEM, "spot", .own = light_own,
-                                            .fields = pen_spot_fields};
+#define LIGHT_ELEMENT(kind)                                                                        \
+    static const struct pen_xml_element kind = {#kind,                                             \
+                                                PEN_XML_ITEM,                                      \
+                                                #kind,                                             \
+                                                .own = light_own,                                  \
+                                                .fields = pen_##kind##_fields,                     \
+                                                .finish = PEN_XML_LIGHT,                           \
+                                                .list = "lights"};
+LIGHT_ELEMENT(directional)
+LIGHT_ELEMENT(point)
+LIGHT_ELEMENT(spot)
 static const struct pen_xml_element *const lights_children[] = {&spot, &point, &directional, NULL};
 
 static const struct pen_xml_element transform_rotate = {"rotate", PEN_XML_MEMBER_OBJECT, "rotate",
@@ -121,35 +126,22 @@ static const struct pen_xml_element transform = {
     "transform",       PEN_XML_MEMBER_OBJECT,          "transform",
     .own = matrix_own, .fields = pen_transform_fields, .children = transform_children};
 
-#define OBJECT_ELEMENT(kind, own_rows, own_fields)                                                 \
-    {                                                                                              \
-#kind, PEN_XML_ITEM, #kind, .own = own_rows, .fields = own_fields,                         \
-                                    .material = pen_material_fields, .children = own_patterns      \
-    }
-static const struct pen_xml_element sphere = OBJECT_ELEMENT(sphere, sphere_own, pen_sphere_fields);
-static const struct pen_xml_element polygon =
-    OBJECT_ELEMENT(polygon, polygon_own, pen_polygon_fields);
-static const struct pen_xml_element tube =
-    OBJECT_ELEMENT(tube, tube_own, pen_infinite_cylinder_fields);
-static const struct pen_xml_element cylinder =
-    OBJECT_ELEMENT(cylinder, cylinder_own, pen_cylinder_fields);
-static const struct pen_xml_element cone = OBJECT_ELEMENT(cone, cylinder_own, pen_cone_fields);
-static const struct pen_xml_element triangle = {"triangle",
-                                                PEN_XML_ITEM,
-                                                "triangle",
-                                                .own = triangle_own,
-                                                .fields = pen_polygon_fields,
-                                                .material = pen_material_fields,
-                                                .children = own_patterns,
-                                                .finish = PEN_XML_TRIANGLE};
-static const struct pen_xml_element plane = {"plane",
-                                             PEN_XML_ITEM,
-                                             "plane",
-                                             .own = plane_own,
-                                             .fields = pen_plane_fields,
-                                             .material = pen_material_fields,
-                                             .children = own_patterns,
-                                             .finish = PEN_XML_PLANE};
+#define OBJECT_ELEMENT(kind, own_rows, own_fields, last_step)                                      \
+    static const struct pen_xml_element kind = {#kind,                                             \
+                                                PEN_XML_ITEM,                                      \
+                                                #kind,                                             \
+                                                .own = own_rows,                                   \
+                                                .fields = own_fields,                              \
+                                                .material = pen_material_fields,                   \
+                                                .children = object_children,                       \
+                                                .finish = last_step};
+OBJECT_ELEMENT(sphere, sphere_own, pen_sphere_fields, PEN_XML_FINISH_NONE)
+OBJECT_ELEMENT(triangle, triangle_own, pen_polygon_fields, PEN_XML_TRIANGLE)
+OBJECT_ELEMENT(polygon, polygon_own, pen_polygon_fields, PEN_XML_POLYGON)
+OBJECT_ELEMENT(plane, plane_own, pen_plane_fields, PEN_XML_PLANE)
+OBJECT_ELEMENT(tube, tube_own, pen_infinite_cylinder_fields, PEN_XML_FINISH_NONE)
+OBJECT_ELEMENT(cylinder, cylinder_own, pen_cylinder_fields, PEN_XML_FINISH_NONE)
+OBJECT_ELEMENT(cone, cylinder_own, pen_cone_fields, PEN_XML_FINISH_NONE)
 static const struct pen_xml_element mesh = {
     .name = "mesh", .build = PEN_XML_UNSUPPORTED, .key = "the object type \"mesh\""};
 static const struct pen_xml_element instance = {
@@ -169,7 +161,7 @@ static const struct pen_xml_element group = {"group",
 
 /* Parts of a scene. */
 static const struct pen_xml_element ambient_light = {"ambient-light", PEN_XML_MEMBER_VALUE,
-                                                     "ambient", .own = color_own};
+                                                     "ambient", .own = ambient_own};
 static const struct pen_xml_element sky = {"sky", PEN_XML_MEMBER_OBJECT, "background",
                                            .own = sky_own};
 static const struct pen_xml_element camera = {
@@ -189,8 +181,8 @@ static const struct pen_xml_element definitions = {.name = "definitions",
 static const struct pen_xml_element render = {"render", PEN_XML_MEMBER_OBJECT, "render",
                                               .fields = pen_settings_fields};
 static const struct pen_xml_element *const scene_children[] = {
-    &ambient_light, &sky,        &camera, &views,       &materials,
-    &lights,        &geometries, &render, &definitions, NULL};
+    &ambient_light, &sky,         &camera, &views, &materials,   &lights, &geometries,
+    &render,        &definitions, &spot,   &point, &directional, NULL};
 const struct pen_xml_element pen_xml_scene = {"scene",
                                               PEN_XML_ROOT,
                                               NULL,
@@ -235,13 +227,6 @@ static bool is_own(const struct pen_xml_element *element, const char *key)
     return a && a->name;
 }
 
-static bool same_name(const char *key, const char *name)
-{
-    while (*key && (*key == '_' ? '-' : *key) == *name)
-        key++, name++;
-    return !*key && !*name;
-}
-
 static void make_row(const char *name, enum pen_xml_shape shape, const char *prefix,
                      const char *path, struct pen_xml_row *row)
 {
@@ -261,7 +246,7 @@ static size_t rows_of_fields(const struct pen_xml_element *element, const struct
     size_t count = 0;
     for (const struct pen_field *f = fields; f && f->key && count < capacity; f++) {
         enum pen_xml_shape shape = shape_of(f->type);
-        bool wanted = shape != PEN_XML_HIDDEN && (!name || same_name(f->key, name));
+        bool wanted = shape != PEN_XML_HIDDEN && (!name || pen_xml_same_name(f->key, name));
         if (wanted && (*prefix || !is_own(element, f->key)))
             make_row(f->key, shape, prefix, f->key, &rows[count++]);
     }
@@ -274,6 +259,7 @@ static bool may_have_comment(const struct pen_xml_element *element)
     switch (element->build) {
     case PEN_XML_ROOT:
     case PEN_XML_MEMBER_OBJECT:
+    case PEN_XML_MEMBER_MORE:
     case PEN_XML_ITEM:
     case PEN_XML_ITEM_MEMBER:
     case PEN_XML_NAMED:
@@ -293,14 +279,14 @@ static size_t find_rows(const struct pen_xml_element *element, const char *name,
 {
     size_t count = 0;
     for (const struct pen_xml_attribute *a = element->own; a && a->name && count < capacity; a++) {
-        if (a->shape != PEN_XML_HIDDEN && (!name || strcmp(a->name, name) == 0))
+        if (a->shape != PEN_XML_HIDDEN && (!name || pen_xml_same_name(a->name, name)))
             make_row(a->name, a->shape, "", a->path, &rows[count++]);
     }
     count += rows_of_fields(element, element->fields, "", name, rows + count, capacity - count);
     count += rows_of_fields(element, element->material, "material/", name, rows + count,
                             capacity - count);
     if (may_have_comment(element) && count < capacity &&
-        (!name || strcmp(name, PEN_COMMENT_KEY) == 0))
+        (!name || pen_xml_same_name(name, PEN_COMMENT_KEY)))
         make_row(PEN_COMMENT_KEY, PEN_XML_TEXT, "", PEN_COMMENT_KEY, &rows[count++]);
     return count;
 }
@@ -311,18 +297,50 @@ size_t pen_xml_rows(const struct pen_xml_element *element,
     return find_rows(element, NULL, rows, PEN_XML_NAMES_MAX);
 }
 
+/* Makes the row of the part `index` from the row of the whole: a point of points, a number of a
+ * triple. */
+static void make_part(size_t index, struct pen_xml_row *row)
+{
+    size_t used = strlen(row->path);
+    snprintf(row->path + used, sizeof row->path - used, "/%zu", index);
+    row->shape = row->shape == PEN_XML_POINTS ? PEN_XML_TRIPLE : PEN_XML_NUMBER;
+}
+
 bool pen_xml_row_find(const struct pen_xml_element *element, const char *name,
                       struct pen_xml_row *row)
 {
-    return find_rows(element, name, row, 1) == 1;
+    size_t index;
+    if (find_rows(element, name, row, 1) == 1)
+        return true;
+    for (const struct pen_xml_spelling *s = pen_xml_spellings; s->ours; s++) {
+        if (s->kind == PEN_XML_OTHER_ELEMENT || !pen_xml_spelling_has(s, name, &index) ||
+            find_rows(element, s->ours, row, 1) == 0)
+            continue;
+        if (s->kind == PEN_XML_PARTS)
+            make_part(index, row);
+        return true;
+    }
+    return false;
+}
+
+static const struct pen_xml_element *child_of(const struct pen_xml_element *element,
+                                              const char *name)
+{
+    for (const struct pen_xml_element *const *c = element->children; c && *c; c++) {
+        if (pen_xml_same_name((*c)->name, name))
+            return *c;
+    }
+    return NULL;
 }
 
 const struct pen_xml_element *pen_xml_child_find(const struct pen_xml_element *element,
                                                  const char *name)
 {
-    for (const struct pen_xml_element *const *c = element->children; c && *c; c++) {
-        if (strcmp((*c)->name, name) == 0)
-            return *c;
+    const struct pen_xml_element *child = child_of(element, name);
+    size_t index;
+    for (const struct pen_xml_spelling *s = pen_xml_spellings; s->ours && !child; s++) {
+        if (s->kind == PEN_XML_OTHER_ELEMENT && pen_xml_spelling_has(s, name, &index))
+            child = child_of(element, s->ours);
     }
-    return NULL;
+    return child;
 }

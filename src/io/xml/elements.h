@@ -5,7 +5,8 @@
  *
  * The attributes of an element are the rows of its own table, and the keys of the reader's tables
  * of fields (io/scene/tables.h) with - for _. A key added there thus is an attribute here. If both
- * have an attribute, the element's own row counts. */
+ * have an attribute, the element's own row counts. Other names of both are in io/xml/spellings.h.
+ */
 #ifndef PEN_IO_XML_ELEMENTS_H
 #define PEN_IO_XML_ELEMENTS_H
 
@@ -30,8 +31,8 @@ struct pen_xml_attribute {
     const char *name; /* NULL ends a table */
     enum pen_xml_shape shape;
     /* The path of the value from the element's object: "view_plane/width". "" is the element's
-     * value itself, "@name" the key of a PEN_XML_NAMED element, and "@image" the picture's size,
-     * which becomes part of `render`. */
+     * value itself, "@factor" a factor of that, "@name" the key of a PEN_XML_NAMED element, and
+     * "@image" the picture's size, which becomes part of `render`. */
     const char *path;
 };
 
@@ -39,6 +40,7 @@ struct pen_xml_attribute {
 enum pen_xml_build {
     PEN_XML_ROOT,
     PEN_XML_MEMBER_OBJECT, /* an object at the path `key` from the parent's object, once */
+    PEN_XML_MEMBER_MORE,   /* the same, but the parent's attributes may have members of it */
     PEN_XML_MEMBER_LIST,   /* a list, the member `key` of the parent's object, once */
     PEN_XML_MEMBER_VALUE,  /* the same, as the value of its only attribute */
     PEN_XML_ITEM,          /* an object in the parent's list; `key` is its `type`, NULL: none */
@@ -49,7 +51,14 @@ enum pen_xml_build {
 };
 
 /* What pen_xml_finish does after the attributes of an element have been read. */
-enum pen_xml_finish { PEN_XML_FINISH_NONE, PEN_XML_TRIANGLE, PEN_XML_PLANE, PEN_XML_GROUP };
+enum pen_xml_finish {
+    PEN_XML_FINISH_NONE,
+    PEN_XML_TRIANGLE,
+    PEN_XML_POLYGON,
+    PEN_XML_PLANE,
+    PEN_XML_GROUP,
+    PEN_XML_LIGHT
+};
 
 struct pen_xml_element {
     const char *name;
@@ -60,6 +69,8 @@ struct pen_xml_element {
     const struct pen_field *material;    /* fields of the member `material`; NULL: none */
     const struct pen_xml_element *const *children;
     enum pen_xml_finish finish;
+    const char
+        *list; /* of a PEN_XML_ITEM: the list it is in if its parent is none; NULL: that is */
 };
 
 extern const struct pen_xml_element pen_xml_scene;
@@ -72,15 +83,17 @@ struct pen_xml_row {
     char path[PEN_XML_PATH_BYTES];
 };
 
-/* Lists all attributes of an element. Returns their number, at most PEN_XML_NAMES_MAX. */
+/* Lists all attributes of an element, without their other names. Returns their number, at most
+ * PEN_XML_NAMES_MAX. */
 size_t pen_xml_rows(const struct pen_xml_element *element,
                     struct pen_xml_row rows[PEN_XML_NAMES_MAX]);
 
-/* Finds the attribute called `name`. Returns false if the element has none. */
+/* Finds the attribute called `name`, which may be another name of it. Returns false if the element
+ * has none. */
 bool pen_xml_row_find(const struct pen_xml_element *element, const char *name,
                       struct pen_xml_row *row);
 
-/* The child element called `name`, or NULL. */
+/* The child element called `name`, which may be another name of it, or NULL. */
 const struct pen_xml_element *pen_xml_child_find(const struct pen_xml_element *element,
                                                  const char *name);
 

@@ -90,61 +90,87 @@ void pen_xml_attribute_error(struct pen_xml_builder *b, const struct pen_xml_att
         message[0] = '\0';
     va_end(args);
     pen_xml_error(b, offset_of(b, ref), PEN_INVALID, "attribute \"%s\" of <%s>: %s", ref->name,
-                  ref->frame->element->name, message);
+                  pen_xml_frame_name(b, ref->frame).text, message);
 }
 
 void pen_xml_missing_attribute(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                                const char *name)
 {
     pen_xml_error(b, frame->tag, PEN_INVALID, "<%s>: missing attribute \"%s\"",
-                  frame->element->name, name);
+                  pen_xml_frame_name(b, frame).text, name);
 }
 
-/* "; did you mean NAME?", or "; the NOUNs here are a, b, c" if no name is near. */
-static struct pen_text hint(const char *word, const char *noun, const char *const *names)
+/* Whether one of two paths leads to the other's value or to a part of it. */
+static bool is_along(const char *a, const char *b)
 {
-    struct pen_text out = pen_text_nearest(word, names);
-    if (out.text[0])
-        return out;
-    if (!*names)
-        snprintf(out.text, sizeof out.text, "; there are no %ss here", noun);
-    else {
-        size_t used = (size_t)snprintf(out.text, sizeof out.text, "; the %ss here are ", noun);
-        for (size_t i = 0; names[i]; i++) {
-            size_t length = strlen(names[i]) + (i ? 2 : 0);
-            if (used + length + 5 > sizeof out.text) {
-                strcat(out.text, ", …");
-                break;
-            }
-            used += (size_t)sprintf(out.text + used, "%s%s", i ? ", " : "", names[i]);
-        }
+    while (*a && *a == *b)
+        a++, b++;
+    return (!*a || !*b) && (*a == *b || *a == '/' || *b == '/');
+}
+
+/* Finds the first attribute of the frame's element, other than `except`, with a value on the path.
+ */
+static bool find_other(const struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                       const char *path, const char *except, struct pen_xml_span *span)
+{
+    size_t at = pen_xml_attributes_begin(b->xml, frame->tag);
+    struct pen_text written;
+    struct pen_xml_row row;
+    while (pen_xml_attribute_next(b->xml, &at, span)) {
+        if (pen_xml_attribute_row(b->xml, span, frame->element, &written, &row) &&
+            is_along(row.path, path) && strcmp(written.text, except) != 0)
+            return true;
     }
-    return out;
+    return false;
 }
 
-void pen_xml_unknown_attribute(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
-                               const char *name)
+void pen_xml_conflict(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                      const struct pen_xml_given *given, const char *path, const json_t *old)
 {
-    struct pen_xml_row rows[PEN_XML_NAMES_MAX];
-    const char *names[PEN_XML_NAMES_MAX + 1] = {NULL};
-    size_t count = pen_xml_rows(frame->element, rows);
-    for (size_t i = 0; i < count; i++)
-        names[i] = rows[i].name;
-    const struct pen_xml_attribute_ref ref = {.frame = frame, .name = name};
-    pen_xml_error(b, offset_of(b, &ref), PEN_INVALID, "<%s>: unknown attribute %s%s",
-                  frame->element->name, pen_text_quote(name).text,
-                  hint(name, "attribute", names).text);
+    const struct pen_xml_attribute_ref ref = {.frame = frame, .name = given->name};
+    const char *text = b->xml->text;
+    char around[2 * PEN_XML_PATH_BYTES];
+    struct pen_xml_span span;
+    int line, column;
+    if (!pen_xml_wants_message(b)) {
+        pen_xml_error(b, frame->tag, PEN_INVALID, "given twice");
+        return;
+    }
+    bool found = find_other(b, frame, path, given->name, &span);
+    if (!found && frame->element->build == PEN_XML_MEMBER_MORE) {
+        snprintf(around, sizeof around, "%s/%s", frame->element->key, path);
+        found = find_other(b, frame - 1, around, "", &span);
+    }
+    const struct pen_xml_entry *entry = found ? NULL : pen_xml_latest(b->xml, old, 0);
+    pen_text_position(text, found ? span.name : entry ? entry->offset : frame->tag, &line, &column);
+    if (!found) {
+        pen_xml_attribute_error(b, &ref,
+                                "has the same meaning as the element at line %d, column %d: keep "
+                                "one of them",
+                                line, column);
+        return;
+    }
+    char name[PEN_XML_UNKNOWN_BYTES], value[PEN_TEXT_BYTES];
+    snprintf(name, sizeof name, "%.*s", (int)(span.name_end - span.name), text + span.name);
+    snprintf(value, sizeof value, "%.*s", (int)(span.end - span.value), text + span.value);
+    pen_xml_attribute_error(b, &ref,
+                            "says %s, but \"%s\" at line %d, column %d has the same meaning and "
+                            "says %s: keep one of them",
+                            pen_text_quote(given->text).text, name, line, column,
+                            pen_text_quote(value).text);
 }
 
-void pen_xml_unknown_element(struct pen_xml_builder *b, const struct pen_xml_frame *up,
-                             const char *name, size_t tag)
+void pen_xml_duplicate(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                       const json_t *old)
 {
-    const char *names[PEN_XML_NAMES_MAX + 1] = {NULL};
-    const struct pen_xml_element *const *children = up->element->children;
-    size_t count = 0;
-    for (; children && *children && count < PEN_XML_NAMES_MAX; children++)
-        if ((*children)->build != PEN_XML_UNSUPPORTED)
-            names[count++] = (*children)->name;
-    pen_xml_error(b, tag, PEN_INVALID, "<%s>: unknown element %s%s", up->element->name,
-                  pen_text_quote(name).text, hint(name, "element", names).text);
+    char place[64] = "";
+    int line, column;
+    const struct pen_xml_entry *entry =
+        pen_xml_wants_message(b) ? pen_xml_latest(b->xml, old, 0) : NULL;
+    if (entry) {
+        pen_text_position(b->xml->text, entry->offset, &line, &column);
+        snprintf(place, sizeof place, " at line %d, column %d", line, column);
+    }
+    pen_xml_error(b, frame->tag, PEN_INVALID, "duplicate element <%s>: there is one already%s",
+                  pen_xml_frame_name(b, frame).text, place);
 }

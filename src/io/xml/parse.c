@@ -11,7 +11,10 @@
 #include <string.h>
 #include <strings.h>
 
+#include "io/document.h"
 #include "io/xml/build.h"
+#include "io/xml/spellings.h"
+#include "io/xml/utf16.h"
 #include "io/xml/values.h"
 
 /* The most elements beside pen_limits.objects. */
@@ -34,18 +37,36 @@ static bool check_depth(struct pen_xml_builder *b, const struct pen_xml_frame *f
     return false;
 }
 
+/* Finds what the attributes of a tag are, and leaves out those that are about XML itself. */
+static void find_attributes(const struct pen_xml_element *element, const char *const *pairs,
+                            struct pen_xml_given_list *out)
+{
+    out->count = 0;
+    for (; *pairs && out->count < PEN_XML_ATTRIBUTES_MAX; pairs += 2) {
+        struct pen_xml_given *given = &out->item[out->count];
+        if (pen_xml_is_about_xml(pairs[0]))
+            continue;
+        given->name = pairs[0];
+        given->text = pairs[1];
+        given->known = pen_xml_row_find(element, pairs[0], &given->row);
+        out->count++;
+    }
+}
+
 static void enter(struct pen_xml_builder *b, const struct pen_xml_element *element,
-                  const char *const *attributes)
+                  const char *const *pairs)
 {
     const struct pen_xml_frame *up = b->count ? &b->frame[b->count - 1] : NULL;
     struct pen_xml_frame *frame = &b->frame[b->count];
+    struct pen_xml_given_list attributes;
     *frame = (struct pen_xml_frame){.element = element, .tag = offset_now(b), .depth = 1};
     if (up)
         frame->depth = up->depth + 1 + (up->element->finish == PEN_XML_GROUP);
     if (!check_depth(b, frame))
         return;
     frame->object = up ? NULL : b->document;
-    json_t *value = pen_xml_build(b, up, frame, attributes);
+    find_attributes(element, pairs, &attributes);
+    json_t *value = pen_xml_build(b, up, frame, &attributes);
     if (!value) {
         b->skipped = 1;
         return;
@@ -53,16 +74,16 @@ static void enter(struct pen_xml_builder *b, const struct pen_xml_element *eleme
     b->count++;
     if (json_is_object(value) || json_is_array(value))
         pen_xml_require(b, pen_xml_record(b->xml, value, element, frame->tag));
-    for (const char *const *a = attributes; *a && !b->stopped; a += 2)
-        pen_xml_attribute_read(b, frame, a[0], a[1]);
+    for (size_t i = 0; i < attributes.count && !b->stopped; i++)
+        pen_xml_attribute_read(b, frame, &attributes, &attributes.item[i]);
     if (!b->stopped)
-        pen_xml_finish(b, frame, attributes);
+        pen_xml_finish(b, frame, &attributes);
 }
 
 static void enter_root(struct pen_xml_builder *b, const char *name, const char *const *attributes)
 {
     static const char *const names[] = {"scene", NULL};
-    if (strcmp(name, "scene") == 0) {
+    if (pen_xml_same_name(name, names[0])) {
         enter(b, &pen_xml_scene, attributes);
         return;
     }
@@ -132,7 +153,8 @@ static void XMLCALL on_text(void *user, const XML_Char *text, int bytes)
     snprintf(word, sizeof word, "%.*s", (int)(end - start), text + start);
     pen_xml_error(b, offset_now(b) + start, PEN_INVALID,
                   "<%s>: text is not allowed here, found %s; values stand in attributes",
-                  frame->element->name, pen_text_quote(word).text);
+                  pen_xml_tag_name(b->xml->text, b->xml->bytes, frame->tag).text,
+                  pen_text_quote(word).text);
 }
 
 static void XMLCALL on_doctype(void *user, const XML_Char *name, const XML_Char *system_id,
@@ -159,11 +181,13 @@ static void XMLCALL on_declaration(void *user, const XML_Char *version, const XM
     if (version && strcmp(version, "1.0") != 0)
         pen_xml_abort(b, offset_now(b), PEN_SYNTAX, "XML version %s is not read: allowed is 1.0",
                       pen_text_quote(version).text);
-    if (!encoding || strcasecmp(encoding, "UTF-8") == 0 || strcasecmp(encoding, "US-ASCII") == 0)
+    if (!encoding || strcasecmp(encoding, "UTF-8") == 0 || strcasecmp(encoding, "US-ASCII") == 0 ||
+        (b->xml->converted && strncasecmp(encoding, "UTF-16", strlen("UTF-16")) == 0))
         return;
     pen_xml_abort(
         b, offset_now(b), PEN_SYNTAX,
-        "the encoding %s is not read: save the document in UTF-8, or in its subset US-ASCII",
+        "the encoding %s is not read: save the document in UTF-8, in its subset US-ASCII, "
+        "or in UTF-16 with a byte-order mark",
         pen_text_quote(encoding).text);
 }
 
@@ -189,12 +213,18 @@ json_t *pen_xml_parse(const char *text, size_t bytes, const struct pen_limits *l
     struct pen_xml_builder b = {
         .limits = limits, .xml = xml, .st = st, .bytes_left = limits->parsed_bytes};
     *xml = (struct pen_xml){.text = text, .bytes = bytes, .image = SIZE_MAX};
-    if (bytes > limits->body_bytes || bytes > INT_MAX) {
+    if (bytes > limits->body_bytes || bytes > INT_MAX / 2) { /* UTF-8 may take 3/2 of UTF-16 */
         pen_fail(st, PEN_TOO_LARGE, "the document has %zu bytes, at most %zu are allowed", bytes,
-                 limits->body_bytes < INT_MAX ? limits->body_bytes : (size_t)INT_MAX);
+                 limits->body_bytes < INT_MAX / 2 ? limits->body_bytes : (size_t)INT_MAX / 2);
         return NULL;
     }
-    if (!pen_xml_check_text(text, bytes, st))
+    if (pen_text_is_utf16(text, bytes)) {
+        xml->converted = pen_utf16_to_utf8(text, bytes, &xml->bytes, st);
+        xml->text = xml->converted;
+        if (!xml->converted)
+            return NULL;
+    }
+    if (!pen_xml_check_text(xml->text, xml->bytes, st))
         return NULL;
     b.parser = XML_ParserCreate("UTF-8");
     b.document = b.parser ? json_object() : NULL;
@@ -217,5 +247,6 @@ json_t *pen_xml_parse(const char *text, size_t bytes, const struct pen_limits *l
 void pen_xml_release(struct pen_xml *xml)
 {
     free(xml->entries);
+    free(xml->converted);
     *xml = (struct pen_xml){0};
 }

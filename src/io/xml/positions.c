@@ -20,11 +20,11 @@ struct path {
 /* The position of a place in the text. */
 struct position {
     const struct pen_xml_element *element;
-    size_t tag;             /* offset of the element's tag */
-    struct pen_xml_row row; /* the attribute; name[0] == 0: the element itself */
-    size_t at;              /* the offset that an error names */
-    size_t start, end;      /* offsets of the text found there; equal: none */
-    bool reported;          /* an error in a value on the path has been reported */
+    size_t tag;           /* offset of the element's tag */
+    struct pen_text name; /* of the attribute as it is written; "": the element itself */
+    size_t at;            /* the offset that an error names */
+    size_t start, end;    /* offsets of the text found there; equal: none */
+    bool reported;        /* an error in a value on the path has been reported */
 };
 
 bool pen_xml_record(struct pen_xml *xml, const json_t *json, const struct pen_xml_element *element,
@@ -59,34 +59,68 @@ static const struct pen_xml_entry *find_entry(struct pen_xml *xml, const json_t 
     return bsearch(&wanted, xml->entries, xml->count, sizeof wanted, compare_entries);
 }
 
-/* expat has accepted the text up to this tag. In a later tag the search ends where the text is
- * malformed. */
+const struct pen_xml_entry *pen_xml_latest(const struct pen_xml *xml, const json_t *json,
+                                           size_t from)
+{
+    for (size_t i = xml->count; i-- > 0 && xml->entries[i].offset >= from;)
+        if (xml->entries[i].json == json)
+            return &xml->entries[i];
+    return NULL;
+}
+
+static bool is_name_end(char c)
+{
+    return pen_xml_is_space(c) || c == '=' || c == '>' || c == '/';
+}
+
+size_t pen_xml_attributes_begin(const struct pen_xml *xml, size_t tag)
+{
+    size_t i = tag + 1;
+    while (i < xml->bytes && !is_name_end(xml->text[i]))
+        i++;
+    return i;
+}
+
+bool pen_xml_attribute_next(const struct pen_xml *xml, size_t *at, struct pen_xml_span *span)
+{
+    const char *s = xml->text;
+    size_t i = *at;
+    while (i < xml->bytes && pen_xml_is_space(s[i]))
+        i++;
+    span->name = i;
+    while (i < xml->bytes && !is_name_end(s[i]))
+        i++;
+    span->name_end = i;
+    while (i < xml->bytes && (pen_xml_is_space(s[i]) || s[i] == '='))
+        i++;
+    if (span->name_end == span->name || i >= xml->bytes || (s[i] != '"' && s[i] != '\''))
+        return false;
+    const char *close = memchr(s + i + 1, s[i], xml->bytes - i - 1);
+    span->value = i + 1;
+    span->end = close ? (size_t)(close - s) : xml->bytes;
+    *at = span->end + 1;
+    return true;
+}
+
 bool pen_xml_attribute_find(const struct pen_xml *xml, size_t tag, const char *name,
                             struct pen_xml_span *span)
 {
-    const char *s = xml->text;
-    size_t length = strlen(name), i = tag + 1;
-    while (i < xml->bytes && !pen_xml_is_space(s[i]) && s[i] != '>' && s[i] != '/')
-        i++;
-    for (;;) {
-        while (i < xml->bytes && pen_xml_is_space(s[i]))
-            i++;
-        span->name = i;
-        while (i < xml->bytes && !pen_xml_is_space(s[i]) && s[i] != '=' && s[i] != '>' &&
-               s[i] != '/')
-            i++;
-        size_t bytes = i - span->name;
-        while (i < xml->bytes && (pen_xml_is_space(s[i]) || s[i] == '='))
-            i++;
-        if (bytes == 0 || i >= xml->bytes || (s[i] != '"' && s[i] != '\''))
-            return false;
-        const char *close = memchr(s + i + 1, s[i], xml->bytes - i - 1);
-        span->value = i + 1;
-        span->end = close ? (size_t)(close - s) : xml->bytes;
-        if (bytes == length && memcmp(s + span->name, name, length) == 0)
+    size_t length = strlen(name), at = pen_xml_attributes_begin(xml, tag);
+    while (pen_xml_attribute_next(xml, &at, span)) {
+        if (span->name_end - span->name == length &&
+            memcmp(xml->text + span->name, name, length) == 0)
             return true;
-        i = span->end + 1;
     }
+    return false;
+}
+
+bool pen_xml_attribute_row(const struct pen_xml *xml, const struct pen_xml_span *span,
+                           const struct pen_xml_element *element, struct pen_text *written,
+                           struct pen_xml_row *row)
+{
+    snprintf(written->text, sizeof written->text, "%.*s", (int)(span->name_end - span->name),
+             xml->text + span->name);
+    return pen_xml_row_find(element, written->text, row);
 }
 
 static struct path path_of(const struct pen_place *at)
@@ -115,23 +149,26 @@ static const json_t *follow(const json_t *json, const struct pen_place *step)
                                : NULL;
 }
 
-/* Follows a path through the JSON values as far as they exist. Finds the innermost element, and
- * whether an error on the way has been reported. Returns the number of steps to that element. */
-static size_t find_element(struct pen_xml *xml, const struct path *path, struct position *position)
+/* Follows a path through the JSON values as far as they exist. Finds the innermost element that is
+ * at most `limit` steps away, and whether an error on the way has been reported. Returns the number
+ * of steps to that element. */
+static size_t find_element(struct pen_xml *xml, const struct path *path, size_t limit,
+                           struct position *position)
 {
     const json_t *json = xml->document;
     const struct pen_xml_entry *entry = find_entry(xml, json);
     size_t used = 0;
     position->element = entry ? entry->element : &pen_xml_scene;
-    position->tag = entry ? entry->offset : 0;
+    position->at = position->tag = entry ? entry->offset : 0;
     for (size_t i = 0; i < path->count; i++) {
         json = follow(json, path->step[i]);
         position->reported = position->reported || json_is_null(json);
-        entry = json_is_array(json) || json_is_object(json) ? find_entry(xml, json) : NULL;
+        bool may_have = i < limit && (json_is_array(json) || json_is_object(json));
+        entry = may_have ? find_entry(xml, json) : NULL;
         if (!entry)
             continue;
         position->element = entry->element;
-        position->tag = entry->offset;
+        position->at = position->tag = entry->offset;
         used = i + 1;
     }
     return used;
@@ -157,35 +194,52 @@ static int match_path(const char *row_path, const struct path *path, size_t from
     return taken;
 }
 
-/* Narrows the position to the row's attribute, and to one number in it if the path has steps from
- * `from` on. Returns false if the tag does not have the attribute. */
-static bool find_attribute(struct pen_xml *xml, const struct pen_xml_row *row,
-                           const struct path *path, size_t from, struct position *position)
+/* Narrows the position to an attribute, and to one number in it if the path has steps from `from`
+ * on. */
+static void narrow(const struct pen_xml *xml, const struct pen_xml_span *span,
+                   enum pen_xml_shape shape, const struct path *path, size_t from,
+                   struct position *position)
 {
-    struct pen_xml_span span;
-    if (!pen_xml_attribute_find(xml, position->tag, row->name, &span))
-        return false;
-    position->row = *row;
-    position->at = span.name;
-    position->start = span.value;
-    position->end = span.end;
-    bool points = row->shape == PEN_XML_POINTS;
-    if (from >= path->count || memchr(xml->text + span.value, '&', span.end - span.value))
-        return true;
+    position->at = span->name;
+    position->start = span->value;
+    position->end = span->end;
+    bool points = shape == PEN_XML_POINTS;
+    if (from >= path->count || memchr(xml->text + span->value, '&', span->end - span->value))
+        return;
     size_t index = index_of(path->step[from]) * (points ? 3 : 1), start, end;
     if (points && from + 1 < path->count)
         index += index_of(path->step[from + 1]);
-    if (!pen_xml_token(xml->text + span.value, span.end - span.value, index, &start, &end))
+    if (!pen_xml_token(xml->text + span->value, span->end - span->value, index, &start, &end))
+        return;
+    position->at = position->start = span->value + start;
+    position->end = span->value + end;
+}
+
+/* Finds the attribute of the position's element that has the value at the path, whose first `used`
+ * steps lead to the element. Returns false if the tag has no such attribute. */
+static bool find_attribute(const struct pen_xml *xml, const struct path *path, size_t used,
+                           struct position *position)
+{
+    struct pen_xml_span span;
+    struct pen_xml_row row;
+    struct pen_text written;
+    size_t at = pen_xml_attributes_begin(xml, position->tag);
+    while (pen_xml_attribute_next(xml, &at, &span)) {
+        if (!pen_xml_attribute_row(xml, &span, position->element, &written, &row))
+            continue;
+        int taken = match_path(row.path, path, used);
+        if (taken < 0)
+            continue;
+        position->name = written;
+        narrow(xml, &span, row.shape, path, used + (size_t)taken, position);
         return true;
-    position->at = position->start = span.value + start;
-    position->end = span.value + end;
-    return true;
+    }
+    return false;
 }
 
 /* Finds render/width or render/height in the attribute `image` of the camera. */
 static bool find_image(struct pen_xml *xml, const struct path *path, struct position *position)
 {
-    const struct pen_xml_row image = {"image", PEN_XML_PAIR, ""};
     const char *first = path->count == 2 ? path->step[0]->key : NULL;
     const char *second = path->count == 2 ? path->step[1]->key : NULL;
     if (xml->image == SIZE_MAX || !first || !second || strcmp(first, "render") != 0)
@@ -193,25 +247,26 @@ static bool find_image(struct pen_xml *xml, const struct path *path, struct posi
     bool height = strcmp(second, "height") == 0;
     if (!height && strcmp(second, "width") != 0)
         return false;
-    const struct pen_place index = {.index = height};
-    const struct path element = {1, {&index}};
+    const struct pen_place image = {.key = "@image"}, index = {.index = height};
+    const struct path element = {2, {&image, &index}};
     position->tag = xml->image;
     position->element = pen_xml_child_find(&pen_xml_scene, "camera");
-    return find_attribute(xml, &image, &element, 0, position);
+    return find_attribute(xml, &element, 0, position);
 }
 
+/* A material may be an element whose members are in part attributes of the element around it. So if
+ * the innermost element has no attribute for the place, the one around it may. */
 static struct position resolve(struct pen_xml *xml, const struct pen_place *at)
 {
     struct path path = path_of(at);
     struct position position = {0};
-    struct pen_xml_row rows[PEN_XML_NAMES_MAX];
-    size_t used = find_element(xml, &path, &position), count = pen_xml_rows(position.element, rows);
-    position.at = position.tag;
-    for (size_t i = 0; i < count; i++) {
-        int taken = match_path(rows[i].path, &path, used);
-        if (taken >= 0 && find_attribute(xml, &rows[i], &path, used + (size_t)taken, &position))
-            return position;
-    }
+    size_t used = find_element(xml, &path, path.count, &position);
+    if (find_attribute(xml, &path, used, &position))
+        return position;
+    struct position around = {0};
+    if (used > 0 &&
+        find_attribute(xml, &path, find_element(xml, &path, used - 1, &around), &around))
+        return around;
     find_image(xml, &path, &position);
     return position;
 }
@@ -221,7 +276,7 @@ static bool is_reported(void *user, const struct pen_place *at)
     struct pen_xml *xml = user;
     struct path path = path_of(at);
     struct position position = {0};
-    find_element(xml, &path, &position);
+    find_element(xml, &path, path.count, &position);
     return position.reported;
 }
 
@@ -232,11 +287,12 @@ static void fail_at(void *user, const struct pen_place *at, enum pen_code code, 
     struct position position = resolve(xml, at);
     int line, column;
     pen_text_position(xml->text, position.at, &line, &column);
-    if (position.row.name[0])
-        pen_fail_line(st, code, line, column, "attribute \"%s\" of <%s>: %s", position.row.name,
-                      position.element->name, message);
+    struct pen_text tag = pen_xml_tag_name(xml->text, xml->bytes, position.tag);
+    if (position.name.text[0])
+        pen_fail_line(st, code, line, column, "attribute \"%s\" of <%s>: %s", position.name.text,
+                      tag.text, message);
     else
-        pen_fail_line(st, code, line, column, "<%s>: %s", position.element->name, message);
+        pen_fail_line(st, code, line, column, "<%s>: %s", tag.text, message);
 }
 
 static struct pen_text text_found(void *user, const struct pen_place *at, const json_t *value)
@@ -246,7 +302,7 @@ static struct pen_text text_found(void *user, const struct pen_place *at, const 
     struct position position = resolve(xml, at);
     struct pen_text raw, out;
     if (position.end == position.start)
-        return position.row.name[0] ? (struct pen_text){"nothing"} : pen_text_value(value);
+        return position.name.text[0] ? (struct pen_text){"nothing"} : pen_text_value(value);
     size_t bytes = position.end - position.start < SHOWN ? position.end - position.start : SHOWN;
     memcpy(raw.text, xml->text + position.start, bytes);
     raw.text[bytes] = '\0';
@@ -265,8 +321,11 @@ static struct pen_text attribute_name(void *user, const struct pen_place *up, co
     if (path.count == STEPS_MAX)
         return pen_text_quote(key);
     const struct pen_place last = pen_place_key(up, key);
-    size_t used = find_element(xml, &path, &position), count = pen_xml_rows(position.element, rows);
+    size_t used = find_element(xml, &path, path.count, &position);
     path.step[path.count++] = &last;
+    if (find_attribute(xml, &path, used, &position))
+        return pen_text_quote(position.name.text);
+    size_t count = pen_xml_rows(position.element, rows);
     size_t length = strlen(key);
     for (size_t i = 0; i < count; i++) {
         bool first = used + 1 == path.count && strncmp(rows[i].path, key, length) == 0 &&

@@ -16,9 +16,10 @@ struct pen_xml_entry {
 
 /* A parsed XML document. JSON null stands for a value whose error has been reported already; the
  * scene reader reports nothing more about it.
- * Owns: entries. `text` and `document` (the JSON values) are borrowed. */
+ * Owns: entries and `converted`. `text` and `document` (the JSON values) are borrowed. */
 struct pen_xml {
-    const char *text;
+    const char *text; /* in UTF-8 */
+    char *converted;  /* the same, if the document was in UTF-16; else NULL */
     size_t bytes;
     const json_t *document;
     struct pen_xml_entry *entries;
@@ -33,6 +34,11 @@ struct pen_xml {
 bool pen_xml_record(struct pen_xml *xml, const json_t *json, const struct pen_xml_element *element,
                     size_t offset);
 
+/* The element that an object or list was made from, while the document is parsed; NULL if there is
+ * none at the offset `from` or behind it. */
+const struct pen_xml_entry *pen_xml_latest(const struct pen_xml *xml, const json_t *json,
+                                           size_t from);
+
 /* The source map for the scene reader; *xml must outlive it. */
 struct pen_source_map pen_xml_source_map(struct pen_xml *xml);
 
@@ -40,13 +46,31 @@ struct pen_source_map pen_xml_source_map(struct pen_xml *xml);
  * message. A status without a pointer is about the whole document. */
 void pen_xml_locate(struct pen_xml *xml, struct pen_status *st);
 
-/* Offsets of an attribute: its name, its value, and the end of the value. */
+/* Offsets of an attribute: its name and the end of that, its value and the end of that. */
 struct pen_xml_span {
-    size_t name, value, end;
+    size_t name, name_end, value, end;
 };
 
-/* Finds the attribute called `name` in the tag at offset `tag`. Returns false if there is none. */
+/* The offset behind the name in the tag at offset `tag`, where its attributes begin. */
+size_t pen_xml_attributes_begin(const struct pen_xml *xml, size_t tag);
+
+/* Finds the next attribute from *at on, and moves *at behind it. Returns false at the end. expat
+ * has accepted the text up to this tag; in a later tag the search ends where the text is malformed.
+ */
+bool pen_xml_attribute_next(const struct pen_xml *xml, size_t *at, struct pen_xml_span *span);
+
+/* Finds the attribute written as `name` in the tag at offset `tag`. Returns false if there is none.
+ */
 bool pen_xml_attribute_find(const struct pen_xml *xml, size_t tag, const char *name,
                             struct pen_xml_span *span);
+
+/* The name of the attribute as it is written, and its row. Returns false if the element has no such
+ * attribute. */
+bool pen_xml_attribute_row(const struct pen_xml *xml, const struct pen_xml_span *span,
+                           const struct pen_xml_element *element, struct pen_text *written,
+                           struct pen_xml_row *row);
+
+/* The name in the tag at offset `tag`, as it is written, for messages. */
+struct pen_text pen_xml_tag_name(const char *text, size_t bytes, size_t tag);
 
 #endif

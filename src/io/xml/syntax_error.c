@@ -25,8 +25,7 @@ static bool is_name_end(char c)
     return c == '\0' || strchr(" \t\r\n/>=<&;\"'", c) != NULL;
 }
 
-/* The name in the tag at an offset, for messages. */
-static struct pen_text tag_name(const char *text, size_t bytes, size_t tag)
+struct pen_text pen_xml_tag_name(const char *text, size_t bytes, size_t tag)
 {
     enum { SHOWN = 60 };
     struct pen_text out;
@@ -100,19 +99,18 @@ static bool check_tags(const char *text, size_t bytes, struct pen_status *st)
             return true; /* a document type: the parser refuses it and reads nothing after it */
         else if (count_attributes(text, bytes, &i) > PEN_XML_ATTRIBUTES_MAX)
             return syntax_error(text, tag, st, "<%s> has more than the %d attributes allowed",
-                                tag_name(text, bytes, tag).text, (int)PEN_XML_ATTRIBUTES_MAX);
+                                pen_xml_tag_name(text, bytes, tag).text,
+                                (int)PEN_XML_ATTRIBUTES_MAX);
     }
     return true;
 }
 
 bool pen_xml_check_text(const char *text, size_t bytes, struct pen_status *st)
 {
-    bool wide =
-        bytes >= 2 && (memcmp(text, "\xFF\xFE", 2) == 0 || memcmp(text, "\xFE\xFF", 2) == 0 ||
-                       memcmp(text, "<\0", 2) == 0 || memcmp(text, "\0<", 2) == 0);
-    if (wide)
-        return syntax_error(
-            text, 0, st, "the document is in UTF-16: save it in UTF-8, the only encoding allowed");
+    if (bytes >= 2 && (memcmp(text, "<\0", 2) == 0 || memcmp(text, "\0<", 2) == 0))
+        return syntax_error(text, 0, st,
+                            "the document is in UTF-16 without a byte-order mark: save it with "
+                            "one, or in UTF-8");
     return check_bytes(text, bytes, st) && check_tags(text, bytes, st);
 }
 
@@ -143,7 +141,7 @@ static bool unclosed_error(const char *text, size_t bytes, const struct pen_xml_
     pen_text_position(text, tag, &line, &column);
     return syntax_error(text, bytes, st,
                         "the document ends before <%s>, which opens on line %d, is closed",
-                        tag_name(text, bytes, tag).text, line);
+                        pen_xml_tag_name(text, bytes, tag).text, line);
 }
 
 /* expat's offset is that of the name in the end tag. */
@@ -154,9 +152,9 @@ static bool mismatch_error(const char *text, size_t bytes, size_t offset,
     size_t tag = open->count ? open->tag[open->count - 1] : 0;
     size_t at = offset >= 2 && text[offset - 1] == '/' ? offset - 2 : offset;
     pen_text_position(text, tag, &line, &column);
-    return syntax_error(text, at, st,
-                        "the end tag </%s> does not close <%s>, which opens on line %d",
-                        tag_name(text, bytes, at).text, tag_name(text, bytes, tag).text, line);
+    return syntax_error(
+        text, at, st, "the end tag </%s> does not close <%s>, which opens on line %d",
+        pen_xml_tag_name(text, bytes, at).text, pen_xml_tag_name(text, bytes, tag).text, line);
 }
 
 /* For an attribute, expat's offset is that of the tag. */
@@ -167,7 +165,7 @@ static bool entity_error(const char *text, size_t bytes, size_t offset, struct p
     return syntax_error(text, at, st,
                         "the entity &%s; is not defined: only &lt; &gt; &amp; &quot; &apos; and "
                         "characters by number, such as &#32;, are allowed",
-                        tag_name(text, bytes, at).text);
+                        pen_xml_tag_name(text, bytes, at).text);
 }
 
 /* Whether the text at `offset` is inside a tag, in quotes or not. */

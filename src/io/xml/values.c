@@ -72,13 +72,14 @@ static json_t *next_token(struct text *t)
     while (t->at < t->bytes && !pen_xml_is_space(t->s[t->at]) && t->s[t->at] != ';')
         t->at++;
     json_t *value = NULL;
-    bool number = pen_json_scan_number(t->s, start, t->at, &decimal) == t->at;
+    size_t bytes;
+    bool number = pen_java_scan_number(t->s, start, t->at, &decimal, &bytes) == t->at;
     size_t cost = number ? PEN_JSON_NUMBER_BYTES : PEN_JSON_STRING_BYTES + (t->at - start);
     if (!reserve(t, cost + PEN_JSON_ELEMENT_BYTES))
         return NULL;
     if (!number)
         value = json_stringn(t->s + start, t->at - start);
-    else if (!pen_json_number(t->numbers, t->s + start, t->at - start, &decimal, &value))
+    else if (!pen_json_number(t->numbers, t->s + start, bytes, &decimal, &value))
         return fail(t, start, "%.*s is too large for a number: they reach to about 1.8e308",
                     t->at - start > 60 ? 60 : (int)(t->at - start), t->s + start);
     return value ? value : no_memory(t);
