@@ -349,7 +349,7 @@ START_TEST(test_events__many_missed_events_come_in_several_texts)
 {
     static struct client client;
     set_up("{\"scene\": \"builtin:spheres\", \"render\": {\"width\": 400, \"height\": 300,"
-           " \"tile\": 8, \"samples_per_pixel\": 3500}}",
+           " \"tile\": 8, \"samples_per_pixel\": 7000}}",
            0);
     ck_assert_int_gt(store_work_off(store, "w"), 300);
     open_stream(&client, NULL);
