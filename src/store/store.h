@@ -202,7 +202,6 @@ struct pen_job_new {
     int batch_count;
     const struct pen_batch_new *batches;
     const char *client;                  /* the job's owner, who also has its share; NULL: "" */
-    const char *label;                   /* what divides the share of the client; NULL: none */
     int64_t queue_max, client_queue_max; /* the most unfinished jobs, this one included: in all,
                                             and of this client; 0: any number */
     const char *idempotency_key;         /* of the client; NULL: none */
