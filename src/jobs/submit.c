@@ -217,6 +217,7 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
     job->request = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
     job->new = (struct pen_job_new){.id = job->id,
                                     .created_ms = now_ms,
+                                    .created = pen_clock_moment(),
                                     .kind = pen_job_kinds[request->kind],
                                     .request = job->request,
                                     .priority = request->priority,

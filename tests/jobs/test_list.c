@@ -391,7 +391,7 @@ static void check_eta(double spent_s)
     store_must(pen_store_commit(bed.bed.store, &claim, &result, &st), &st, "commit");
     struct pen_job_record job = store_job_get(bed.bed.store, id);
     const double left = 1 - (double)job.done_pixels / 4096,
-                 took = (double)(job.updated_ms - job.started_ms) / 1000,
+                 took = (double)(job.elapsed_us - job.queue_us) / 1e6,
                  rate = took * left / (1 - left), sharing = spent_s > 0 ? took / spent_s : 1,
                  wanted = left * left * 8000 * sharing + (1 - left) * rate;
     ck_assert(left > 0 && left < 1);

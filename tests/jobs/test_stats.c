@@ -86,7 +86,7 @@ START_TEST(test_stats__job_has_the_sums_of_its_batches)
     ck_assert(number(timing, "cpu_ms") > 0);
     ck_assert(number(timing, "encode_ms") > 0);
     ck_assert_ptr_null(json_object_get(stats, "tile_ms"));
-    ck_assert_ptr_null(json_object_get(stats, "commit_ms"));
+    ck_assert_ptr_null(json_object_get(stats, "store_before_ms"));
     json_decref(stats);
     jobs_bed_close(&bed);
 }

@@ -72,6 +72,12 @@ static const char *const undo[] = {
     "ALTER TABLE peer ADD COLUMN virtual_us INTEGER NOT NULL DEFAULT 0;"
     "CREATE INDEX batch_open_of_lane ON batch(lane, job, id) WHERE state = 0;"
     "CREATE INDEX job_by_service ON job(lane, spent_us, number) WHERE state < 2",
+    "ALTER TABLE batch DROP COLUMN commit_us; ALTER TABLE job DROP COLUMN moment_ms;"
+    "ALTER TABLE job DROP COLUMN moment_us; ALTER TABLE job DROP COLUMN moment_boot;"
+    "ALTER TABLE job DROP COLUMN queue_us; ALTER TABLE job DROP COLUMN elapsed_us;"
+    "UPDATE job SET committed_elapsed_us = created_ms + committed_elapsed_us / 1000"
+    " WHERE committed_elapsed_us > 0;"
+    "ALTER TABLE job RENAME COLUMN committed_elapsed_us TO committed_ms",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

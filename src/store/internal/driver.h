@@ -154,6 +154,12 @@ struct pen_progress {
     bool raise;
 };
 
+/* What is stored with a batch that is done. */
+struct pen_batch_end {
+    const char *stats;
+    int64_t now_ms, commit_us;
+};
+
 /* Which leases are lost: those of `worker` (NULL: of none), and those that end before before_ms. */
 struct pen_lost {
     const char *worker;
@@ -316,7 +322,8 @@ struct pen_driver_ops {
     bool (*job_is_of)(struct pen_driver *driver, const char *id, const char *client, bool *is,
                       struct pen_status *st);
     bool (*job_counts)(struct pen_driver *driver, struct pen_counts *counts, struct pen_status *st);
-    /* Makes a queued job running, with a new revision; *changed = false: it was not queued. */
+    /* Makes a queued job running, with a new revision; *changed = false: it was not queued. This,
+     * job_progress and job_end bring the job's elapsed time up to now. */
     bool (*job_start)(struct pen_driver *driver, int64_t job, int64_t now_ms, bool *changed,
                       struct pen_status *st);
     /* Gives the job a new revision. */
@@ -416,8 +423,8 @@ struct pen_driver_ops {
      * *changed = false. batch_done also stores the job's revision and ends the quarantine. */
     bool (*batch_open)(struct pen_driver *driver, int64_t batch, int64_t attempt, bool *changed,
                        struct pen_status *st);
-    bool (*batch_done)(struct pen_driver *driver, int64_t batch, int64_t attempt, const char *stats,
-                       int64_t now_ms, bool *changed, struct pen_status *st);
+    bool (*batch_done)(struct pen_driver *driver, int64_t batch, int64_t attempt,
+                       const struct pen_batch_end *end, bool *changed, struct pen_status *st);
     /* Leaves a render batch that is leased under that attempt its first `tile_count` tiles, which
      * have so many pixels. The others become an open batch of the same view, which then has one
      * batch more. Otherwise *changed = false. */

@@ -86,6 +86,15 @@ _Static_assert(PEN_PAUSE_MAX_MS == 60000, "as GOES_ON has it");
 #define OWN "(SELECT priority FROM batch WHERE id = ?2)"
 #define AGED_ABOVE_OWN AGED(OWN, "?1")
 
+/* The time since the submit of a job: since its last moment by the clock of the boot, if it was in
+ * this boot, else by the store's clock. A clock that was set back takes nothing away. */
+#define ELAPSED(now, boot, us)                                                                     \
+    "elapsed_us + max(0, iif(moment_boot = " boot " AND " boot " <> 0, " us " - moment_us, (" now  \
+    " - moment_ms) * 1000))"
+#define ELAPSE(now, boot, us)                                                                      \
+    "elapsed_us = " ELAPSED(now, boot, us) ", moment_ms = " now ", moment_boot = " boot            \
+                                           ", moment_us = " us
+
 /* Whether the document of job j goes with the ended jobs: no unfinished job names it. It counts
  * once, for the newest that names it. */
 #define FREES_DOCUMENT                                                                             \
@@ -130,8 +139,9 @@ static const char *const sql_text[] = {
     [SQL_SCENES_REMOVE_UNUSED] = "DELETE FROM scene WHERE NOT EXISTS"
                                  " (SELECT 1 FROM job WHERE job.scene = scene.id)",
     [SQL_JOB_ADD] = "INSERT INTO job (id, kind, scene, priority, max_attempts, timeout_ms,"
-                    " created_ms, updated_ms, total_pixels, open_views, request, client)"
-                    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?7, ?8, ?9, ?10, ?11)"
+                    " created_ms, updated_ms, total_pixels, open_views, request, client,"
+                    " moment_ms, moment_boot, moment_us)"
+                    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?7, ?8, ?9, ?10, ?11, ?7, ?12, ?13)"
                     " ON CONFLICT (id) DO NOTHING",
     [SQL_VIEW_ADD] = "INSERT INTO view (job, view, name, width, height, batches, open_batches)"
                      " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6)",
@@ -160,8 +170,13 @@ static const char *const sql_text[] = {
     [SQL_BATCH_COUNTS] = "SELECT (SELECT count(*) FROM batch WHERE state = 0),"
                          " (SELECT count(*) FROM batch WHERE state = 1)",
     [SQL_OLDEST_QUEUED] = "SELECT created_ms FROM job WHERE state = 0 ORDER BY number LIMIT 1",
-    [SQL_JOB_START] = "UPDATE job SET state = 1, started_ms = ?2, updated_ms = ?2,"
-                      " revision = revision + 1 WHERE number = ?1 AND state = 0",
+    [SQL_JOB_START] =
+        "UPDATE job SET state = 1, started_ms = ?2, updated_ms = ?2, revision = revision + 1,"
+        " queue_us = " ELAPSED("?2", "?3", "?4") ", " ELAPSE("?2", "?3", "?4") " WHERE number = ?1"
+                                                                               " AND state = 0",
+    /* What is measured in a boot begins with the first claim there. */
+    [SQL_JOB_ELAPSE] = "UPDATE job SET " ELAPSE("?2", "?3", "?4") " WHERE number = ?1"
+                                                                  " AND moment_boot <> ?3",
     [SQL_JOB_PROGRESS] =
         "UPDATE job SET done_pixels = CASE WHEN ?7 THEN"
         " max(done_pixels, ?2 + (SELECT coalesce(sum(pixels), 0) FROM batch"
@@ -172,14 +187,20 @@ static const char *const sql_text[] = {
         " paused_until_ms = CASE WHEN ?5 THEN 0 ELSE paused_until_ms END,"
         " estimate_ms = CASE WHEN ?6 > 0 THEN ?6 ELSE estimate_ms END,"
         " committed_us = CASE WHEN ?5 THEN spent_us ELSE committed_us END,"
-        " committed_ms = CASE WHEN ?5 THEN ?4 ELSE committed_ms END,"
-        " revision = revision + 1 WHERE number = ?1",
+        " committed_elapsed_us = CASE WHEN ?5 THEN " ELAPSED(
+            "?4", "?8",
+            "?9") " ELSE committed_elapsed_us END, " ELAPSE("?4", "?8",
+                                                            "?9") ","
+                                                                  " revision = revision + 1 WHERE "
+                                                                  "number = ?1",
     [SQL_JOB_VIEW_ENDED] = "UPDATE job SET open_views = open_views - 1 WHERE number = ?"
                            " RETURNING open_views",
     [SQL_JOB_SUCCEED] = "UPDATE job SET state = 2, finished_ms = ?2"
                         " WHERE number = ?1 AND state = 1",
-    [SQL_JOB_END] = "UPDATE job SET state = ?2, error = ?3, finished_ms = ?4, updated_ms = ?4,"
-                    " revision = revision + 1 WHERE number = ?1 AND state IN (0, 1)",
+    [SQL_JOB_END] =
+        "UPDATE job SET state = ?2, error = ?3, finished_ms = ?4, updated_ms = ?4, " ELAPSE(
+            "?4", "?5", "?6") ","
+                              " revision = revision + 1 WHERE number = ?1 AND state IN (0, 1)",
     [SQL_JOB_END_BATCHES] = "UPDATE batch SET state = 3, worker = NULL, lease_until_ms = NULL,"
                             " quarantined = 0 WHERE job = ? AND state IN (0, 1)",
     [SQL_JOB_REMOVE] = "DELETE FROM job WHERE number = ?",
@@ -272,7 +293,7 @@ static const char *const sql_text[] = {
                        " WHERE (job, view) = (SELECT job, view FROM batch WHERE id = ?)",
     [SQL_BATCH_DONE] =
         "UPDATE batch SET state = 2, worker = NULL, lease_until_ms = NULL, stats = ?3,"
-        " done_ms = ?4, quarantined = 0,"
+        " done_ms = ?4, commit_us = ?5, quarantined = 0,"
         " revision = (SELECT revision FROM job WHERE number = batch.job)"
         " WHERE id = ?1 AND attempt = ?2 AND state = 1",
     [SQL_BATCH_EXTEND] = "UPDATE batch SET lease_until_ms = ?3"
@@ -422,7 +443,7 @@ static const char *const sql_text[] = {
     [SQL_CACHED_TOUCH] = "UPDATE cached SET used_ms = ?2 WHERE artefact = ?1",
     [SQL_CACHED_BYTES] = "SELECT coalesce(sum(bytes), 0) FROM cached",
     [SQL_CACHED_FIRST] = "SELECT artefact, bytes FROM cached ORDER BY used_ms LIMIT 1",
-    [SQL_STATS_PAGE] = "SELECT id, view, kind, done_ms, stats FROM batch"
+    [SQL_STATS_PAGE] = "SELECT id, view, kind, commit_us, stats FROM batch"
                        " WHERE job = ? AND id > ? AND state = 2 AND stats IS NOT NULL"
                        " ORDER BY id LIMIT ?",
     [SQL_BATCH_PAGE] = "SELECT id, attempt, kind, state, view, first_tile, tile_count, pixels,"

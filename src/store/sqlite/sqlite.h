@@ -61,6 +61,7 @@ enum pen_sqlite_sql {
     SQL_BATCH_COUNTS,
     SQL_OLDEST_QUEUED,
     SQL_JOB_START,
+    SQL_JOB_ELAPSE,
     SQL_JOB_PROGRESS,
     SQL_JOB_VIEW_ENDED,
     SQL_JOB_SUCCEED,
@@ -196,7 +197,9 @@ enum pen_sqlite_sql {
     NEXT(total_pixels)                                                                             \
     NEXT(estimate_ms)                                                                              \
     NEXT(committed_us)                                                                             \
-    NEXT(committed_ms)                                                                             \
+    NEXT(committed_elapsed_us)                                                                     \
+    NEXT(elapsed_us)                                                                               \
+    NEXT(queue_us)                                                                                 \
     NEXT(scene)
 #define PEN_SQLITE_CLAIM_COLUMNS(FIRST, NEXT)                                                      \
     FIRST(batch, b.id)                                                                             \
