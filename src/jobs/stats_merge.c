@@ -229,8 +229,8 @@ static bool is_finite(const struct sum *sum)
     bool ok = isfinite(sum->parse_ms + sum->build_ms + sum->render_ms + sum->encode_ms) &&
               isfinite(sum->store_ms + sum->cpu_ms + sum->last_commit_ms);
     for (size_t i = 0; ok && i < sum->time_count; i++)
-        ok = isfinite(sum->times[i].ms * 1000); /* figures are rounded to thousandths */
-    return ok && isfinite(sum->render_ms * 1000) && isfinite(sum->cpu_ms * 1000);
+        ok = isfinite(sum->times[i].ms * 1e6); /* figures are rounded to millionths */
+    return ok && isfinite(sum->render_ms * 1e6) && isfinite(sum->cpu_ms * 1e6);
 }
 
 /* The statistics from the sums, which are released. NULL after an error. */
