@@ -2,6 +2,8 @@
 /* Reads the clocks of the system, and formats time stamps. */
 #include "base/clock.h"
 
+#include <inttypes.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <time.h>
 
@@ -32,6 +34,26 @@ int64_t pen_clock_wall_ms(void)
     struct timespec t = {0}; /* in nanoseconds, times after the year 2262 would not fit */
     clock_gettime(CLOCK_REALTIME, &t);
     return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
+}
+
+static int64_t boot; /* written once, by read_boot */
+
+/* Half of the 128 random bits of the boot's id. */
+static void read_boot(void)
+{
+    FILE *file = fopen("/proc/sys/kernel/random/boot_id", "re");
+    uint64_t high = 0, low = 0;
+    if (file && fscanf(file, "%8" SCNx64 "-%4" SCNx64, &high, &low) == 2)
+        boot = (int64_t)(high << 16 | low);
+    if (file)
+        fclose(file);
+}
+
+struct pen_moment pen_clock_moment(void)
+{
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, read_boot);
+    return (struct pen_moment){.boot = boot, .us = read_ns(CLOCK_BOOTTIME) / 1000};
 }
 
 int64_t pen_clock_between(int64_t begun_ns, int64_t end_ns, double fraction)

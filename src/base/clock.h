@@ -15,6 +15,14 @@ int64_t pen_clock_cpu_ns(void);
 /* Units: ms since 1970-01-01 UTC. */
 int64_t pen_clock_wall_ms(void);
 
+/* A moment, for durations that may outlast a process: within one boot they are measured by a clock
+ * that nobody sets, and which goes on while the machine sleeps. Units: us since the boot. */
+struct pen_moment {
+    int64_t boot; /* which boot of which machine it was; 0: not known, thus none that compares */
+    int64_t us;
+};
+struct pen_moment pen_clock_moment(void);
+
 /* The time when this fraction, 0 to 1, of the time between a begin and a later end has passed. With
  * 1 it is exactly the end, whatever the end is. */
 int64_t pen_clock_between(int64_t begun_ns, int64_t end_ns, double fraction);

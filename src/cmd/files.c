@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -64,7 +65,7 @@ static bool fail_builtin(const char *name, struct pen_status *st)
 bool pen_name_ends_in(const char *name, const char *ending)
 {
     size_t length = strlen(name), tail = strlen(ending);
-    return length > tail && strcmp(name + length - tail, ending) == 0;
+    return length > tail && strcasecmp(name + length - tail, ending) == 0;
 }
 
 static bool read_builtin(struct pen_source *source, const char *name, struct pen_status *st)

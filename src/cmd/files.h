@@ -41,7 +41,8 @@ void pen_source_locate(const struct pen_source *source, struct pen_status *st);
 
 void pen_source_release(struct pen_source *source);
 
-/* Whether a name ends in `ending`, such as ".xml", after at least one other character. */
+/* Whether a name ends in `ending`, such as ".xml", in upper or lower case, after at least one other
+ * character. */
 bool pen_name_ends_in(const char *name, const char *ending);
 
 /* Reads a whole file of at most max_bytes (0: any size). Fails: PEN_NOT_FOUND, PEN_TOO_LARGE,

@@ -8,7 +8,7 @@
 
 json_t *pen_figure(double value)
 {
-    return json_real(round(value * 1000) / 1000);
+    return json_real(round(value * 1e6) / 1e6);
 }
 
 json_t *pen_figure_error(double error)

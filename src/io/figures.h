@@ -9,7 +9,7 @@
 
 #include "render/render.h"
 
-/* A number rounded to thousandths, so that milliseconds are exact to the microsecond. */
+/* A number rounded to millionths, so that milliseconds are exact to the nanosecond. */
 json_t *pen_figure(double value);
 
 /* An error of a picture, rounded to millionths. */

@@ -115,10 +115,10 @@ bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,
 {
     stats = pen_json_with(stats, "store_before_ms", pen_figure(context->store_ms));
     context->store_ms = 0;
-    stats = pen_json_with(stats, "commit_ms", json_integer(pen_clock_wall_ms()));
     output->stats = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
     json_decref(stats);
     output->result.stats = output->stats;
+    output->result.handed_ns = pen_clock_ns();
     return output->stats || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
 }
 

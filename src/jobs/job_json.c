@@ -21,7 +21,7 @@ json_t *pen_time_json(int64_t wall_ms)
  * jobs: as it was from its start to its last commit. Less than 1 if several work on it at once. */
 static double time_sharing(const struct pen_job_record *job)
 {
-    const double seconds = (double)(job->committed_ms - job->started_ms) / 1000;
+    const double seconds = (double)(job->committed_elapsed_us - job->queue_us) / 1e6;
     return job->committed_us > 0 ? seconds / ((double)job->committed_us / 1e6) : 1;
 }
 
@@ -40,7 +40,7 @@ static json_t *eta_json(const struct pen_job_record *job)
     const double estimated = (double)job->estimate_ms / 1000 * share * time_sharing(job);
     if (job->done_pixels == 0)
         return json_real(estimated);
-    const double seconds = (double)(job->updated_ms - job->started_ms) / 1000;
+    const double seconds = (double)(job->elapsed_us - job->queue_us) / 1e6;
     const double by_rate = seconds * (double)left / (double)job->done_pixels;
     return json_real(job->estimate_ms == 0 ? by_rate : share * estimated + (1 - share) * by_rate);
 }

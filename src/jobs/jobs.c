@@ -229,16 +229,15 @@ static size_t primitive_count(const json_t *objects)
     return count;
 }
 
-/* A built-in scene as the API lists it. Its title is the member `name` of the document. */
+/* A built-in scene as the API lists it. */
 static json_t *builtin_json(size_t i)
 {
     const char *name = pen_builtin_name(i);
     size_t bytes = 0;
     const char *text = pen_builtin_text(i, &bytes);
     json_t *document = json_loadb(text, bytes, 0, NULL);
-    const char *title = json_string_value(json_object_get(document, "name"));
     json_t *entry = json_pack("{s:s, s:s, s:I, s:I, s:s+}", "name", name, "title",
-                              title ? title : name, "bytes", (json_int_t)bytes, "objects",
+                              pen_builtin_summary(i), "bytes", (json_int_t)bytes, "objects",
                               (json_int_t)primitive_count(json_object_get(document, "objects")),
                               "href", "/v1/scenes/", name);
     json_decref(document);

@@ -12,7 +12,7 @@
  * pixels
  *
  * Each batch stores the waiting time before its own commit. No later batch stores that of the last
- * commit, so it is counted up to the wall clock that the commit's transaction has stored. */
+ * commit, so that up to the commit's transaction is stored beside them. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,20 +62,16 @@ static void add_rays(struct sum *sum, const json_t *stats)
     sum->float_resets += count_of(stats, "float_resets");
 }
 
-static void add_timing(struct sum *sum, const json_t *stats, int64_t done_ms)
+static void add_timing(struct sum *sum, const json_t *stats, int64_t commit_us)
 {
     const json_t *timing = json_object_get(stats, "timing");
-    double commit_ms = (double)done_ms - number(stats, "commit_ms");
     sum->parse_ms += number(timing, "parse_ms");
     sum->build_ms += number(timing, "build_ms");
     sum->render_ms += number(timing, "render_ms");
     sum->encode_ms += number(timing, "encode_ms");
     sum->cpu_ms += number(timing, "cpu_ms");
-    if (json_object_get(stats, "store_before_ms"))
-        sum->store_ms += number(stats, "store_before_ms");
-    else /* an earlier version has stored this batch */
-        sum->store_ms += sum->last_commit_ms;
-    sum->last_commit_ms = commit_ms > 0 ? commit_ms : 0;
+    sum->store_ms += number(stats, "store_before_ms");
+    sum->last_commit_ms = (double)commit_us / 1000;
 }
 
 static bool reserve_times(struct sum *sum, size_t more)
@@ -141,11 +137,11 @@ static void keep_largest_bound(struct sum *sum, const json_t *stats)
         keep_last(&sum->audit, stats, "audit");
 }
 
-static void add_batch(struct sum *sum, const json_t *stats, int64_t done_ms)
+static void add_batch(struct sum *sum, const json_t *stats, int64_t commit_us)
 {
     int threads = (int)count_of(stats, "threads");
     int64_t peak = (int64_t)count_of(json_object_get(stats, "memory"), "peak_bytes");
-    add_timing(sum, stats, done_ms);
+    add_timing(sum, stats, commit_us);
     add_rays(sum, stats);
     add_tiles(sum, stats);
     sum->threads = threads > sum->threads ? threads : sum->threads;
@@ -165,21 +161,20 @@ static bool take_batch(void *user, const struct pen_batch_stats *batch)
     json_t *stats = json_loads(batch->stats, 0, NULL);
     sum->damaged = !stats;
     if (stats)
-        add_batch(sum, stats, batch->done_ms);
+        add_batch(sum, stats, batch->commit_us);
     json_decref(stats);
     return !sum->damaged && !sum->no_memory;
 }
 
 static json_t *timing_json(const struct sum *sum, const struct pen_job_record *job)
 {
-    int64_t begun_ms = job->started_ms ? job->started_ms : job->finished_ms;
+    const int64_t queue_us = job->started_ms ? job->queue_us : job->elapsed_us;
     return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "queue_ms",
-                     pen_figure((double)(begun_ms - job->created_ms)), "parse_ms",
-                     pen_figure(sum->parse_ms), "build_ms", pen_figure(sum->build_ms), "render_ms",
-                     pen_figure(sum->render_ms), "encode_ms", pen_figure(sum->encode_ms),
-                     "store_ms", pen_figure(sum->store_ms + sum->last_commit_ms), "total_ms",
-                     pen_figure((double)(job->finished_ms - job->created_ms)), "cpu_ms",
-                     pen_figure(sum->cpu_ms));
+                     pen_figure((double)queue_us / 1000), "parse_ms", pen_figure(sum->parse_ms),
+                     "build_ms", pen_figure(sum->build_ms), "render_ms", pen_figure(sum->render_ms),
+                     "encode_ms", pen_figure(sum->encode_ms), "store_ms",
+                     pen_figure(sum->store_ms + sum->last_commit_ms), "total_ms",
+                     pen_figure((double)job->elapsed_us / 1000), "cpu_ms", pen_figure(sum->cpu_ms));
 }
 
 /* Gives the members that every statistics object has their empty values if they are not known,
@@ -234,8 +229,8 @@ static bool is_finite(const struct sum *sum)
     bool ok = isfinite(sum->parse_ms + sum->build_ms + sum->render_ms + sum->encode_ms) &&
               isfinite(sum->store_ms + sum->cpu_ms + sum->last_commit_ms);
     for (size_t i = 0; ok && i < sum->time_count; i++)
-        ok = isfinite(sum->times[i].ms * 1000); /* figures are rounded to thousandths */
-    return ok && isfinite(sum->render_ms * 1000) && isfinite(sum->cpu_ms * 1000);
+        ok = isfinite(sum->times[i].ms * 1e6); /* figures are rounded to millionths */
+    return ok && isfinite(sum->render_ms * 1e6) && isfinite(sum->cpu_ms * 1e6);
 }
 
 /* The statistics from the sums, which are released. NULL after an error. */

@@ -113,7 +113,7 @@ struct prepared {
     struct pen_job_new new;
     char id[PEN_ID_BYTES];
     char key_answer[PEN_ID_BYTES + 16]; /* {"id": …}, which is stored with the key */
-    char *request, *answer, *scene, *label;
+    char *request, *answer, *scene;
     unsigned char scene_sha256[32], body_sha256[32];
     struct pen_view_new *views;
     struct pen_batch_new *batches;
@@ -124,7 +124,6 @@ static void prepared_release(struct prepared *job)
     free(job->request);
     free(job->answer);
     free(job->scene);
-    free(job->label);
     free(job->views);
     free(job->batches);
 }
@@ -216,22 +215,20 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
     if (json && in->traceparent)
         json_object_set_new(json, "traceparent", json_string(in->traceparent));
     job->request = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
-    const bool labelled = json_object_size(request->labels) > 0; /* no labels are none */
-    job->label = labelled ? json_dumps(request->labels, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     job->new = (struct pen_job_new){.id = job->id,
                                     .created_ms = now_ms,
+                                    .created = pen_clock_moment(),
                                     .kind = pen_job_kinds[request->kind],
                                     .request = job->request,
                                     .priority = request->priority,
                                     .max_attempts = request->max_attempts,
                                     .timeout_ms = request->timeout_ms,
                                     .client = in->client,
-                                    .label = job->label,
                                     .queue_max = jobs->limits.queue,
                                     .client_queue_max = client_queue_max(&jobs->limits, in),
                                     .idempotency_key = in->idempotency_key};
     pen_id_make(job->new.created_ms, job->id);
-    bool ok = (job->request && (job->label || !labelled) && prepare_scene(job, request)) ||
+    bool ok = (job->request && prepare_scene(job, request)) ||
               pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
     ok = ok && prepare_views(job, request, st) && (job->answer = make_first_answer(job, json, st));
     json_decref(json);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The commit of a batch (README.md, "Commit"): fenced by the attempt, idempotent; pixels and state
  * become visible in one transaction. Assemble batches make pictures from committed pixels. */
+#include "base/clock.h"
 #include "store/internal/policy.h"
 
 struct commit {
@@ -119,13 +120,18 @@ static bool write_result(struct pen_store *store, struct commit *commit, struct 
 {
     struct pen_driver *driver = store->driver;
     enum pen_batch_kind kind = commit->batch.kind;
+    const int64_t handed_ns = commit->result->handed_ns;
+    const struct pen_batch_end end = {.stats = commit->result->stats,
+                                      .now_ms = commit->now_ms,
+                                      .commit_us =
+                                          handed_ns ? (pen_clock_ns() - handed_ns) / 1000 : 0};
     bool done;
     store->changed = true;
     /* Progress comes first: it gives the job the revision that batch_done stores with the batch. */
     if (!split(store, commit, st) || !pen_charge_time(store, commit->claim, st) ||
         !add_progress(driver, commit, st) ||
-        !driver->ops->batch_done(driver, commit->claim->batch, commit->claim->attempt,
-                                 commit->result->stats, commit->now_ms, &done, st))
+        !driver->ops->batch_done(driver, commit->claim->batch, commit->claim->attempt, &end, &done,
+                                 st))
         return false;
     if (!done)
         return pen_fail(st, PEN_STALE, "the batch is no longer held; its result was refused");

@@ -169,6 +169,12 @@ bool pen_policy_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats
                       struct pen_status *st)
 {
     struct purge purge = {key_age_ms, stats_age_ms, true};
+    int64_t now_ms;
+    bool wait;
+    if (!store->driver->ops->now(store->driver, &now_ms, st) ||
+        !pen_ages_wait(store, now_ms, &wait, st))
+        return false;
+    purge.more = !wait;
     while (purge.more) {
         if (!pen_store_write(store, write_purge, &purge, st))
             return false;

@@ -6,6 +6,7 @@
  *    in the minute after its end, in which its client fetches the results, unless the store holds
  *    more than keep_bytes. Its limits are the store's: they are stored, so that all processes
  *    follow the same.
+ *  - By age it waits a day if the clock has jumped ahead (pen_ages_wait).
  *  - By bytes it begins an eighth below keep_bytes, or where a job was just refused for lack of
  *    space, as far as that job needs. It removes nothing unless all that it could remove would be
  *    enough: below keep_bytes, or where it begins, if the store is below keep_bytes.
@@ -392,22 +393,23 @@ bool pen_policy_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *fo
     struct pen_retention keep;
     struct ended next;
     int64_t count, now_ms;
-    bool more;
+    bool more, wait;
     struct excess excess;
     *found = false;
     if (!pen_policy_retention(store, &keep, st))
         return false;
     if (keep.keep_ms == 0 && keep.keep_bytes == 0 && keep.keep_jobs == 0)
         return true;
-    if (!driver->ops->now(driver, &now_ms, st) || !find_next(store, now_ms, &next, st) ||
-        !driver->ops->count_ended(driver, &count, st) || !trim_stats(store, keep.keep_bytes, st) ||
+    if (!driver->ops->now(driver, &now_ms, st) || !pen_ages_wait(store, now_ms, &wait, st) ||
+        !find_next(store, now_ms, &next, st) || !driver->ops->count_ended(driver, &count, st) ||
+        !trim_stats(store, keep.keep_bytes, st) ||
         !find_excess(store, keep.keep_bytes, &excess, st))
         return false;
     if (!next.found)
         return !excess.stats || pen_store_write(store, write_drop_stats, &more, st);
     memcpy(id, next.id, sizeof next.id);
     *found = (excess.above || next.ms < now_ms - GRACE_MS) &&
-             (excess.any || (keep.keep_ms > 0 && next.ms < now_ms - keep.keep_ms) ||
+             (excess.any || (keep.keep_ms > 0 && !wait && next.ms < now_ms - keep.keep_ms) ||
               (keep.keep_jobs > 0 && count > keep.keep_jobs));
     return true;
 }

@@ -31,6 +31,7 @@
 #include <stdint.h>
 
 #include "base/buf.h"
+#include "base/clock.h"
 #include "base/status.h"
 #include "store/pixels.h"
 
@@ -188,8 +189,9 @@ struct pen_batch_new {
 };
 
 struct pen_job_new {
-    const char *id;     /* UUIDv7 */
-    int64_t created_ms; /* by pen_store_now; also the time in the id and in the answer */
+    const char *id;            /* UUIDv7 */
+    int64_t created_ms;        /* by pen_store_now; also the time in the id and in the answer */
+    struct pen_moment created; /* the same moment */
     const char *kind;
     const char *request; /* JSON: the job as accepted, without its scene */
     const void *scene;   /* the scene document as sent; stored once per content */
@@ -202,7 +204,6 @@ struct pen_job_new {
     int batch_count;
     const struct pen_batch_new *batches;
     const char *client;                  /* the job's owner, who also has its share; NULL: "" */
-    const char *label;                   /* what divides the share of the client; NULL: none */
     int64_t queue_max, client_queue_max; /* the most unfinished jobs, this one included: in all,
                                             and of this client; 0: any number */
     const char *idempotency_key;         /* of the client; NULL: none */
@@ -245,7 +246,10 @@ struct pen_job_record {
     int64_t done_pixels, total_pixels;
     int64_t estimate_ms;  /* what rendering is expected to take in all; 0: not estimated */
     int64_t committed_us; /* how long workers had worked on it at its last commit */
-    int64_t committed_ms; /* when that was; 0: there was none */
+    /* The time since the submit: up to the last change; up to the last commit, 0: there was none;
+     * up to the first claim. Measured by the clock of the boot. From one boot to the next it is the
+     * difference of the store's clock, or none if that was set back. */
+    int64_t elapsed_us, committed_elapsed_us, queue_us;
 };
 
 void pen_job_record_release(struct pen_job_record *job);
@@ -359,6 +363,7 @@ struct pen_result {
     int part_tiles; /* of a render batch: it has its first tiles only, so many; 0: all */
     const struct pen_pixels *encoded; /* the same, encoded; or NULL. Only render batches have one */
     const char *stats;                /* JSON, kept as long as the job */
+    int64_t handed_ns;                /* when it was given to the store, by pen_clock_ns; 0: now */
     const char *layer, *format;       /* of the artefact; NULL: none */
     const void *artefact;
     size_t artefact_bytes;
@@ -525,7 +530,7 @@ bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pix
 struct pen_batch_stats {
     enum pen_batch_kind kind;
     int view;
-    int64_t done_ms; /* time of its commit, by the store's clock */
+    int64_t commit_us; /* how long the worker waited for its commit */
     const char *stats;
 };
 typedef bool pen_stats_fn(void *user, const struct pen_batch_stats *batch);

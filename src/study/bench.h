@@ -2,9 +2,11 @@
 /* The benchmark: one scene rendered under several settings, timed, and its pictures compared.
  *
  * A row is one combination of settings. A run freezes the scene, which builds its tree, and renders
- * all views, under the settings of one row; the run's time is the sum of both. A pass visits every
- * row once, in a random order of its own, so that neither a change of the machine's load nor one
- * that comes again and again meets one row more than others. Runs come in this order:
+ * all views, under the settings of one row; the run's time is the sum of both. If that is less than
+ * a millisecond, the run does it again and again for a millisecond, and its time is the mean. A
+ * pass visits every row once, in a random order of its own, so that neither a change of the
+ * machine's load nor one that comes again and again meets one row more than others. Runs come in
+ * this order:
  *
  * 1. `warmup` passes. Their times are thrown away.
  * 2. Passes whose times are kept: the repeats. The time of a row over that of the baseline in the
@@ -41,6 +43,7 @@ struct pen_bench_row {
 
 /* The times of one run. Units: ms. */
 struct pen_bench_times {
+    int in_a_row; /* the times are means of so many freezes and renders */
     double build_ms, render_ms;
     double cpu_ms;   /* of the render threads */
     double used;     /* the processor time of build and render over what could have been used */

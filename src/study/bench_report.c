@@ -54,6 +54,20 @@ static bool note_spoiled(const struct pen_bench_row_result *row, const char *nam
                                         row->spoiled, repeats, name, row->used * 100));
 }
 
+/* Notes if the runs of a row are so short that each was made several times in a row. */
+static bool note_short(const struct pen_bench_row_result *row, int number, int repeats,
+                       json_t *notes)
+{
+    int least = repeats > 0 ? row->runs[0].in_a_row : 1;
+    for (int i = 1; i < repeats; i++)
+        least = row->runs[i].in_a_row < least ? row->runs[i].in_a_row : least;
+    return least <= 1 ||
+           add_note(notes,
+                    json_sprintf("a run of row %d takes less than 1 ms, so each of its times "
+                                 "is the mean of at least %d in a row",
+                                 number, least));
+}
+
 static bool note_rows_spoiled(const struct pen_bench *bench, const struct pen_bench_result *result,
                               json_t *notes)
 {
@@ -109,7 +123,8 @@ static json_t *notes_json(const struct pen_bench *bench, const struct pen_bench_
               note_rows_spoiled(bench, result, notes) && note_verdicts(bench, result, notes) &&
               note_undecided(bench, result, notes);
     for (int row = 0; ok && row < bench->row_count; row++)
-        ok = note_threads(bench, result, row, notes);
+        ok = note_short(&result->rows[row], row, result->repeats, notes) &&
+             note_threads(bench, result, row, notes);
     if (ok)
         return notes;
     json_decref(notes);

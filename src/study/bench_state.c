@@ -8,7 +8,7 @@
 #include "io/json_build.h"
 #include "study/internal/kept_state.h"
 
-enum { VERSION = 1, TIMES = 6 };
+enum { VERSION = 2, TIMES = 7 };
 
 static const struct pen_bench_times *times_of(const struct pen_bench_state *s, int slot)
 {
@@ -35,7 +35,8 @@ static json_t *slot_json(const struct pen_bench_state *s, int slot)
     json_t *list = json_array();
     for (int i = 0; i < count; i++) {
         const double times[TIMES] = {runs[i].build_ms, runs[i].render_ms, runs[i].cpu_ms,
-                                     runs[i].used,     runs[i].steal_ms,  runs[i].spoiled};
+                                     runs[i].used,     runs[i].steal_ms,  runs[i].spoiled,
+                                     runs[i].in_a_row};
         for (int t = 0; t < TIMES; t++)
             json_array_append_new(list, json_real(times[t]));
     }
@@ -126,12 +127,14 @@ static void read_slot(struct pen_bench_state *s, int slot, const json_t *list, i
         double times[TIMES];
         for (int t = 0; t < TIMES; t++)
             times[t] = json_number_value(json_array_get(list, (size_t)(i * TIMES + t)));
-        row->runs[i] = (struct pen_bench_times){.build_ms = times[0],
-                                                .render_ms = times[1],
-                                                .cpu_ms = times[2],
-                                                .used = times[3],
-                                                .steal_ms = times[4],
-                                                .spoiled = times[5] != 0};
+        row->runs[i] = (struct pen_bench_times){
+            .build_ms = times[0],
+            .render_ms = times[1],
+            .cpu_ms = times[2],
+            .used = times[3],
+            .steal_ms = times[4],
+            .spoiled = times[5] != 0,
+            .in_a_row = times[6] >= 1 && times[6] < 1e6 ? (int)times[6] : 1};
     }
 }
 

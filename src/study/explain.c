@@ -349,15 +349,40 @@ static void write_effects(const json_t *list, const char *title, struct pen_buf 
     }
 }
 
-static void write_estimate(const char *name, const json_t *e, const char *unit, struct pen_buf *out)
+/* A unit, for numbers of at least `from`. */
+struct unit {
+    double from, one;
+    const char *name;
+};
+static const struct unit ray_units[] = {{1e9, 1e9, "billion rays"},
+                                        {1e6, 1e6, "million rays"},
+                                        {1e4, 1e3, "thousand rays"},
+                                        {0, 1, "rays"}};
+static const struct unit time_units[] = {{1e3, 1e3, "s"}, {0, 1, "ms"}};
+
+/* Writes no more digits than the interval deserves: its ends differ by two at least in the last
+ * one. An exact number has all digits. */
+static void write_estimate(const char *name, const json_t *e, const struct unit *unit,
+                           struct pen_buf *out)
 {
     const json_t *actual = json_object_get(e, "actual");
-    pen_buf_printf(out, "  %-20s %14.10g   %.10g to %.10g%s", name,
-                   json_number_value(json_object_get(e, "expected")),
-                   json_number_value(json_object_get(e, "low")),
-                   json_number_value(json_object_get(e, "high")), unit);
+    double low = json_number_value(json_object_get(e, "low")),
+           high = json_number_value(json_object_get(e, "high"));
+    const bool exact = low == high;
+    while (exact ? unit->from > 0 : high < unit->from)
+        unit++;
+    low /= unit->one;
+    high /= unit->one;
+    int digits = 0; /* after the point */
+    for (double width = high - low; !exact && digits < 3 && width < 2; digits++)
+        width *= 10;
+    pen_buf_printf(out, "  %-20s %8.*f", name, digits,
+                   json_number_value(json_object_get(e, "expected")) / unit->one);
+    if (!exact)
+        pen_buf_printf(out, "   %.*f to %.*f", digits, low, digits, high);
+    pen_buf_printf(out, " %s", unit->name);
     if (actual)
-        pen_buf_printf(out, "   actual %.10g", json_number_value(actual));
+        pen_buf_printf(out, "   actual %.*f", digits, json_number_value(actual) / unit->one);
     pen_buf_puts(out, "\n");
 }
 
@@ -371,9 +396,9 @@ void pen_explain_write_text(const json_t *explanation, struct pen_buf *out)
                    json_string_value(json_object_get(explanation, "kernel")));
     json_object_foreach(json_object_get(explanation, "rays"), key, value)
     {
-        write_estimate(key, value, " rays", out);
+        write_estimate(key, value, ray_units, out);
     }
-    write_estimate("time", json_object_get(explanation, "time_ms"), " ms", out);
-    pen_buf_printf(out, "  %-20s %14.10g bytes\n", "memory",
-                   json_number_value(json_object_get(explanation, "memory_bytes")));
+    write_estimate("time", json_object_get(explanation, "time_ms"), time_units, out);
+    const double mib = json_number_value(json_object_get(explanation, "memory_bytes")) / 0x1p20;
+    pen_buf_printf(out, "  %-20s %8.*f MiB\n", "memory", mib < 10 ? 2 : mib < 100 ? 1 : 0, mib);
 }

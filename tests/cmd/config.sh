@@ -115,8 +115,10 @@ for address in 127.0.0.1:0 localhost:0; do
         "$(curl -s -o body -w '%{http_code}' "$(sed -n '1s/^listening on //p' form.out)/healthz")" 200
     expect "the first line has the address as given: $address" "$(sed 's/[0-9]*$//' form.out)" \
         "listening on http://${address%0}"
-    exits "a port that is in use" 5 "$penumbrad" --store first.db \
-        --listen "$(sed -n '1s#^listening on http://##p' form.out)"
+    listening=$(sed -n '1s#^listening on http://##p' form.out)
+    exits "a port that is in use" 5 "$penumbrad" --store other.db --listen "$listening"
+    prints "the error names address and port" stderr "cannot listen on $listening: Address already in use"
+    prints "and a way out" stderr "another port with --listen"
     daemon_stop
     expect "standard output has no other line" "$(wc -l <form.out | tr -d ' ')" 1
 done

@@ -49,6 +49,9 @@ exits "an explanation" 0 "$penumbra" explain builtin:glass --set width=80 --set 
 tr -s ' \n' ' ' <stdout >line
 expect_match "what the scene calls for" "$(cat line)" "*kt > 0 and an ior other than 1*"
 prints "what it does not" stdout "aperture_radius is 0"
+exits "an explanation that is an estimate" 0 "$penumbra" explain builtin:glass --set samples_per_pixel=9
+expect_match "rounds to what its interval tells" "$(grep '^  total ' stdout | tr -s ' ')" \
+    ' total [0-9][0-9].[0-9] [0-9][0-9].[0-9] to [0-9][0-9].[0-9] million rays'
 exits "an explanation with a render" 0 "$penumbra" explain builtin:glass --set width=64 --set height=48 --analyze --json
 expect "rays are expected as they are: all pixels are counted" \
     "$(jq '[.rays[] | .expected == .actual and .low == .high] | all' stdout)" true

@@ -86,6 +86,9 @@ exits "render to pfm" 0 "$penumbra" render scene.json -o a.pfm
 expect "writes a pfm" "$(head -n 2 a.pfm | tr '\n' ' ')" "PF 61 43 "
 exits "render to 16 bits" 0 "$penumbra" render scene.json -o deep.png --format png16
 expect "writes 16 bits a channel" "$(od -An -tu1 -j24 -N1 deep.png | tr -d ' ')" 16
+exits "an ending in capitals" 0 "$penumbra" render scene.json -o A.PNG
+exits "an ending in both cases" 0 "$penumbra" render scene.json -o a.Pfm
+check "gives the same formats" sh -c "cmp A.PNG a.png && cmp a.Pfm a.pfm"
 exits "--format wins over the ending" 0 "$penumbra" render scene.json -o odd.png --format pfm
 check "and gives the same bytes" cmp odd.png a.pfm
 "$penumbra" render - -o b.png <scene.json
@@ -209,7 +212,9 @@ prints "the other one is reported as valid" stdout "scene.json: valid"
 exits "validate --json" 0 "$penumbra" validate scene.json --json
 expect "validate --json prints the API's answer" "$(jq .valid stdout)" true
 exits "scenes" 0 "$penumbra" scenes
-prints "scenes lists the room" stdout "room"
+expect "scenes lists each scene with a line that says more than its name" \
+    "$(awk '{ name = $1; sub(/^[^ ]* +/, "") } $0 != name && NF > 3 && length(name $0) < 78' stdout | wc -l)" \
+    "$(ls "$root"/scenes/*.json | wc -l)"
 exits "scenes NAME" 0 "$penumbra" scenes room
 check "scenes NAME prints the scene" cmp stdout "$root/scenes/room.json"
 exits "scenes --json" 0 "$penumbra" scenes --json

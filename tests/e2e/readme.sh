@@ -47,7 +47,7 @@ expect report-is-a-page "$(head -n 1 report.html)" "<!doctype html>"
 sed -n '/^\$ curl -s localhost:8080\/v1\/validate/,/^```$/p' "$root/README.md" >example
 sed -n "1,/jq .errors\$/p" example | tr -d '\n' | sed "s/^[^']*'//; s/'.*//" >example.json
 sed '1,/jq .errors$/d; /^```$/d' example >example.wanted
-curl -s "$url/v1/validate" -d @example.json | jq .errors >example.got
+curl -s "$url/v1/validate" --data-binary @example.json | jq .errors >example.got
 expect error-example "$(cat example.got)" "$(cat example.wanted)"
 # The scene in JSON and its twin in XML have one picture.
 for kind in json xml; do

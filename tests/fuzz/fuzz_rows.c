@@ -34,11 +34,11 @@ static void check_stats(char *text)
     enum { BATCHES = 8 };
     struct pen_batch_stats batch[BATCHES];
     const struct pen_job_record job = {
-        .id = "x", .created_ms = 1, .started_ms = 2, .finished_ms = 9};
+        .id = "x", .started_ms = 2, .queue_us = 1000, .elapsed_us = 8000};
     struct pen_status st = {0};
     size_t count = 0;
     for (char *next = text; next && count < BATCHES; count++) {
-        batch[count] = (struct pen_batch_stats){.stats = next, .done_ms = 5};
+        batch[count] = (struct pen_batch_stats){.stats = next, .commit_us = 5000};
         next = strchr(next, '\n');
         if (next)
             *next++ = '\0';

@@ -172,6 +172,44 @@ START_TEST(test_list__name_and_label_filter)
 }
 END_TEST
 
+/* The numbers of the jobs of which the batches are claimed, in this order, as digits. */
+static void claim_all(bool labelled, char order[32])
+{
+    enum { JOBS = 4, VIEWS = 3 };
+    char ids[JOBS][PEN_ID_BYTES], body[4400];
+    int n = 0;
+    jobs_bed_open(&bed);
+    for (int i = 0; i < JOBS; i++) {
+        snprintf(body, sizeof body,
+                 "{\"labels\": {\"frame\": \"%d\"}, \"scene\": %s, \"render\": {\"width\": 4,"
+                 " \"height\": 4}}",
+                 labelled ? i : 0,
+                 jobs_scene(", \"views\": [{\"name\": \"a\"}, {\"name\": \"b\"},"
+                            " {\"name\": \"c\"}]"));
+        jobs_submit(&bed, body, ids[i]);
+    }
+    for (; n < JOBS * VIEWS; n++) {
+        struct pen_claim claim = store_claim(bed.bed.store, "w");
+        claim.spent_us = 1000000;
+        ck_assert_int_eq(store_commit(bed.bed.store, &claim), PEN_OK);
+        for (int i = 0; i < JOBS; i++)
+            order[n] = strcmp(claim.job_id, ids[i]) ? order[n] : (char)('0' + i);
+    }
+    order[n] = '\0';
+    jobs_bed_close(&bed);
+}
+
+/* Four frames of three views, with a label for each frame and with the same label for all. */
+START_TEST(test_list__labels_do_not_affect_the_order_of_jobs)
+{
+    char same[32] = "", each[32] = "";
+    claim_all(false, same);
+    claim_all(true, each);
+    ck_assert_str_eq(each, same);
+    ck_assert_msg(strrchr(each, '0') - each < 8, "the first job ends late: %s", each);
+}
+END_TEST
+
 START_TEST(test_list__wrong_cursors_and_limits_are_refused)
 {
     static const char *const bad[] = {
@@ -353,7 +391,7 @@ static void check_eta(double spent_s)
     store_must(pen_store_commit(bed.bed.store, &claim, &result, &st), &st, "commit");
     struct pen_job_record job = store_job_get(bed.bed.store, id);
     const double left = 1 - (double)job.done_pixels / 4096,
-                 took = (double)(job.updated_ms - job.started_ms) / 1000,
+                 took = (double)(job.elapsed_us - job.queue_us) / 1e6,
                  rate = took * left / (1 - left), sharing = spent_s > 0 ? took / spent_s : 1,
                  wanted = left * left * 8000 * sharing + (1 - left) * rate;
     ck_assert(left > 0 && left < 1);
@@ -519,7 +557,8 @@ END_TEST
 
 PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps,
           test_list__a_page_ends_at_a_mebibyte, test_list__state_filters,
-          test_list__name_and_label_filter, test_list__wrong_cursors_and_limits_are_refused,
+          test_list__name_and_label_filter, test_list__labels_do_not_affect_the_order_of_jobs,
+          test_list__wrong_cursors_and_limits_are_refused,
           test_list__cancel_and_delete_follow_the_state,
           test_list__only_the_client_of_a_job_changes_it,
           test_list__job_that_ends_while_it_is_deleted_stays_with_its_statistics,

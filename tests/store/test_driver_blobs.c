@@ -410,7 +410,8 @@ static void commit_batch(const struct driver_job *job, int i, size_t bytes)
     snprintf(stats, sizeof stats, "{\"batch\": %d}", i);
     driver_lease(bed.driver, job->batch[i], 1, "w", 1000);
     DRIVER_RUN(bed.driver, begin_write);
-    DRIVER_DO(bed.driver, batch_done, job->batch[i], 1, stats, 70 + i, &changed);
+    DRIVER_DO(bed.driver, batch_done, job->batch[i], 1,
+              &(struct pen_batch_end){stats, 70 + i, 7 + i}, &changed);
     DRIVER_DO(bed.driver, pixels_add, job->batch[i], &start);
     DRIVER_RUN(bed.driver, commit);
     ck_assert(changed);
@@ -459,7 +460,7 @@ START_TEST(test_driver_blobs__statistics_are_listed_in_order)
     ck_assert_int_eq(count, 2);
     ck_assert_int_eq(rows[0].batch, job.batch[0]);
     ck_assert_str_eq(rows[0].stats.stats, "{\"batch\": 0}");
-    ck_assert_int_eq(rows[0].stats.done_ms, 70);
+    ck_assert_int_eq(rows[0].stats.commit_us, 7);
     ck_assert_int_eq(rows[0].stats.view, 0);
     ck_assert_int_eq(rows[0].stats.kind, PEN_BATCH_RENDER);
     ck_assert_str_eq(rows[1].stats.stats, "{\"batch\": 2}");

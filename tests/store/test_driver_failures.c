@@ -268,7 +268,8 @@ START_TEST(test_driver_failures__audit_finds_contradictions)
     driver_audit_clean(bed.driver);
     driver_lease(bed.driver, job.batch[0], 1, "w", 1000);
     DRIVER_RUN(bed.driver, begin_write);
-    DRIVER_DO(bed.driver, batch_done, job.batch[0], 1, "{}", 9, &changed);
+    DRIVER_DO(bed.driver, batch_done, job.batch[0], 1, &(struct pen_batch_end){"{}", 9, 0},
+              &changed);
     DRIVER_RUN(bed.driver, commit);
     DRIVER_DO(bed.driver, audit, &findings, &found);
     ck_assert_int_ge(found, 2);

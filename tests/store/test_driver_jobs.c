@@ -361,7 +361,8 @@ START_TEST(test_driver_jobs__open_and_leased_batches_are_ended_and_done_ones_sta
     driver_lease(bed.driver, job.batch[0], 1, "w", 1000);
     driver_lease(bed.driver, job.batch[1], 1, "w", 1000);
     DRIVER_RUN(bed.driver, begin_write);
-    DRIVER_DO(bed.driver, batch_done, job.batch[0], 1, "{}", 9, &changed);
+    DRIVER_DO(bed.driver, batch_done, job.batch[0], 1, &(struct pen_batch_end){"{}", 9, 0},
+              &changed);
     DRIVER_DO(bed.driver, job_end_batches, job.number);
     DRIVER_RUN(bed.driver, commit);
     ck_assert_int_eq(driver_batch_row(bed.driver, job.batch[0]).state, PEN_BATCH_DONE);
@@ -434,7 +435,8 @@ START_TEST(test_driver_jobs__progress_is_raised_and_never_lowered)
         DRIVER_RUN(bed.driver, begin_write);
         DRIVER_DO(bed.driver, job_progress, &in);
         if (steps[i].done >= 0)
-            DRIVER_DO(bed.driver, batch_done, batch[steps[i].done], 1, "{}", 9, &done);
+            DRIVER_DO(bed.driver, batch_done, batch[steps[i].done], 1,
+                      &(struct pen_batch_end){"{}", 9, 0}, &done);
         DRIVER_RUN(bed.driver, commit);
         struct pen_job_row row = driver_job_row(bed.driver, 1);
         ck_assert_int_eq(row.record.done_pixels, steps[i].expected);
@@ -488,7 +490,8 @@ static int64_t store_results(const struct driver_job *job)
     bool changed;
     driver_lease(bed.driver, job->batch[0], 1, "w", 1000);
     DRIVER_RUN(bed.driver, begin_write);
-    DRIVER_DO(bed.driver, batch_done, job->batch[0], 1, "{}", 9, &changed);
+    DRIVER_DO(bed.driver, batch_done, job->batch[0], 1, &(struct pen_batch_end){"{}", 9, 0},
+              &changed);
     DRIVER_DO(bed.driver, pixels_add, job->batch[0], &data);
     DRIVER_DO(bed.driver, artefact_put, &key, 1, &data, &artefact);
     DRIVER_RUN(bed.driver, commit);

@@ -234,7 +234,8 @@ static bool make_change(enum change change, int64_t batch, int64_t attempt)
         DRIVER_DO(bed.driver, batch_open, batch, attempt, &changed);
         break;
     case CHANGE_DONE:
-        DRIVER_DO(bed.driver, batch_done, batch, attempt, "{}", 9, &changed);
+        DRIVER_DO(bed.driver, batch_done, batch, attempt, &(struct pen_batch_end){"{}", 9, 0},
+                  &changed);
         break;
     case CHANGE_EXTEND:
         DRIVER_DO(bed.driver, batch_extend, batch, attempt, 5000, &changed);
@@ -307,7 +308,8 @@ START_TEST(test_driver_leases__done_takes_the_revision_of_its_job)
         DRIVER_RUN(bed.driver, begin_write);
         DRIVER_DO(bed.driver, job_progress, &progress);
         bool changed = false;
-        DRIVER_DO(bed.driver, batch_done, job.batch[i], 1, "{}", 9, &changed);
+        DRIVER_DO(bed.driver, batch_done, job.batch[i], 1, &(struct pen_batch_end){"{}", 9, 0},
+                  &changed);
         DRIVER_RUN(bed.driver, commit);
         ck_assert(changed);
     }

@@ -121,7 +121,8 @@ START_TEST(test_driver_lost__quarantine_lasts_until_the_batch_is_done)
     ck_assert(is_quarantined(job[0].number, 0));
     driver_lease(bed.driver, job[0].batch[0], 4, "a", 1000);
     DRIVER_RUN(bed.driver, begin_write);
-    DRIVER_DO(bed.driver, batch_done, job[0].batch[0], 4, "{}", 9, &changed);
+    DRIVER_DO(bed.driver, batch_done, job[0].batch[0], 4, &(struct pen_batch_end){"{}", 9, 0},
+              &changed);
     DRIVER_RUN(bed.driver, commit);
     ck_assert(changed);
     ck_assert(!is_quarantined(job[0].number, 0));

@@ -465,7 +465,6 @@ static bool append_stats(void *user, const struct pen_batch_stats *batch)
     char *text = user;
     size_t used = strlen(text);
     snprintf(text + used, 64 - used, "%d%d%s ", batch->view, (int)batch->kind, batch->stats);
-    ck_assert_int_gt(batch->done_ms, 1000000);
     return true;
 }
 

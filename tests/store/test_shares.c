@@ -19,8 +19,8 @@ static int next_job;
 static int of[JOBS_MAX];
 static int64_t got_us[4];
 
-static bool submit_job(int kind, const char *client, const char *label, int batches, int priority,
-                       int64_t queue_max, int64_t client_max, struct pen_status *st)
+static bool submit_job(int kind, const char *client, int batches, int priority, int64_t queue_max,
+                       int64_t client_max, struct pen_status *st)
 {
     struct store_job in;
     struct pen_buf answer = {0};
@@ -28,7 +28,6 @@ static bool submit_job(int kind, const char *client, const char *label, int batc
     ck_assert_int_lt(next_job, JOBS_MAX);
     store_job_init(&in, next_job, 1, batches);
     in.job.client = client;
-    in.job.label = label;
     in.job.priority = priority;
     in.job.queue_max = queue_max;
     in.job.client_queue_max = client_max;
@@ -39,16 +38,16 @@ static bool submit_job(int kind, const char *client, const char *label, int batc
     return ok;
 }
 
-static void submit(int kind, const char *client, const char *label, int batches)
+static void submit(int kind, const char *client, int batches)
 {
     struct pen_status st;
-    store_must(submit_job(kind, client, label, batches, 0, 0, 0, &st), &st, "submit");
+    store_must(submit_job(kind, client, batches, 0, 0, 0, &st), &st, "submit");
 }
 
-static void submit_many(int count, int kind, const char *client, const char *label)
+static void submit_many(int count, int kind, const char *client)
 {
     for (int i = 0; i < count; i++)
-        submit(kind, client, label, 1);
+        submit(kind, client, 1);
 }
 
 static void open_bed(void)
@@ -99,8 +98,8 @@ static void expect_about(int64_t got, int64_t wanted, int64_t off)
 START_TEST(test_shares__clients_get_the_same_time_whatever_they_queue)
 {
     open_bed();
-    submit_many(200, 0, "10.0.0.1", NULL);
-    submit_many(20, 1, "10.0.0.2", NULL);
+    submit_many(200, 0, "10.0.0.1");
+    submit_many(20, 1, "10.0.0.2");
     serve_many(30, seconds);
     expect_about(got_us[1], 15 * SECOND_US, SECOND_US);
     store_bed_close(&bed);
@@ -116,9 +115,9 @@ START_TEST(test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_no
     struct pen_status st;
     open_bed();
     store_worker_seen(bed.store, "w");
-    submit_many(60, 1, "10.0.0.2", NULL);
+    submit_many(60, 1, "10.0.0.2");
     for (int cancelled = 0; cancelled < CANCELLED;) {
-        submit(0, "10.0.0.1", NULL, 1);
+        submit(0, "10.0.0.1", 1);
         const int64_t begun_ns = pen_clock_ns();
         struct pen_claim claim = store_claim(bed.store, "w");
         for (; kind_of(&claim) == 1; claim = store_claim(bed.store, "w")) {
@@ -143,40 +142,11 @@ START_TEST(test_shares__it_is_time_that_is_shared_not_batches)
 {
     const int64_t us[4] = {10 * SECOND_US, SECOND_US};
     open_bed();
-    submit_many(20, 0, "10.0.0.1", NULL);
-    submit_many(120, 1, "10.0.0.2", NULL);
+    submit_many(20, 0, "10.0.0.1");
+    submit_many(120, 1, "10.0.0.2");
     serve_many(88, us);
     expect_about(got_us[0], got_us[1], 10 * SECOND_US);
     ck_assert_int_ge(got_us[0], 70 * SECOND_US);
-    store_bed_close(&bed);
-}
-END_TEST
-
-START_TEST(test_shares__labels_divide_the_share_of_their_client)
-{
-    open_bed();
-    submit_many(60, 0, "10.0.0.1", "x");
-    submit_many(60, 1, "10.0.0.1", "y");
-    submit_many(60, 2, "10.0.0.2", "x");
-    serve_many(40, seconds);
-    expect_about(got_us[0], 10 * SECOND_US, SECOND_US);
-    expect_about(got_us[1], 10 * SECOND_US, SECOND_US);
-    expect_about(got_us[2], 20 * SECOND_US, SECOND_US);
-    store_bed_close(&bed);
-}
-END_TEST
-
-START_TEST(test_shares__new_labels_take_nothing_from_other_clients)
-{
-    char label[24];
-    open_bed();
-    submit_many(60, 0, "10.0.0.1", NULL);
-    for (int i = 0; i < 60; i++) {
-        snprintf(label, sizeof label, "shot %d", i);
-        submit(1, "10.0.0.2", label, 1);
-    }
-    serve_many(40, seconds);
-    expect_about(got_us[0], 20 * SECOND_US, SECOND_US);
     store_bed_close(&bed);
 }
 END_TEST
@@ -185,9 +155,9 @@ END_TEST
 START_TEST(test_shares__time_that_was_not_asked_for_is_not_owed)
 {
     open_bed();
-    submit_many(140, 0, "10.0.0.1", NULL);
+    submit_many(140, 0, "10.0.0.1");
     serve_many(100, seconds);
-    submit_many(40, 1, "10.0.0.2", NULL);
+    submit_many(40, 1, "10.0.0.2");
     serve_many(40, seconds);
     expect_about(got_us[0], 120 * SECOND_US, SECOND_US);
     expect_about(got_us[1], 20 * SECOND_US, SECOND_US);
@@ -200,11 +170,11 @@ START_TEST(test_shares__debts_are_bounded)
 {
     const int64_t us[4] = {36000 * INT64_C(1000000), 60 * SECOND_US};
     open_bed();
-    submit(0, "10.0.0.1", NULL, 1);
-    submit_many(40, 1, "10.0.0.2", NULL);
+    submit(0, "10.0.0.1", 1);
+    submit_many(40, 1, "10.0.0.2");
     while (got_us[0] == 0)
         serve(us);
-    submit(2, "10.0.0.1", NULL, 1);
+    submit(2, "10.0.0.1", 1);
     int waited = 0;
     while (serve(us) != 2)
         waited++;
@@ -217,8 +187,8 @@ END_TEST
 START_TEST(test_shares__short_jobs_share_with_the_long_one_before_them)
 {
     open_bed();
-    submit(0, "10.0.0.1", NULL, 8); /* eight batches of 5 s */
-    submit_many(30, 1, "10.0.0.1", NULL);
+    submit(0, "10.0.0.1", 8); /* eight batches of 5 s */
+    submit_many(30, 1, "10.0.0.1");
     const int64_t us[4] = {5 * SECOND_US, SECOND_US};
     while (got_us[1] < 30 * SECOND_US && got_us[0] < 40 * SECOND_US)
         serve(us);
@@ -230,10 +200,10 @@ END_TEST
 START_TEST(test_shares__long_job_is_not_starved_by_short_ones_that_keep_coming)
 {
     open_bed();
-    submit(0, "10.0.0.1", NULL, 8);
+    submit(0, "10.0.0.1", 8);
     for (int i = 0; i < 60 && got_us[0] < 8 * SECOND_US; i++) {
-        submit(1, "10.0.0.1", NULL, 1);
-        submit(1, "10.0.0.1", NULL, 1);
+        submit(1, "10.0.0.1", 1);
+        submit(1, "10.0.0.1", 1);
         serve(seconds);
     }
     ck_assert_int_eq(got_us[0], 8 * SECOND_US);
@@ -247,8 +217,8 @@ START_TEST(test_shares__what_waits_long_comes_before_higher_priorities_once)
     struct pen_status st;
     open_bed();
     for (int i = 0; i < 20; i++)
-        store_must(submit_job(1, "10.0.0.1", NULL, 1, 10, 0, 0, &st), &st, "submit");
-    submit_many(5, 0, "10.0.0.2", NULL);
+        store_must(submit_job(1, "10.0.0.1", 1, 10, 0, 0, &st), &st, "submit");
+    submit_many(5, 0, "10.0.0.2");
     serve_many(3, seconds);
     ck_assert_int_eq(got_us[0], 0);
     /* A priority for each minute: 9 are not enough, 11 are. */
@@ -276,10 +246,10 @@ START_TEST(test_shares__time_in_which_a_batch_is_rendered_is_not_waited)
     time_ms = INT64_C(1800000000000);
     open_bed();
     store_bed_set_clock(&bed, &time_ms);
-    submit_many(5, 0, "10.0.0.2", NULL);
+    submit_many(5, 0, "10.0.0.2");
     time_ms += 130000;
     for (int i = 0; i < 5; i++)
-        store_must(submit_job(1, "10.0.0.1", NULL, 1, 1, 0, 0, &st), &st, "submit");
+        store_must(submit_job(1, "10.0.0.1", 1, 1, 0, 0, &st), &st, "submit");
     struct pen_claim claim = store_claim(bed.store, "w");
     ck_assert_int_eq(kind_of(&claim), 0);
     claim.spent_us = 130 * SECOND_US;
@@ -306,9 +276,9 @@ START_TEST(test_shares__long_batch_gives_way_to_what_has_waited_long)
     time_ms = INT64_C(1800000000000);
     open_bed();
     store_bed_set_clock(&bed, &time_ms);
-    store_must(submit_job(1, "10.0.0.1", NULL, 1, 1, 0, 0, &st), &st, "submit");
-    submit(0, "10.0.0.2", NULL, 1);
-    submit(0, "10.0.0.3", NULL, 1);
+    store_must(submit_job(1, "10.0.0.1", 1, 1, 0, 0, &st), &st, "submit");
+    submit(0, "10.0.0.2", 1);
+    submit(0, "10.0.0.3", 1);
     struct pen_claim claim = store_claim(bed.store, "w");
     ck_assert_int_eq(kind_of(&claim), 1);
     time_ms += 119000;
@@ -334,10 +304,10 @@ START_TEST(test_shares__many_that_wait_long_take_every_other_batch)
     char client[24];
     open_bed();
     for (int i = 0; i < 8; i++)
-        store_must(submit_job(1, "10.0.0.1", NULL, 1, 1, 0, 0, &st), &st, "submit");
+        store_must(submit_job(1, "10.0.0.1", 1, 1, 0, 0, &st), &st, "submit");
     for (int i = 0; i < 8; i++) {
         snprintf(client, sizeof client, "10.0.1.%d", i);
-        submit(0, client, NULL, 1);
+        submit(0, client, 1);
     }
     store_run_sql(&bed, "UPDATE peer SET waiting_since_ms = 0 WHERE priority = 0", NULL, 0);
     for (int i = 0; i < 8; i++)
@@ -347,17 +317,17 @@ START_TEST(test_shares__many_that_wait_long_take_every_other_batch)
 END_TEST
 
 /* Beside a job, two newcomers wait at any time, of one batch each: it gets a third. */
-static void check_newcomers(bool clients)
+START_TEST(test_shares__new_clients_that_keep_coming_starve_nobody)
 {
     const int64_t us[4] = {5 * SECOND_US, SECOND_US};
-    char name[40];
+    char client[40];
     open_bed();
-    submit(0, "10.0.0.1", "a", 10);
+    submit(0, "10.0.0.1", 10);
     int missing = 2;
     for (int i = 0; i < 400 && got_us[0] < 50 * SECOND_US; i++) {
         for (; missing > 0; missing--) {
-            snprintf(name, sizeof name, clients ? "10.1.%d.%d" : "label %d %d", i, missing);
-            submit(1, clients ? name : "10.0.0.1", clients ? NULL : name, 1);
+            snprintf(client, sizeof client, "10.1.%d.%d", i, missing);
+            submit(1, client, 1);
         }
         missing = serve(us);
     }
@@ -365,24 +335,13 @@ static void check_newcomers(bool clients)
     expect_about(got_us[1], 100 * SECOND_US, 15 * SECOND_US);
     store_bed_close(&bed);
 }
-
-START_TEST(test_shares__new_labels_that_keep_coming_starve_nobody)
-{
-    check_newcomers(false);
-}
-END_TEST
-
-START_TEST(test_shares__new_clients_that_keep_coming_starve_nobody)
-{
-    check_newcomers(true);
-}
 END_TEST
 
 static void expect_refused(const char *client, int64_t queue_max, int64_t client_max,
                            const char *words)
 {
     struct pen_status st = {0};
-    ck_assert(!submit_job(0, client, NULL, 1, 0, queue_max, client_max, &st));
+    ck_assert(!submit_job(0, client, 1, 0, queue_max, client_max, &st));
     ck_assert_int_eq(st.code, PEN_QUOTA);
     ck_assert_msg(strstr(st.msg, words) != NULL, "%s", st.msg);
 }
@@ -391,16 +350,16 @@ START_TEST(test_shares__queue_is_bounded_in_all_and_for_each_client)
 {
     struct pen_status st;
     open_bed();
-    submit_many(1, 0, "10.0.0.1", NULL);
+    submit_many(1, 0, "10.0.0.1");
     expect_refused("10.0.0.2", 1, 0, "1 job waits or runs, at most 1 is allowed");
     expect_refused("10.0.0.1", 0, 1, "1 job of client 10.0.0.1 waits or runs, at most 1 is");
-    submit_many(2, 0, "10.0.0.1", NULL);
-    submit_many(2, 0, "10.0.0.2", NULL);
+    submit_many(2, 0, "10.0.0.1");
+    submit_many(2, 0, "10.0.0.2");
     expect_refused("10.0.0.1", 0, 3, "3 jobs of client 10.0.0.1 wait or run, at most 3");
     expect_refused("10.0.0.3", 5, 3, "5 jobs wait or run, at most 5");
-    store_must(submit_job(0, "10.0.0.2", NULL, 1, 0, 6, 3, &st), &st, "one more");
+    store_must(submit_job(0, "10.0.0.2", 1, 0, 6, 3, &st), &st, "one more");
     serve_many(1, seconds);
-    store_must(submit_job(0, "10.0.0.1", NULL, 1, 0, 6, 3, &st), &st, "one has ended");
+    store_must(submit_job(0, "10.0.0.1", 1, 0, 6, 3, &st), &st, "one has ended");
     store_bed_close(&bed);
 }
 END_TEST
@@ -419,16 +378,15 @@ static int read_queue(int number[JOBS_MAX])
     return count;
 }
 
-/* Jobs of one batch, of three clients, one with two labels, and of two priorities. */
+/* Jobs of one batch, of three clients and of two priorities. */
 static int submit_mixture(void)
 {
     struct pen_status st;
-    submit_many(5, 0, "10.0.0.1", "a");
-    submit_many(2, 0, "10.0.0.1", "b");
-    submit_many(9, 1, "10.0.0.2", "");
-    submit_many(1, 2, "10.0.0.3", "");
+    submit_many(7, 0, "10.0.0.1");
+    submit_many(9, 1, "10.0.0.2");
+    submit_many(1, 2, "10.0.0.3");
     for (int i = 0; i < 3; i++)
-        store_must(submit_job(3, "10.0.0.2", "", 1, 7, 0, 0, &st), &st, "submit");
+        store_must(submit_job(3, "10.0.0.2", 1, 7, 0, 0, &st), &st, "submit");
     return next_job;
 }
 
@@ -478,7 +436,7 @@ START_TEST(test_shares__the_queue_tells_what_is_left_of_the_batches_in_hand)
 {
     struct pen_status st;
     open_bed();
-    submit_many(1, 0, "10.0.0.1", NULL);
+    submit_many(1, 0, "10.0.0.1");
     store_worker_seen(bed.store, "w");
     struct pen_claim claim = store_claim(bed.store, "w");
     expect_in_hand(1, 0);
@@ -510,21 +468,21 @@ START_TEST(test_shares__the_queue_tells_what_the_last_50_jobs_took_and_the_worke
 {
     const int64_t us[4] = {9 * SECOND_US, 2 * SECOND_US};
     open_bed();
-    submit_many(20, 0, "10.0.0.1", NULL);
+    submit_many(20, 0, "10.0.0.1");
     store_worker_seen(bed.store, "w");
     expect_facts(0, 1, 0);
     serve_many(20, us);
     expect_facts(0, 1, 9 * SECOND_US);
-    submit_many(25, 1, "10.0.0.1", NULL);
+    submit_many(25, 1, "10.0.0.1");
     serve_many(25, us);
-    submit_many(5, 2, "10.0.0.1", NULL);
+    submit_many(5, 2, "10.0.0.1");
     serve_many(5, us);
-    submit_many(25, 1, "10.0.0.1", NULL);
+    submit_many(25, 1, "10.0.0.1");
     serve_many(25, us);
     expect_facts(0, 1, 2 * SECOND_US);
     store_worker_seen(bed.store, "v");
     expect_facts(0, 2, 2 * SECOND_US);
-    submit_many(3, 1, "10.0.0.1", NULL);
+    submit_many(3, 1, "10.0.0.1");
     struct pen_claim claim = store_claim(bed.store, "w");
     expect_facts(1, 2, 2 * SECOND_US);
     store_run_sql(&bed, "UPDATE worker SET seen_ms = seen_ms - 2 * lease_ms", NULL, 0);
@@ -541,8 +499,6 @@ PEN_SUITE("shares", test_shares__the_queue_tells_what_is_left_of_the_batches_in_
           test_shares__clients_get_the_same_time_whatever_they_queue,
           test_shares__a_job_that_is_cancelled_has_taken_what_its_worker_had_not_told_yet,
           test_shares__it_is_time_that_is_shared_not_batches,
-          test_shares__labels_divide_the_share_of_their_client,
-          test_shares__new_labels_take_nothing_from_other_clients,
           test_shares__time_that_was_not_asked_for_is_not_owed, test_shares__debts_are_bounded,
           test_shares__short_jobs_share_with_the_long_one_before_them,
           test_shares__long_job_is_not_starved_by_short_ones_that_keep_coming,
@@ -550,6 +506,5 @@ PEN_SUITE("shares", test_shares__the_queue_tells_what_is_left_of_the_batches_in_
           test_shares__time_in_which_a_batch_is_rendered_is_not_waited,
           test_shares__long_batch_gives_way_to_what_has_waited_long,
           test_shares__many_that_wait_long_take_every_other_batch,
-          test_shares__new_labels_that_keep_coming_starve_nobody,
           test_shares__new_clients_that_keep_coming_starve_nobody,
           test_shares__queue_is_bounded_in_all_and_for_each_client)

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* A clock that is set back, which leaves stored times that lie in its future: turns, waiting,
- * leases and pauses last no longer for that. */
+/* A clock that jumps. Stored times that lie in its future: turns, waiting, leases and pauses last
+ * no longer for that. Durations of jobs: they are those of the boot. */
 #include <string.h>
 
 #include "support/store.h"
+#include "support/store_sql.h"
 #include "support/suite.h"
 
 static struct store_bed bed;
@@ -154,6 +155,96 @@ START_TEST(test_times__pause_from_the_future_is_over)
 }
 END_TEST
 
-PEN_SUITE("times in the future", test_times__turn_from_the_future_is_over,
-          test_times__waiting_goes_on, test_times__lease_lasts_no_longer_than_a_lease,
-          test_times__pause_from_the_future_is_over)
+enum { SECOND_US = 1000000 };
+
+static struct pen_job_record record_of(int n)
+{
+    struct pen_job_record record;
+    struct pen_status st;
+    store_must(pen_store_job(bed.store, job[n].id, &record, &st), &st, "job");
+    pen_job_record_release(&record); /* its numbers stay */
+    return record;
+}
+
+static void submit_now(void)
+{
+    open_bed();
+    store_job_init(&job[0], 0, 1, 2);
+    job[0].job.created_ms = time_ms;
+    job[0].job.created = pen_clock_moment();
+    store_job_submit(bed.store, &job[0]);
+}
+
+static void commit(const struct pen_claim *claim)
+{
+    ck_assert_int_eq(store_commit(bed.store, claim), PEN_OK);
+}
+
+/* The clock jumps while the job waits and while it runs; the whole takes far less than an hour. */
+START_TEST(test_times__durations_do_not_follow_a_clock_that_jumps)
+{
+    static const int64_t jumps_ms[] = {-2 * HOUR_MS, 3 * (int64_t)DAY_MS};
+    for (int i = 0; i < 2; i++) {
+        submit_now();
+        time_ms += jumps_ms[i];
+        struct pen_claim claim = store_claim(bed.store, "w");
+        time_ms += jumps_ms[i];
+        commit(&claim);
+        time_ms += jumps_ms[i];
+        store_work_off(bed.store, "w");
+        const struct pen_job_record record = record_of(0);
+        ck_assert_int_eq(record.state, PEN_JOB_SUCCEEDED);
+        ck_assert_int_ge(record.queue_us, 0);
+        ck_assert_int_ge(record.committed_elapsed_us, record.queue_us);
+        ck_assert_int_gt(record.elapsed_us, record.queue_us);
+        ck_assert_int_lt(record.elapsed_us, (int64_t)HOUR_MS * 1000);
+        store_bed_close(&bed);
+    }
+}
+END_TEST
+
+/* Between two boots five seconds pass, or the clock is set back: then what was measured stays. */
+START_TEST(test_times__durations_over_two_boots_follow_the_clock_but_not_back)
+{
+    for (int back = 0; back < 2; back++) {
+        submit_now();
+        struct pen_claim claim = store_claim(bed.store, "w");
+        store_run_sql(&bed, "UPDATE job SET moment_boot = moment_boot / 2, elapsed_us = 7000000",
+                      NULL, 0);
+        time_ms += back ? -HOUR_MS : 5000;
+        commit(&claim);
+        const int64_t least_us = (back ? 7 : 12) * (int64_t)SECOND_US;
+        ck_assert_int_eq(record_of(0).elapsed_us, least_us);
+        time_ms += HOUR_MS; /* in this boot again */
+        store_work_off(bed.store, "w");
+        ck_assert_int_gt(record_of(0).elapsed_us, least_us);
+        ck_assert_int_lt(record_of(0).elapsed_us, (int64_t)HOUR_MS * 1000);
+        store_bed_close(&bed);
+    }
+}
+END_TEST
+
+/* What is rendered after a restart counts from the first claim on, also if the clock was set back.
+ */
+START_TEST(test_times__measuring_begins_with_the_first_claim_of_a_boot)
+{
+    submit_now();
+    struct pen_claim claim = store_claim(bed.store, "w");
+    store_run_sql(&bed, "UPDATE job SET moment_boot = moment_boot / 2, elapsed_us = 7000000", NULL,
+                  0);
+    time_ms -= HOUR_MS;
+    struct pen_claim second = store_claim(bed.store, "v");
+    time_ms += HOUR_MS;
+    commit(&second);
+    commit(&claim);
+    ck_assert_int_gt(record_of(0).elapsed_us, 7 * SECOND_US);
+    ck_assert_int_lt(record_of(0).elapsed_us, (int64_t)HOUR_MS * 1000);
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("clocks that jump", test_times__durations_do_not_follow_a_clock_that_jumps,
+          test_times__durations_over_two_boots_follow_the_clock_but_not_back,
+          test_times__measuring_begins_with_the_first_claim_of_a_boot,
+          test_times__turn_from_the_future_is_over, test_times__waiting_goes_on,
+          test_times__lease_lasts_no_longer_than_a_lease, test_times__pause_from_the_future_is_over)

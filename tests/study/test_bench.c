@@ -250,6 +250,34 @@ START_TEST(test_bench__few_repeats_have_neither_twin_nor_verdict)
 }
 END_TEST
 
+START_TEST(test_bench__runs_below_a_millisecond_are_made_several_times_in_a_row)
+{
+    int several = 0;
+    set_up(1);
+    kit.settings.width = kit.settings.height = 4;
+    add_row("{}");
+    bench.repeats = 5;
+    run();
+    const struct pen_bench_row_result *row = &result.rows[0];
+    for (int i = 0; i < bench.repeats; i++) {
+        const struct pen_bench_times *t = &row->runs[i];
+        several += t->in_a_row > 1;
+        ck_assert(t->build_ms + t->render_ms > 0);
+        ck_assert_msg(t->in_a_row > 1 || t->build_ms + t->render_ms >= 1, "%g ms, once",
+                      t->build_ms + t->render_ms);
+    }
+    ck_assert_int_gt(several, 0); /* it takes some microseconds */
+    ck_assert_uint_eq(row->stats.rays.primary, 16u * (unsigned)kit.settings.samples_per_pixel);
+    json_t *report = pen_bench_report_new(&bench, &result, json_object());
+    char *notes = json_dumps(json_object_get(report, "notes"), 0);
+    ck_assert_msg(several < bench.repeats || strstr(notes, "a run of row 0 takes less than 1 ms"),
+                  "%s", notes);
+    free(notes);
+    json_decref(report);
+    tear_down();
+}
+END_TEST
+
 START_TEST(test_bench__runs_that_wait_are_spoiled_and_decide_nothing)
 {
     set_up(1);
@@ -665,6 +693,7 @@ PEN_SUITE("bench", test_bench__runs_are_interleaved_after_the_warm_up,
           test_bench__order_of_a_pass_is_random_and_follows_from_the_seed,
           test_bench__ratio_is_the_median_of_the_pairs_of_one_repeat,
           test_bench__few_repeats_have_neither_twin_nor_verdict,
+          test_bench__runs_below_a_millisecond_are_made_several_times_in_a_row,
           test_bench__runs_that_wait_are_spoiled_and_decide_nothing,
           test_bench__repeats_end_when_the_budget_is_spent,
           test_bench__faster_with_another_picture_is_no_speed_up,

@@ -59,6 +59,25 @@ static const char *const undo[] = {
     "INSERT OR IGNORE INTO old_key SELECT key, body_sha256, answer, created_ms FROM idempotency;"
     "DROP TABLE idempotency; ALTER TABLE old_key RENAME TO idempotency;"
     "CREATE INDEX idempotency_by_age ON idempotency(created_ms)",
+    "DROP INDEX batch_open_of_peer; DROP INDEX job_by_service;"
+    "CREATE TABLE lane (id INTEGER PRIMARY KEY AUTOINCREMENT,"
+    " peer INTEGER NOT NULL REFERENCES peer(id), label TEXT NOT NULL,"
+    " jobs INTEGER NOT NULL DEFAULT 0, served_us INTEGER NOT NULL DEFAULT 0,"
+    " balance_us INTEGER NOT NULL DEFAULT 0, UNIQUE (peer, label)) STRICT;"
+    "INSERT INTO lane (peer, label, jobs) SELECT id, '', jobs FROM peer WHERE jobs > 0;"
+    "UPDATE job SET peer = coalesce((SELECT l.id FROM lane l WHERE l.peer = job.peer), 0);"
+    "UPDATE batch SET peer = coalesce((SELECT l.id FROM lane l WHERE l.peer = batch.peer), 0);"
+    "ALTER TABLE job RENAME COLUMN peer TO lane; ALTER TABLE batch RENAME COLUMN peer TO lane;"
+    "ALTER TABLE peer DROP COLUMN balance_us;"
+    "ALTER TABLE peer ADD COLUMN virtual_us INTEGER NOT NULL DEFAULT 0;"
+    "CREATE INDEX batch_open_of_lane ON batch(lane, job, id) WHERE state = 0;"
+    "CREATE INDEX job_by_service ON job(lane, spent_us, number) WHERE state < 2",
+    "ALTER TABLE batch DROP COLUMN commit_us; ALTER TABLE job DROP COLUMN moment_ms;"
+    "ALTER TABLE job DROP COLUMN moment_us; ALTER TABLE job DROP COLUMN moment_boot;"
+    "ALTER TABLE job DROP COLUMN queue_us; ALTER TABLE job DROP COLUMN elapsed_us;"
+    "UPDATE job SET committed_elapsed_us = created_ms + committed_elapsed_us / 1000"
+    " WHERE committed_elapsed_us > 0;"
+    "ALTER TABLE job RENAME COLUMN committed_elapsed_us TO committed_ms",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

@@ -77,20 +77,40 @@ bool pen_address_parse(const char *text, struct pen_address *address, struct pen
            fail_form(text, st);
 }
 
+static int port_in(const struct sockaddr_storage *socket)
+{
+    if (socket->ss_family == AF_INET6) {
+        struct sockaddr_in6 in;
+        memcpy(&in, socket, sizeof in);
+        return ntohs(in.sin6_port);
+    }
+    struct sockaddr_in in;
+    memcpy(&in, socket, sizeof in);
+    return ntohs(in.sin_port);
+}
+
 static int port_of(int fd)
 {
     struct sockaddr_storage bound;
     socklen_t bytes = sizeof bound;
-    if (getsockname(fd, (struct sockaddr *)&bound, &bytes) != 0)
-        return -1;
-    if (bound.ss_family == AF_INET6) {
-        struct sockaddr_in6 in;
-        memcpy(&in, &bound, sizeof in);
-        return ntohs(in.sin6_port);
+    return getsockname(fd, (struct sockaddr *)&bound, &bytes) == 0 ? port_in(&bound) : -1;
+}
+
+/* What to do about an error of socket() or bind(). */
+static const char *advice(int error)
+{
+    switch (error) {
+    case EADDRINUSE:
+        return "; another program listens there, perhaps another penumbrad: stop it, or give "
+               "another port with --listen (HOST:0 takes any free one)";
+    case EADDRNOTAVAIL:
+        return "; this machine does not have that address: give one that it has with --listen "
+               "(0.0.0.0 or [::] for all)";
+    case EACCES:
+        return "; this user may not take that port: give one from 1024 on with --listen";
+    default:
+        return "";
     }
-    struct sockaddr_in in;
-    memcpy(&in, &bound, sizeof in);
-    return ntohs(in.sin_port);
 }
 
 int pen_address_listen(const struct pen_address *address, int *port, struct pen_status *st)
@@ -101,7 +121,8 @@ int pen_address_listen(const struct pen_address *address, int *port, struct pen_
         bind(fd, (const struct sockaddr *)&address->socket, address->bytes) == 0 &&
         listen(fd, SOMAXCONN) == 0 && (*port = port_of(fd)) > 0)
         return fd;
-    pen_fail(st, PEN_UNAVAILABLE, "cannot listen on %s: %s", address->host, strerror(errno));
+    pen_fail(st, PEN_UNAVAILABLE, "cannot listen on %s:%d: %s%s", address->host,
+             port_in(&address->socket), strerror(errno), advice(errno));
     if (fd >= 0)
         close(fd);
     return -1;

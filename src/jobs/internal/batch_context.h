@@ -111,7 +111,7 @@ bool pen_batch_store(struct pen_batch_context *context, const struct pen_claim *
                      const char *layer, const char *format, const struct pen_buf *data,
                      struct pen_status *st);
 
-/* Puts statistics into the output as they are stored, with commit_ms and store_before_ms (stats.h).
+/* Puts statistics into the output as they are stored, with store_before_ms (stats.h).
  * Takes the reference; NULL is an allocation that failed. Fails: PEN_NO_MEMORY. */
 bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,
                            struct pen_batch_output *output, struct pen_status *st);

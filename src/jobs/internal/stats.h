@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The statistics that a batch stores, and those of a job, which are made from them.
  *
- * A batch stores the object of pen_stats_json with three more members, which a job's statistics do
+ * A batch stores the object of pen_stats_json with two more members, which a job's statistics do
  * not show:
  *   tile_ms          the times of the batch's tiles. Of more than PEN_TILE_TIMES tiles, that many
  *                    of the sorted times, evenly spaced, the largest included
- *   commit_ms        the wall clock when the batch was given to the store
  *   store_before_ms  how long the worker has waited for the store since the batch of this job that
  *                    it did before: for the commit of that one, and to read and compress pixels */
 #ifndef PEN_JOBS_INTERNAL_STATS_H

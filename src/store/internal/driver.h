@@ -154,6 +154,12 @@ struct pen_progress {
     bool raise;
 };
 
+/* What is stored with a batch that is done. */
+struct pen_batch_end {
+    const char *stats;
+    int64_t now_ms, commit_us;
+};
+
 /* Which leases are lost: those of `worker` (NULL: of none), and those that end before before_ms. */
 struct pen_lost {
     const char *worker;
@@ -289,9 +295,8 @@ struct pen_driver_ops {
     bool (*scene_add)(struct pen_driver *driver, const unsigned char sha256[32],
                       const struct pen_blob_start *document, int64_t *number, bool *added,
                       struct pen_status *st);
-    /* Also counts the job into the peer of its client and priority, and the lane of its label.
-     * Numbers of jobs and of batches grow and are never reused. *added = false: there is a job with
-     * this id. */
+    /* Also counts the job into the peer of its client and priority. Numbers of jobs and of batches
+     * grow and are never reused. *added = false: there is a job with this id. */
     bool (*job_add)(struct pen_driver *driver, const struct pen_job_new *job, int64_t scene,
                     int64_t total_pixels, int64_t *number, bool *added, struct pen_status *st);
     bool (*view_add)(struct pen_driver *driver, int64_t job, int view,
@@ -317,7 +322,8 @@ struct pen_driver_ops {
     bool (*job_is_of)(struct pen_driver *driver, const char *id, const char *client, bool *is,
                       struct pen_status *st);
     bool (*job_counts)(struct pen_driver *driver, struct pen_counts *counts, struct pen_status *st);
-    /* Makes a queued job running, with a new revision; *changed = false: it was not queued. */
+    /* Makes a queued job running, with a new revision; *changed = false: it was not queued. This,
+     * job_progress and job_end bring the job's elapsed time up to now. */
     bool (*job_start)(struct pen_driver *driver, int64_t job, int64_t now_ms, bool *changed,
                       struct pen_status *st);
     /* Gives the job a new revision. */
@@ -327,7 +333,7 @@ struct pen_driver_ops {
     bool (*job_view_ended)(struct pen_driver *driver, int64_t job, int64_t *open_views,
                            struct pen_status *st);
     /* Makes a running job succeeded, without a new revision: job_progress has given one. This and
-     * job_end count it out of its peer and lane; a lane without jobs is removed. */
+     * job_end count it out of its peer. */
     bool (*job_succeed)(struct pen_driver *driver, int64_t job, int64_t now_ms,
                         struct pen_status *st);
     /* Makes a queued or running job failed or cancelled, with a new revision; *changed = false: it
@@ -417,8 +423,8 @@ struct pen_driver_ops {
      * *changed = false. batch_done also stores the job's revision and ends the quarantine. */
     bool (*batch_open)(struct pen_driver *driver, int64_t batch, int64_t attempt, bool *changed,
                        struct pen_status *st);
-    bool (*batch_done)(struct pen_driver *driver, int64_t batch, int64_t attempt, const char *stats,
-                       int64_t now_ms, bool *changed, struct pen_status *st);
+    bool (*batch_done)(struct pen_driver *driver, int64_t batch, int64_t attempt,
+                       const struct pen_batch_end *end, bool *changed, struct pen_status *st);
     /* Leaves a render batch that is leased under that attempt its first `tile_count` tiles, which
      * have so many pixels. The others become an open batch of the same view, which then has one
      * batch more. Otherwise *changed = false. */
@@ -427,9 +433,9 @@ struct pen_driver_ops {
     bool (*batch_extend)(struct pen_driver *driver, int64_t batch, int64_t attempt,
                          int64_t until_ms, bool *changed, struct pen_status *st);
     /* Raises the time spent under the attempt of a leased batch to spent_us, and adds the
-     * difference to the time of its job, its lane and its peer, which waits since now: time in
-     * which a peer is served is none in which it waits. Does nothing if it is not leased under that
-     * attempt, or has spent more. */
+     * difference to the time of its job and its peer, which waits since now: time in which a peer
+     * is served is none in which it waits. Does nothing if it is not leased under that attempt, or
+     * has spent more. */
     bool (*batch_spend)(struct pen_driver *driver, int64_t batch, int64_t attempt, int64_t spent_us,
                         struct pen_status *st);
     /* Adds to the time of a job's leased batches, as batch_spend, what has passed since their

@@ -91,6 +91,11 @@ int64_t pen_since_ms(int64_t then_ms, int64_t now_ms);
  * any. Outside a transaction. */
 bool pen_times_mend(struct pen_store *store, int64_t now_ms, struct pen_status *st);
 
+/* times.c: whether nothing is to be removed for its age: the clock was found more than a day ahead
+ * of the last housekeeping, less than a day ago. Each call is a housekeeping. A machine that was
+ * off for longer looks the same. Outside a transaction. */
+bool pen_ages_wait(struct pen_store *store, int64_t now_ms, bool *wait, struct pen_status *st);
+
 /* As pen_store_outranked. */
 bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int64_t now_ms,
                    bool *outranked, struct pen_status *st);

@@ -52,24 +52,20 @@ static const struct rule rules[] = {
      " (SELECT coalesce(sum(spent_us), 0) FROM batch WHERE job = number)"},
     {"a job on which less time was spent than at its last commit",
      "SELECT id FROM job WHERE spent_us < committed_us"},
-    {"a lane whose count of unfinished jobs is wrong",
-     "SELECT id FROM lane WHERE jobs = 0 OR jobs <>"
-     " (SELECT count(*) FROM job WHERE lane = lane.id AND state < 2)"},
     {"a peer whose count of unfinished jobs is wrong",
      "SELECT id FROM peer WHERE jobs <>"
-     " (SELECT coalesce(sum(jobs), 0) FROM lane WHERE peer = peer.id)"},
+     " (SELECT count(*) FROM job j WHERE j.peer = peer.id AND j.state < 2)"},
     {"what the results of unfinished jobs are expected to take is counted wrong, as",
      "SELECT value FROM meta WHERE name = 'expected_bytes' AND value <>"
      " (SELECT coalesce(sum(" PEN_SQLITE_EXPECTED_BYTES "), 0) FROM job j WHERE j.state < 2)"},
     {"what the statistics of removed jobs take is counted wrong, as",
      "SELECT value FROM meta WHERE name = 'stats_bytes' AND value <>"
      " (SELECT coalesce(sum(" PEN_SQLITE_STATS_BYTES "), 0) FROM removed)"},
-    {"an unfinished job without a lane, or of another priority or client than its lane",
-     "SELECT j.id FROM job j WHERE j.state < 2 AND NOT EXISTS (SELECT 1 FROM lane l"
-     " JOIN peer p ON p.id = l.peer WHERE l.id = j.lane AND p.priority = j.priority"
-     " AND p.client = j.client)"},
-    {"a batch in another lane than its job",
-     "SELECT b.id FROM batch b JOIN job j ON j.number = b.job WHERE b.lane <> j.lane"},
+    {"an unfinished job without a peer, or of another priority or client than its peer",
+     "SELECT j.id FROM job j WHERE j.state < 2 AND NOT EXISTS (SELECT 1 FROM peer p"
+     " WHERE p.id = j.peer AND p.priority = j.priority AND p.client = j.client)"},
+    {"a batch of another peer than its job",
+     "SELECT b.id FROM batch b JOIN job j ON j.number = b.job WHERE b.peer <> j.peer"},
     {"a job whose views' pixels are not those of its batches",
      "SELECT id FROM job WHERE total_pixels <>"
      " (SELECT sum(width * height) FROM view WHERE job = number)"

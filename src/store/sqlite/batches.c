@@ -200,13 +200,14 @@ bool pen_sqlite_batch_split(struct pen_driver *driver, int64_t batch, int64_t at
 }
 
 bool pen_sqlite_batch_done(struct pen_driver *driver, int64_t batch, int64_t attempt,
-                           const char *stats, int64_t now_ms, bool *changed, struct pen_status *st)
+                           const struct pen_batch_end *end, bool *changed, struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_BATCH_DONE);
     pen_sqlite_int(&query, batch);
     pen_sqlite_int(&query, attempt);
-    pen_sqlite_text(&query, stats);
-    pen_sqlite_int(&query, now_ms);
+    pen_sqlite_text(&query, end->stats);
+    pen_sqlite_int(&query, end->now_ms);
+    pen_sqlite_int(&query, end->commit_us);
     return pen_sqlite_run_changed(&query, changed, st);
 }
 
@@ -308,7 +309,7 @@ bool pen_sqlite_stats_page(struct pen_driver *driver, int64_t job, int64_t after
             .batch = pen_sqlite_column_int(&query, 0),
             .stats = {.view = (int)pen_sqlite_column_int(&query, 1),
                       .kind = (enum pen_batch_kind)pen_sqlite_column_int(&query, 2),
-                      .done_ms = pen_sqlite_column_int(&query, 3),
+                      .commit_us = pen_sqlite_column_int(&query, 3),
                       .stats = pen_sqlite_column_keep(&query, 4, arena, &memory)},
         };
     return ok && (memory || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics"));

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "store/sqlite/sqlite.h"
 
 #define COLUMN(name) JOB_##name,
@@ -99,6 +100,8 @@ bool pen_sqlite_job_add(struct pen_driver *driver, const struct pen_job_new *job
     pen_sqlite_int(&query, job->view_count);
     pen_sqlite_text(&query, job->request);
     pen_sqlite_text(&query, pen_job_client(job));
+    pen_sqlite_int(&query, job->created.boot);
+    pen_sqlite_int(&query, job->created.us);
     if (!pen_sqlite_run_changed(&query, added, st))
         return false;
     *number = sqlite3_last_insert_rowid(store->db);
@@ -144,7 +147,9 @@ static bool fill_row(const struct pen_sqlite_query *query, struct pen_job_row *r
             .total_pixels = pen_sqlite_column_int(query, JOB_total_pixels),
             .estimate_ms = pen_sqlite_column_int(query, JOB_estimate_ms),
             .committed_us = pen_sqlite_column_int(query, JOB_committed_us),
-            .committed_ms = pen_sqlite_column_int(query, JOB_committed_ms),
+            .committed_elapsed_us = pen_sqlite_column_int(query, JOB_committed_elapsed_us),
+            .elapsed_us = pen_sqlite_column_int(query, JOB_elapsed_us),
+            .queue_us = pen_sqlite_column_int(query, JOB_queue_us),
         }};
     const char *id = pen_sqlite_column_text(query, JOB_id);
     size_t length = id ? strlen(id) : 0;
@@ -287,13 +292,27 @@ bool pen_sqlite_job_counts(struct pen_driver *driver, struct pen_counts *counts,
     return count_batches(store, counts, st);
 }
 
+static void bind_moment(struct pen_sqlite_query *query)
+{
+    const struct pen_moment moment = pen_clock_moment();
+    pen_sqlite_int(query, moment.boot);
+    pen_sqlite_int(query, moment.us);
+}
+
 bool pen_sqlite_job_start(struct pen_driver *driver, int64_t job, int64_t now_ms, bool *changed,
                           struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_START);
-    pen_sqlite_int(&query, job);
-    pen_sqlite_int(&query, now_ms);
-    return pen_sqlite_run_changed(&query, changed, st);
+    const enum pen_sqlite_sql statements[] = {SQL_JOB_START, SQL_JOB_ELAPSE};
+    bool ok = true, elapsed;
+    *changed = false;
+    for (int i = 0; i < 2 && ok && !*changed; i++) {
+        struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), statements[i]);
+        pen_sqlite_int(&query, job);
+        pen_sqlite_int(&query, now_ms);
+        bind_moment(&query);
+        ok = pen_sqlite_run_changed(&query, i == 0 ? changed : &elapsed, st);
+    }
+    return ok;
 }
 
 bool pen_sqlite_job_progress(struct pen_driver *driver, const struct pen_progress *progress,
@@ -307,6 +326,7 @@ bool pen_sqlite_job_progress(struct pen_driver *driver, const struct pen_progres
     pen_sqlite_int(&query, progress->forgive);
     pen_sqlite_int(&query, progress->estimate_ms);
     pen_sqlite_int(&query, progress->raise);
+    bind_moment(&query);
     return pen_sqlite_run(&query, st);
 }
 
@@ -343,6 +363,7 @@ bool pen_sqlite_job_end(struct pen_driver *driver, int64_t job, enum pen_job_sta
     pen_sqlite_int(&query, state);
     pen_sqlite_text(&query, error);
     pen_sqlite_int(&query, now_ms);
+    bind_moment(&query);
     return pen_sqlite_run_changed(&query, changed, st) &&
            (!*changed || pen_sqlite_share_leave(driver, job, st));
 }

@@ -16,8 +16,7 @@
  *                   parts; its row then has no data of its own
  * cached            artefacts that may be dropped, because they can be made again; when each was
  *                   last used
- * peer, lane        shares: what a client was served at a priority; the labels of its jobs. A
- *                   lane goes with its last unfinished job
+ * peer              shares: what a client was served at a priority
  * attribute         what lists of jobs are filtered by: of a job its `name`, and for each label
  *                   `label:` and its key
  * worker            the list of workers, for readers, and the inode of the file that each locked
@@ -34,13 +33,17 @@
  * job.paused_until_ms  until then other jobs go first
  * job.spent_us         how long workers have worked on the job, by their monotonic clocks
  * job.committed_us     what spent_us was at the last commit of a batch
- * job.committed_ms     when that was
+ * job.committed_elapsed_us  what elapsed_us was then
+ * job.elapsed_us       the time since the submit, up to the moment of moment_boot, moment_us (of
+ *                      pen_clock_moment) and moment_ms (of the store's clock)
+ * job.queue_us         what elapsed_us was when the job began
+ * batch.commit_us      how long its worker waited for its commit
  * job.removed_ms       when it was removed; its rows go in slices, the job's own row last
- * job.client           its owner; job.lane, batch.lane: the share that they belong to
- * peer.jobs, lane.jobs the unfinished jobs
+ * job.client           its owner; job.peer, batch.peer: the share that they belong to
+ * peer.jobs            the unfinished jobs
  * peer.served_us       the time that workers have worked for it, so far as it is remembered
- * lane.balance_us      how much more of it went to its oldest jobs than to others
- * peer.virtual_us      the virtual time of its lanes; level.virtual_us: of the peers of a priority
+ * peer.balance_us      how much more of it went to its oldest jobs than to others
+ * level.virtual_us     the virtual time of the peers of a priority
  * peer.waiting_since_ms when it was served last, or began to wait
  * batch.spent_us       the part of the job's time that was spent under the batch's present attempt
  * batch.quarantined    a worker was lost while it held the batch
@@ -330,9 +333,37 @@ static const char step_16[] =
     "ALTER TABLE client_key RENAME TO idempotency;"
     "CREATE INDEX idempotency_by_age ON idempotency(created_ms);";
 
+/* Labels have no share: a job and its batches belong to the peer itself. */
+static const char step_17[] =
+    "DROP INDEX batch_open_of_lane;"
+    "DROP INDEX job_by_service;"
+    "ALTER TABLE job RENAME COLUMN lane TO peer;"
+    "ALTER TABLE batch RENAME COLUMN lane TO peer;"
+    "UPDATE job SET peer = coalesce((SELECT l.peer FROM lane l WHERE l.id = job.peer), 0);"
+    "UPDATE batch SET peer = coalesce((SELECT l.peer FROM lane l WHERE l.id = batch.peer), 0);"
+    "DROP TABLE lane;"
+    "ALTER TABLE peer ADD COLUMN balance_us INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE peer DROP COLUMN virtual_us;"
+    "CREATE INDEX batch_open_of_peer ON batch(peer, job, id) WHERE state = 0;"
+    "CREATE INDEX job_by_service ON job(peer, spent_us, number) WHERE state < 2;";
+
+/* Durations that are measured instead of told by time stamps. */
+static const char step_18[] =
+    "ALTER TABLE job RENAME COLUMN committed_ms TO committed_elapsed_us;"
+    "ALTER TABLE job ADD COLUMN elapsed_us INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN queue_us INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN moment_boot INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN moment_us INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN moment_ms INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE batch ADD COLUMN commit_us INTEGER NOT NULL DEFAULT 0;"
+    "UPDATE job SET queue_us = max(0, started_ms - created_ms) * 1000, moment_ms = updated_ms,"
+    " committed_elapsed_us = max(0, committed_elapsed_us - created_ms) * 1000;"
+    "UPDATE job SET elapsed_us = max(queue_us, committed_elapsed_us,"
+    " (updated_ms - created_ms) * 1000, (finished_ms - created_ms) * 1000);";
+
 static const char *const steps[] = {step_1,  step_2,  step_3,  step_4,  step_5,  step_6,
                                     step_7,  step_8,  step_9,  step_10, step_11, step_12,
-                                    step_13, step_14, step_15, step_16};
+                                    step_13, step_14, step_15, step_16, step_17, step_18};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 /* Reads the schema's version by SQL, because the header of the file can be older than its log. */

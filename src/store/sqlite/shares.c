@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Shares: which batch is next, and what its choice is judged by (README.md, "Shares"). A peer is a
- * client with a priority, a lane one of its labels. */
+ * client with a priority. */
 #include <stdio.h>
 
 #include "store/sqlite/sqlite.h"
@@ -22,38 +22,24 @@ static bool enter_peer(struct pen_sqlite_store *store, const struct pen_job_new 
     return true;
 }
 
-static bool enter_lane(struct pen_sqlite_store *store, const struct pen_job_new *job,
-                       int64_t number, struct pen_status *st)
-{
-    const enum pen_sqlite_sql statements[] = {SQL_LANE_ADD, SQL_LANE_ENTER, SQL_JOB_LANE};
-    for (int i = 0; i < 3; i++) {
-        struct pen_sqlite_query query = pen_sqlite_query(store, statements[i]);
-        pen_sqlite_int(&query, job->priority);
-        pen_sqlite_text(&query, pen_job_client(job));
-        pen_sqlite_text(&query, job->label ? job->label : "");
-        if (statements[i] == SQL_JOB_LANE)
-            pen_sqlite_int(&query, number);
-        if (!pen_sqlite_run(&query, st))
-            return false;
-    }
-    return true;
-}
-
 bool pen_sqlite_share_enter(struct pen_driver *driver, const struct pen_job_new *job,
                             int64_t number, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     int64_t now_ms;
-    return pen_sqlite_now(driver, &now_ms, st) && enter_peer(store, job, now_ms, st) &&
-           enter_lane(store, job, number, st);
+    if (!pen_sqlite_now(driver, &now_ms, st) || !enter_peer(store, job, now_ms, st))
+        return false;
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_PEER);
+    pen_sqlite_int(&query, job->priority);
+    pen_sqlite_text(&query, pen_job_client(job));
+    pen_sqlite_int(&query, number);
+    return pen_sqlite_run(&query, st);
 }
 
 bool pen_sqlite_share_leave(struct pen_driver *driver, int64_t job, struct pen_status *st)
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     return pen_sqlite_run_with(store, SQL_PEER_LEAVE, job, st) &&
-           pen_sqlite_run_with(store, SQL_LANE_LEAVE, job, st) &&
-           pen_sqlite_run_with(store, SQL_LANE_DROP, job, st) &&
            pen_sqlite_run_with(store, SQL_EXPECTED_LEAVE, job, st);
 }
 
@@ -143,8 +129,8 @@ bool pen_sqlite_batch_spend(struct pen_driver *driver, int64_t batch, int64_t at
 {
     /* The batch comes last: the others read what it had spent before. The level reads what its
      * peer was served before. */
-    const enum pen_sqlite_sql statements[] = {SQL_LEVEL_SPEND, SQL_PEER_SPEND, SQL_LANE_SPEND,
-                                              SQL_JOB_SPEND, SQL_BATCH_SPEND};
+    const enum pen_sqlite_sql statements[] = {SQL_LEVEL_SPEND, SQL_PEER_SPEND, SQL_JOB_SPEND,
+                                              SQL_BATCH_SPEND};
     int64_t now_ms;
     if (!pen_sqlite_now(driver, &now_ms, st))
         return false;
@@ -192,10 +178,10 @@ struct wanted {
 };
 
 /* Runs a choice among rows that have a batch to claim: the first two parameters are `wanted`, the
- * third is `of`; of the peer there is a fourth, whether aged ones come first. Reads the first
- * column, and the second if there is one. */
+ * third is `of`; of the peer there is a fourth, whether aged ones come first. Reads the columns
+ * that there are. */
 static bool choose(struct pen_sqlite_store *store, enum pen_sqlite_sql sql,
-                   const struct wanted *wanted, int64_t of, int64_t out[2], bool *found,
+                   const struct wanted *wanted, int64_t of, int64_t out[3], bool *found,
                    struct pen_status *st)
 {
     struct pen_sqlite_query query = pen_sqlite_query(store, sql);
@@ -207,7 +193,7 @@ static bool choose(struct pen_sqlite_store *store, enum pen_sqlite_sql sql,
     if (!pen_sqlite_next(&query, found, st))
         return false;
     if (*found) {
-        for (int i = 0; i < 2 && i < sqlite3_column_count(query.stmt); i++)
+        for (int i = 0; i < 3 && i < sqlite3_column_count(query.stmt); i++)
             out[i] = pen_sqlite_column_int(&query, i);
         pen_sqlite_end(&query);
     }
@@ -219,17 +205,15 @@ bool pen_sqlite_next_open(struct pen_driver *driver, int64_t paused_until_ms, bo
 {
     struct pen_sqlite_store *store = pen_sqlite_of(driver);
     const struct wanted wanted = {paused_until_ms, quarantined, !store->took_aged};
-    int64_t now_ms, peer[2] = {0}, lane[2] = {0}, chosen[2] = {0};
+    int64_t now_ms, peer[3] = {0}, chosen[3] = {0}; /* peer: aged, balance */
     if (!pen_sqlite_now(driver, &now_ms, st) ||
         !choose(store, SQL_NEXT_PEER, &wanted, now_ms, peer, found, st))
         return false;
     if (!*found)
         return true;
     store->took_aged = wanted.aged && peer[1] != 0;
-    if (!choose(store, SQL_NEXT_LANE, &wanted, peer[0], lane, found, st) || !*found)
-        return *found;
-    const enum pen_sqlite_sql rule = lane[1] > 0 ? SQL_NEXT_LEAST : SQL_NEXT_OLDEST;
-    if (!choose(store, rule, &wanted, lane[0], chosen, found, st) || !*found)
+    const enum pen_sqlite_sql rule = peer[2] > 0 ? SQL_NEXT_LEAST : SQL_NEXT_OLDEST;
+    if (!choose(store, rule, &wanted, peer[0], chosen, found, st) || !*found)
         return *found;
     return pen_sqlite_first_open(driver, chosen[0], quarantined, claim, job, found, st);
 }

@@ -29,7 +29,6 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
 
 #define OPEN "state = 0, worker = NULL, lease_until_ms = NULL"
 
-/* The batch ?1, leased under the attempt ?2, that has spent less than ?3. */
 /* A peer's time after its batch b has told its own: at most ten minutes above the others' least. */
 #define SERVED(peer)                                                                               \
     "min(" peer ".served_us + ?3 - b.spent_us, coalesce((SELECT min(o.served_us) FROM peer o"      \
@@ -45,12 +44,7 @@ _Static_assert(PEN_BATCH_RENDER == 0 && PEN_BATCH_ASSEMBLE == 1 && PEN_BATCH_STU
     ENTRY("(SELECT v.virtual_us FROM level v WHERE v.priority = peer.priority)",                   \
           "(SELECT min(o.served_us) FROM peer o WHERE o.priority = peer.priority AND o.jobs > 0)", \
           "(SELECT max(o.served_us) FROM peer o WHERE o.priority = peer.priority AND o.jobs > 0)")
-#define LANE_ENTRY                                                                                 \
-    ENTRY("(SELECT p.virtual_us FROM peer p WHERE p.id = lane.peer)",                              \
-          "(SELECT o.served_us FROM lane o WHERE o.peer = lane.peer AND o.jobs > 0"                \
-          " ORDER BY o.served_us LIMIT 1)",                                                        \
-          "(SELECT o.served_us FROM lane o WHERE o.peer = lane.peer AND o.jobs > 0"                \
-          " ORDER BY o.served_us DESC LIMIT 1)")
+/* The batch ?1, leased under the attempt ?2, that has spent less than ?3. */
 #define SPENT_BATCH "b.id = ?1 AND b.attempt = ?2 AND b.state = 1 AND b.spent_us < ?3"
 
 /* The jobs of a list: those before ?1 of a kind, state, name and label, each of which may be NULL.
@@ -80,8 +74,8 @@ _Static_assert(PEN_PAUSE_MAX_MS == 60000, "as GOES_ON has it");
 /* A peer p has a batch to claim: open, of a job j whose pause ends by ?1. More may be asked of the
  * batch b in between. */
 #define HAS_OPEN                                                                                   \
-    "p.jobs > 0 AND EXISTS (SELECT 1 FROM lane l JOIN batch b ON b.lane = l.id AND b.state = 0"    \
-    " JOIN job j ON j.number = b.job WHERE l.peer = p.id AND " GOES_ON
+    "p.jobs > 0 AND EXISTS (SELECT 1 FROM batch b JOIN job j ON j.number = b.job"                  \
+    " WHERE b.peer = p.id AND b.state = 0 AND " GOES_ON
 #define END_OPEN ")"
 
 /* Whether a peer has waited so long, at time `now`, that it comes before one of priority `top`: of
@@ -92,9 +86,14 @@ _Static_assert(PEN_PAUSE_MAX_MS == 60000, "as GOES_ON has it");
 #define OWN "(SELECT priority FROM batch WHERE id = ?2)"
 #define AGED_ABOVE_OWN AGED(OWN, "?1")
 
-/* The lane of a priority, a client and a label. */
-#define LANE_OF                                                                                    \
-    " WHERE label = ?3 AND peer = (SELECT id FROM peer WHERE priority = ?1 AND client = ?2)"
+/* The time since the submit of a job: since its last moment by the clock of the boot, if it was in
+ * this boot, else by the store's clock. A clock that was set back takes nothing away. */
+#define ELAPSED(now, boot, us)                                                                     \
+    "elapsed_us + max(0, iif(moment_boot = " boot " AND " boot " <> 0, " us " - moment_us, (" now  \
+    " - moment_ms) * 1000))"
+#define ELAPSE(now, boot, us)                                                                      \
+    "elapsed_us = " ELAPSED(now, boot, us) ", moment_ms = " now ", moment_boot = " boot            \
+                                           ", moment_us = " us
 
 /* Whether the document of job j goes with the ended jobs: no unfinished job names it. It counts
  * once, for the newest that names it. */
@@ -140,14 +139,15 @@ static const char *const sql_text[] = {
     [SQL_SCENES_REMOVE_UNUSED] = "DELETE FROM scene WHERE NOT EXISTS"
                                  " (SELECT 1 FROM job WHERE job.scene = scene.id)",
     [SQL_JOB_ADD] = "INSERT INTO job (id, kind, scene, priority, max_attempts, timeout_ms,"
-                    " created_ms, updated_ms, total_pixels, open_views, request, client)"
-                    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?7, ?8, ?9, ?10, ?11)"
+                    " created_ms, updated_ms, total_pixels, open_views, request, client,"
+                    " moment_ms, moment_boot, moment_us)"
+                    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?7, ?8, ?9, ?10, ?11, ?7, ?12, ?13)"
                     " ON CONFLICT (id) DO NOTHING",
     [SQL_VIEW_ADD] = "INSERT INTO view (job, view, name, width, height, batches, open_batches)"
                      " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6)",
     [SQL_BATCH_ADD] =
-        "INSERT INTO batch (job, view, kind, first_tile, tile_count, pixels, priority, lane)"
-        " SELECT ?1, ?2, ?3, ?4, ?5, ?6, priority, lane FROM job WHERE number = ?1"
+        "INSERT INTO batch (job, view, kind, first_tile, tile_count, pixels, priority, peer)"
+        " SELECT ?1, ?2, ?3, ?4, ?5, ?6, priority, peer FROM job WHERE number = ?1"
         " ON CONFLICT (job, view) WHERE kind = 1 DO NOTHING",
 
     [SQL_JOB_GET] = "SELECT " JOB_COLUMNS " FROM job WHERE id = ? AND removed_ms = 0",
@@ -170,8 +170,13 @@ static const char *const sql_text[] = {
     [SQL_BATCH_COUNTS] = "SELECT (SELECT count(*) FROM batch WHERE state = 0),"
                          " (SELECT count(*) FROM batch WHERE state = 1)",
     [SQL_OLDEST_QUEUED] = "SELECT created_ms FROM job WHERE state = 0 ORDER BY number LIMIT 1",
-    [SQL_JOB_START] = "UPDATE job SET state = 1, started_ms = ?2, updated_ms = ?2,"
-                      " revision = revision + 1 WHERE number = ?1 AND state = 0",
+    [SQL_JOB_START] =
+        "UPDATE job SET state = 1, started_ms = ?2, updated_ms = ?2, revision = revision + 1,"
+        " queue_us = " ELAPSED("?2", "?3", "?4") ", " ELAPSE("?2", "?3", "?4") " WHERE number = ?1"
+                                                                               " AND state = 0",
+    /* What is measured in a boot begins with the first claim there. */
+    [SQL_JOB_ELAPSE] = "UPDATE job SET " ELAPSE("?2", "?3", "?4") " WHERE number = ?1"
+                                                                  " AND moment_boot <> ?3",
     [SQL_JOB_PROGRESS] =
         "UPDATE job SET done_pixels = CASE WHEN ?7 THEN"
         " max(done_pixels, ?2 + (SELECT coalesce(sum(pixels), 0) FROM batch"
@@ -182,14 +187,20 @@ static const char *const sql_text[] = {
         " paused_until_ms = CASE WHEN ?5 THEN 0 ELSE paused_until_ms END,"
         " estimate_ms = CASE WHEN ?6 > 0 THEN ?6 ELSE estimate_ms END,"
         " committed_us = CASE WHEN ?5 THEN spent_us ELSE committed_us END,"
-        " committed_ms = CASE WHEN ?5 THEN ?4 ELSE committed_ms END,"
-        " revision = revision + 1 WHERE number = ?1",
+        " committed_elapsed_us = CASE WHEN ?5 THEN " ELAPSED(
+            "?4", "?8",
+            "?9") " ELSE committed_elapsed_us END, " ELAPSE("?4", "?8",
+                                                            "?9") ","
+                                                                  " revision = revision + 1 WHERE "
+                                                                  "number = ?1",
     [SQL_JOB_VIEW_ENDED] = "UPDATE job SET open_views = open_views - 1 WHERE number = ?"
                            " RETURNING open_views",
     [SQL_JOB_SUCCEED] = "UPDATE job SET state = 2, finished_ms = ?2"
                         " WHERE number = ?1 AND state = 1",
-    [SQL_JOB_END] = "UPDATE job SET state = ?2, error = ?3, finished_ms = ?4, updated_ms = ?4,"
-                    " revision = revision + 1 WHERE number = ?1 AND state IN (0, 1)",
+    [SQL_JOB_END] =
+        "UPDATE job SET state = ?2, error = ?3, finished_ms = ?4, updated_ms = ?4, " ELAPSE(
+            "?4", "?5", "?6") ","
+                              " revision = revision + 1 WHERE number = ?1 AND state IN (0, 1)",
     [SQL_JOB_END_BATCHES] = "UPDATE batch SET state = 3, worker = NULL, lease_until_ms = NULL,"
                             " quarantined = 0 WHERE job = ? AND state IN (0, 1)",
     [SQL_JOB_REMOVE] = "DELETE FROM job WHERE number = ?",
@@ -234,25 +245,20 @@ static const char *const sql_text[] = {
      * priority; then by priority, then by the time served. A batch that a peer's worker holds
      * counts as a second until its worker has told its time. */
     [SQL_NEXT_PEER] =
-        "WITH waiting AS MATERIALIZED (SELECT p.id, p.priority, p.served_us, p.waiting_since_ms"
-        " FROM peer p WHERE " HAS_OPEN " AND b.quarantined <= ?2" END_OPEN ")"
-        " SELECT id, " AGED_ABOVE_ALL " AS aged FROM waiting w"
+        "WITH waiting AS MATERIALIZED (SELECT p.id, p.priority, p.served_us, p.waiting_since_ms,"
+        " p.balance_us FROM peer p WHERE " HAS_OPEN " AND b.quarantined <= ?2" END_OPEN ")"
+        " SELECT id, " AGED_ABOVE_ALL " AS aged, balance_us FROM waiting w"
         " ORDER BY ?4 AND aged DESC, priority DESC, served_us + 1000000 * (SELECT count(*)"
-        " FROM batch h INDEXED BY batch_leased CROSS JOIN lane l ON l.id = h.lane"
-        " WHERE h.state = 1 AND l.peer = w.id), id LIMIT 1",
-    [SQL_NEXT_LANE] =
-        "SELECT l.id, l.balance_us FROM lane l WHERE l.peer = ?3 AND EXISTS (SELECT 1 FROM batch b"
-        " JOIN job j ON j.number = b.job WHERE b.lane = l.id AND b.state = 0"
-        " AND " GOES_ON " AND b.quarantined <= ?2) ORDER BY l.served_us, l.id LIMIT 1",
+        " FROM batch h INDEXED BY batch_leased WHERE h.state = 1 AND h.peer = w.id), id LIMIT 1",
     [SQL_NEXT_OLDEST] = "SELECT b.job FROM batch b JOIN job j ON j.number = b.job"
-                        " WHERE b.lane = ?3 AND b.state = 0 AND " GOES_ON
+                        " WHERE b.peer = ?3 AND b.state = 0 AND " GOES_ON
                         " AND b.quarantined <= ?2 ORDER BY b.job LIMIT 1",
-    [SQL_NEXT_LEAST] = "SELECT j.number FROM job j WHERE j.lane = ?3 AND j.state < 2"
+    [SQL_NEXT_LEAST] = "SELECT j.number FROM job j WHERE j.peer = ?3 AND j.state < 2"
                        " AND " GOES_ON " AND EXISTS (SELECT 1 FROM batch b"
-                       " WHERE b.lane = j.lane AND b.job = j.number AND b.state = 0"
+                       " WHERE b.peer = j.peer AND b.job = j.number AND b.state = 0"
                        " AND b.quarantined <= ?2) ORDER BY j.spent_us, j.number LIMIT 1",
     [SQL_FIRST_OPEN] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
-                       " WHERE b.lane = (SELECT lane FROM job WHERE number = ?1) AND b.job = ?1"
+                       " WHERE b.peer = (SELECT peer FROM job WHERE number = ?1) AND b.job = ?1"
                        " AND b.state = 0 AND b.quarantined <= ?2 ORDER BY b.id LIMIT 1",
     [SQL_OPEN_ABOVE] = "SELECT 1 FROM batch b JOIN job j ON j.number = b.job"
                        " WHERE b.state = 0 AND b.priority > " OWN " AND " GOES_ON " LIMIT 1",
@@ -277,8 +283,8 @@ static const char *const sql_text[] = {
         " spent_us = 0 WHERE id = ?1 AND state = 0",
     [SQL_BATCH_OPEN] = "UPDATE batch SET " OPEN " WHERE id = ? AND attempt = ? AND state = 1",
     [SQL_BATCH_REST] =
-        "INSERT INTO batch (job, view, kind, first_tile, tile_count, pixels, priority, lane)"
-        " SELECT job, view, kind, first_tile + ?3, tile_count - ?3, pixels - ?4, priority, lane"
+        "INSERT INTO batch (job, view, kind, first_tile, tile_count, pixels, priority, peer)"
+        " SELECT job, view, kind, first_tile + ?3, tile_count - ?3, pixels - ?4, priority, peer"
         " FROM batch WHERE id = ?1 AND attempt = ?2 AND state = 1 AND kind = 0"
         " AND tile_count > ?3 AND pixels > ?4",
     [SQL_BATCH_CUT] = "UPDATE batch SET tile_count = ?3, pixels = ?4"
@@ -287,7 +293,7 @@ static const char *const sql_text[] = {
                        " WHERE (job, view) = (SELECT job, view FROM batch WHERE id = ?)",
     [SQL_BATCH_DONE] =
         "UPDATE batch SET state = 2, worker = NULL, lease_until_ms = NULL, stats = ?3,"
-        " done_ms = ?4, quarantined = 0,"
+        " done_ms = ?4, commit_us = ?5, quarantined = 0,"
         " revision = (SELECT revision FROM job WHERE number = batch.job)"
         " WHERE id = ?1 AND attempt = ?2 AND state = 1",
     [SQL_BATCH_EXTEND] = "UPDATE batch SET lease_until_ms = ?3"
@@ -295,18 +301,13 @@ static const char *const sql_text[] = {
     [SQL_LEVEL_SPEND] =
         "UPDATE level SET virtual_us = level.virtual_us + max(0, " SERVED_P " - p.served_us)"
         " / max(1, (SELECT count(*) FROM peer o WHERE o.priority = p.priority AND o.jobs > 0))"
-        " FROM peer p JOIN lane l ON l.peer = p.id JOIN batch b ON b.lane = l.id"
+        " FROM peer p JOIN batch b ON b.peer = p.id"
         " WHERE level.priority = p.priority AND " SPENT_BATCH,
     [SQL_PEER_SPEND] =
         "UPDATE peer SET served_us = " SERVED_PEER ", waiting_since_ms = ?4,"
-        " virtual_us = peer.virtual_us + (?3 - b.spent_us)"
-        " / max(1, (SELECT count(*) FROM lane o WHERE o.peer = peer.id))"
-        " FROM lane l JOIN batch b ON b.lane = l.id WHERE peer.id = l.peer AND " SPENT_BATCH,
-    [SQL_LANE_SPEND] =
-        "UPDATE lane SET served_us = lane.served_us + ?3 - b.spent_us,"
-        " balance_us = max(-60000000, min(60000000, lane.balance_us + (?3 - b.spent_us)"
-        " * CASE WHEN EXISTS (SELECT 1 FROM batch o WHERE o.lane = b.lane AND o.state = 0"
-        " AND o.job < b.job) THEN -1 ELSE 1 END)) FROM batch b WHERE lane.id = b.lane"
+        " balance_us = max(-60000000, min(60000000, peer.balance_us + (?3 - b.spent_us)"
+        " * CASE WHEN EXISTS (SELECT 1 FROM batch o WHERE o.peer = b.peer AND o.state = 0"
+        " AND o.job < b.job) THEN -1 ELSE 1 END)) FROM batch b WHERE peer.id = b.peer"
         " AND " SPENT_BATCH,
     [SQL_JOB_SPEND] = "UPDATE job SET spent_us = job.spent_us + ?3 - b.spent_us FROM batch b"
                       " WHERE job.number = b.job AND " SPENT_BATCH,
@@ -322,26 +323,19 @@ static const char *const sql_text[] = {
     [SQL_LEVEL_ADD] = "INSERT INTO level (priority) VALUES (?1) ON CONFLICT (priority) DO NOTHING",
     [SQL_PEER_ENTER] =
         "UPDATE peer SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us"
-        " ELSE max(served_us, " PEER_ENTRY ") END, waiting_since_ms = CASE WHEN EXISTS"
-        " (SELECT 1 FROM lane l JOIN batch b ON b.lane = l.id AND b.state = 0"
-        " WHERE l.peer = peer.id) THEN waiting_since_ms ELSE ?3 END"
+        " ELSE max(served_us, " PEER_ENTRY ") END,"
+        " balance_us = CASE WHEN jobs > 0 THEN balance_us ELSE 0 END,"
+        " waiting_since_ms = CASE WHEN EXISTS (SELECT 1 FROM batch b WHERE b.peer = peer.id"
+        " AND b.state = 0) THEN waiting_since_ms ELSE ?3 END"
         " WHERE priority = ?1 AND client = ?2",
     [SQL_PEER_SERVED] =
-        "UPDATE peer SET waiting_since_ms = ?2 WHERE id = (SELECT l.peer FROM lane l"
-        " JOIN batch b ON b.lane = l.id WHERE b.id = ?1)",
-    [SQL_PEER_LEAVE] = "UPDATE peer SET jobs = jobs - 1 WHERE id = (SELECT l.peer FROM lane l"
-                       " JOIN job j ON j.lane = l.id WHERE j.number = ?1)",
+        "UPDATE peer SET waiting_since_ms = ?2 WHERE id = (SELECT b.peer FROM batch b"
+        " WHERE b.id = ?1)",
+    [SQL_PEER_LEAVE] = "UPDATE peer SET jobs = jobs - 1 WHERE id = (SELECT j.peer FROM job j"
+                       " WHERE j.number = ?1)",
     [SQL_PEERS_REMOVE] = "DELETE FROM peer WHERE jobs = 0 AND waiting_since_ms < ?1",
-    [SQL_LANE_ADD] = "INSERT INTO lane (peer, label) SELECT id, ?3 FROM peer"
-                     " WHERE priority = ?1 AND client = ?2 ON CONFLICT (peer, label) DO NOTHING",
-    [SQL_LANE_ENTER] =
-        "UPDATE lane SET jobs = jobs + 1, served_us = CASE WHEN jobs > 0 THEN served_us"
-        " ELSE max(served_us, " LANE_ENTRY ") END" LANE_OF,
-    [SQL_LANE_LEAVE] = "UPDATE lane SET jobs = jobs - 1 WHERE id = (SELECT lane FROM job"
-                       " WHERE number = ?1)",
-    [SQL_LANE_DROP] = "DELETE FROM lane WHERE jobs = 0 AND id = (SELECT lane FROM job"
-                      " WHERE number = ?1)",
-    [SQL_JOB_LANE] = "UPDATE job SET lane = (SELECT id FROM lane" LANE_OF ") WHERE number = ?4",
+    [SQL_JOB_PEER] = "UPDATE job SET peer = (SELECT p.id FROM peer p WHERE p.priority = ?1"
+                     " AND p.client = ?2) WHERE number = ?3",
     [SQL_QUEUE_LENGTHS] = "SELECT coalesce(sum(jobs), 0), coalesce(sum(CASE WHEN client = ?1"
                           " THEN jobs END), 0) FROM peer WHERE jobs > 0",
     [SQL_EXPECTED_COUNT] = "INSERT INTO meta (name, value) SELECT 'expected_bytes',"
@@ -354,15 +348,11 @@ static const char *const sql_text[] = {
                            " FROM job j WHERE j.number = ?1) WHERE name = 'expected_bytes'",
     [SQL_EXPECTED_LEAVE] = "UPDATE meta SET value = value - (SELECT " PEN_SQLITE_EXPECTED_BYTES
                            " FROM job j WHERE j.number = ?1) WHERE name = 'expected_bytes'",
-    /* Lanes take turns within their peer, peers within their priority; those first that were served
-     * least. */
-    [SQL_QUEUE] =
-        "WITH of_lane AS (SELECT j.id, j.lane, row_number() OVER (PARTITION BY j.lane"
-        " ORDER BY j.number) AS turn FROM job j WHERE j.state = 0),"
-        " of_peer AS (SELECT o.id, l.peer, row_number() OVER (PARTITION BY l.peer"
-        " ORDER BY o.turn, l.served_us, l.id) AS turn FROM of_lane o JOIN lane l ON l.id = o.lane)"
-        " SELECT o.id FROM of_peer o JOIN peer p ON p.id = o.peer"
-        " ORDER BY p.priority DESC, o.turn, p.served_us, p.id",
+    /* Peers take turns within their priority; the peer that was served least comes first. */
+    [SQL_QUEUE] = "WITH of_peer AS (SELECT j.id, j.peer, row_number() OVER (PARTITION BY j.peer"
+                  " ORDER BY j.number) AS turn FROM job j WHERE j.state = 0)"
+                  " SELECT o.id FROM of_peer o JOIN peer p ON p.id = o.peer"
+                  " ORDER BY p.priority DESC, o.turn, p.served_us, p.id",
     /* The batches in hand: what is left of each, by its share of what is left of its job, which its
      * estimate or else its rate tells; but no more than a turn (claims.c). */
     [SQL_QUEUE_FACTS] =
@@ -453,7 +443,7 @@ static const char *const sql_text[] = {
     [SQL_CACHED_TOUCH] = "UPDATE cached SET used_ms = ?2 WHERE artefact = ?1",
     [SQL_CACHED_BYTES] = "SELECT coalesce(sum(bytes), 0) FROM cached",
     [SQL_CACHED_FIRST] = "SELECT artefact, bytes FROM cached ORDER BY used_ms LIMIT 1",
-    [SQL_STATS_PAGE] = "SELECT id, view, kind, done_ms, stats FROM batch"
+    [SQL_STATS_PAGE] = "SELECT id, view, kind, commit_us, stats FROM batch"
                        " WHERE job = ? AND id > ? AND state = 2 AND stats IS NOT NULL"
                        " ORDER BY id LIMIT ?",
     [SQL_BATCH_PAGE] = "SELECT id, attempt, kind, state, view, first_tile, tile_count, pixels,"

@@ -61,6 +61,7 @@ enum pen_sqlite_sql {
     SQL_BATCH_COUNTS,
     SQL_OLDEST_QUEUED,
     SQL_JOB_START,
+    SQL_JOB_ELAPSE,
     SQL_JOB_PROGRESS,
     SQL_JOB_VIEW_ENDED,
     SQL_JOB_SUCCEED,
@@ -97,7 +98,6 @@ enum pen_sqlite_sql {
     SQL_EXPECTED_ENTER,
     SQL_EXPECTED_LEAVE,
     SQL_NEXT_PEER,
-    SQL_NEXT_LANE,
     SQL_NEXT_OLDEST,
     SQL_NEXT_LEAST,
     SQL_FIRST_OPEN,
@@ -113,7 +113,6 @@ enum pen_sqlite_sql {
     SQL_BATCH_EXTEND,
     SQL_LEVEL_SPEND,
     SQL_PEER_SPEND,
-    SQL_LANE_SPEND,
     SQL_JOB_SPEND,
     SQL_BATCH_SPEND,
     SQL_LEASES_OF_JOB,
@@ -123,11 +122,7 @@ enum pen_sqlite_sql {
     SQL_PEER_SERVED,
     SQL_PEER_LEAVE,
     SQL_PEERS_REMOVE,
-    SQL_LANE_ADD,
-    SQL_LANE_ENTER,
-    SQL_LANE_LEAVE,
-    SQL_LANE_DROP,
-    SQL_JOB_LANE,
+    SQL_JOB_PEER,
     SQL_QUEUE_LENGTHS,
     SQL_QUEUE,
     SQL_QUEUE_FACTS,
@@ -202,7 +197,9 @@ enum pen_sqlite_sql {
     NEXT(total_pixels)                                                                             \
     NEXT(estimate_ms)                                                                              \
     NEXT(committed_us)                                                                             \
-    NEXT(committed_ms)                                                                             \
+    NEXT(committed_elapsed_us)                                                                     \
+    NEXT(elapsed_us)                                                                               \
+    NEXT(queue_us)                                                                                 \
     NEXT(scene)
 #define PEN_SQLITE_CLAIM_COLUMNS(FIRST, NEXT)                                                      \
     FIRST(batch, b.id)                                                                             \
@@ -576,7 +573,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
 PEN_SQLITE_OPS(PEN_SQLITE_DECLARE)
 #undef PEN_SQLITE_DECLARE
 
-/* shares.c: counts a new job into its peer and its lane, and out of them when it has ended. */
+/* shares.c: counts a new job into its peer, and out of it when it has ended. */
 bool pen_sqlite_share_enter(struct pen_driver *driver, const struct pen_job_new *job,
                             int64_t number, struct pen_status *st);
 bool pen_sqlite_share_leave(struct pen_driver *driver, int64_t job, struct pen_status *st);

@@ -19,7 +19,8 @@ struct pen_bench_run {
     struct pen_accel_stats accel;
 };
 
-/* Freezes the scene and renders its views. Fails: as pen_scene_freeze and pen_render_run. */
+/* Freezes the scene and renders its views, several times if that takes less than a millisecond.
+ * Fails: as pen_scene_freeze and pen_render_run. */
 bool pen_bench_run_once(struct pen_bench_run *run, struct pen_status *st);
 
 #endif

@@ -17,6 +17,9 @@ while [ -z "$url" ]; do
     sleep 0.1
     url=$(sed -n 's/^listening on //p' "$work/out")
 done
+until curl -sS -f "$url/readyz" >"$work/ready" 2>&1; do # it listens before its store is open
+    sleep 0.1
+done
 
 submit() { # NAME: prints the job's id
     curl -sS -f "$url/v1/jobs" -H 'Content-Type: application/json' -H "Idempotency-Key: $1" -d "@$jobs/$1.json" | jq -r .id
