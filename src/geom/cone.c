@@ -11,6 +11,7 @@
 #include "geom/internal/double_double.h"
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
+#include "math/frame.h"
 #include "math/scale.h"
 
 /* (top_radius - base_radius) / height */
@@ -321,6 +322,19 @@ static struct pen_vec3 normal(const void *self, uint8_t part, struct pen_vec3 p)
         return axis;
     struct pen_vec3 away = pen_cylinder_side_normal(round, p);
     return pen_normalize(pen_along(away, axis, -c->slope));
+}
+
+bool pen_cone_apex_normal(const struct pen_cone *c, struct pen_vec3 p, struct pen_vec3 d,
+                          struct pen_vec3 *n)
+{
+    if (!at_apex(c, p, rounding_at(c, p)))
+        return false;
+    const struct pen_vec3 axis = pen_cylinder_normal(&c->hull, PEN_PART_TOP, p);
+    const struct pen_vec3 across = pen_along(pen_neg(d), axis, pen_dot(d, axis));
+    const bool on_axis = pen_length(across) <= 64 * PEN_U * pen_length(d);
+    const struct pen_vec3 away = on_axis ? pen_across(axis).u : pen_normalize(across);
+    *n = pen_normalize(pen_along(away, axis, -c->slope));
+    return pen_dot(*n, d) < 0;
 }
 
 static struct pen_vec3 project(const void *self, uint8_t part, struct pen_vec3 p)

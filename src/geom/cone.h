@@ -10,7 +10,8 @@
  *
  * Outward is away from the axis on the side and along the axis on the caps. The normal of the apex,
  * and of points that are the apex within rounding, is the axis, away from the base: the mean of the
- * normals around it. */
+ * normals around it. No part of the surface has that normal, so an apex that is seen from outside
+ * is shaded with the normal of the side that faces the viewer (pen_cone_apex_normal). */
 #ifndef PEN_GEOM_CONE_H
 #define PEN_GEOM_CONE_H
 
@@ -29,6 +30,12 @@ struct pen_cone {
  * its sign, in 2^-200 ... 2^200. Equal radii are taken: a group's scale may round them so. */
 bool pen_cone_make(struct pen_cone *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                    double top_r, double h, bool caps);
+
+/* If p is the apex within rounding, and is seen from outside along d, sets *n to the normal of the
+ * side there that faces the viewer, which is any side for a viewer on the axis. Else returns false.
+ */
+bool pen_cone_apex_normal(const struct pen_cone *c, struct pen_vec3 p, struct pen_vec3 d,
+                          struct pen_vec3 *n);
 
 /* The t-interval of the ray's line inside; false if there is none. Ends at the caps of an open cone
  * are no intersections: the caller drops them. */

@@ -24,6 +24,17 @@ struct pen_vec3 pen_prim_normal(const struct pen_prims *prims, struct pen_hit hi
     return pen_prim_row(prims, hit.prim)->fn->normal(pen_prim_self(prims, hit.prim), hit.part, p);
 }
 
+struct pen_vec3 pen_prim_normal_seen(const struct pen_prims *prims, struct pen_hit hit,
+                                     struct pen_vec3 p, struct pen_vec3 d)
+{
+    const struct pen_prim_ref ref = prims->ref[hit.prim];
+    struct pen_vec3 n;
+    if (ref.kind == PEN_PRIM_CONE && hit.part == PEN_PART_SIDE &&
+        pen_cone_apex_normal(&prims->cone[ref.index], p, d, &n))
+        return n;
+    return pen_prim_normal(prims, hit, p);
+}
+
 /* The point of an outline's edges that is nearest p, and the square of its distance. */
 static struct pen_vec3 nearest_of_border(const struct pen_outline *line, struct pen_vec3 p,
                                          double *square)

@@ -98,6 +98,11 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
 struct pen_vec3 pen_prim_normal(const struct pen_prims *prims, struct pen_hit hit,
                                 struct pen_vec3 p);
 
+/* The same for the shading of a point that is seen along d: at the apex of a cone, the normal of
+ * the side that faces the viewer. */
+struct pen_vec3 pen_prim_normal_seen(const struct pen_prims *prims, struct pen_hit hit,
+                                     struct pen_vec3 p, struct pen_vec3 d);
+
 /* The hit point: o + t d, put back on the surface. */
 struct pen_vec3 pen_prim_point(const struct pen_prims *prims, struct pen_hit hit,
                                const struct pen_ray *ray);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads scenes (`penumbra-scene/1`, see api/scene-format.md) and the render settings of jobs from
- * memory into pen_scene_desc and pen_settings. Every error names its place; no input is repaired.
+ * memory into pen_scene_desc and pen_settings. Every error names its place; no input is repaired,
+ * except what the description's notes say.
  *
  * Errors:
  *  - Syntax (malformed JSON, duplicate keys, NaN, overflowing numbers): PEN_SYNTAX, the first one
@@ -84,7 +85,8 @@ bool pen_limits_check_time(const struct pen_limits *limits, double rays, const c
  * the counts of samples and lights alone. */
 double pen_work_per_pixel(const struct pen_scene_desc *desc, const struct pen_settings *settings);
 
-/* Adds warnings about a valid scene: T-junctions (scene/tjunction.h), named materials that no
+/* Adds warnings about a valid scene: its notes (scene/desc.h), views in which nothing is visible,
+ * T-junctions (scene/tjunction.h), named materials that no
  * object uses, lights of intensity 0, a picture that will be empty or black, views for which double
  * precision is too coarse (scene/precision.h). Each has code PEN_OK, a JSON Pointer and a sentence.
  * `document` and `at` are those that *desc was read from. When memory runs out, some warnings are

@@ -67,6 +67,13 @@ static void apply(struct pen_camera_frame *frame, const struct pen_camera_move *
     }
 }
 
+/* Up where the view goes along y: so that a view from above shows x to the right and -z upward, as
+ * maps do. */
+static struct pen_vec3 up_along_y(struct pen_vec3 direction)
+{
+    return pen_vec3(0, 0, direction.y < 0 ? -1 : 1);
+}
+
 bool pen_camera_frame_make(const struct pen_camera_desc *camera, struct pen_camera_frame *frame,
                            struct pen_status *st)
 {
@@ -83,7 +90,8 @@ bool pen_camera_frame_make(const struct pen_camera_desc *camera, struct pen_came
         return pen_fail_at(st, PEN_INVALID, "/look_at", "is too far from position");
     *frame =
         (struct pen_camera_frame){.eye = camera->position, .forward = vec_normalize(direction)};
-    if (!orthonormalize(frame, camera->up))
+    frame->other_up = camera->default_up && !orthonormalize(frame, camera->up);
+    if (!orthonormalize(frame, frame->other_up ? up_along_y(direction) : camera->up))
         return pen_fail_at(st, PEN_INVALID, "/up", "is parallel to the view direction");
     for (uint32_t i = 0; i < camera->move_count; i++)
         apply(frame, &camera->moves[i]);

@@ -45,6 +45,7 @@ struct pen_material {
     double shininess, ior;
     double reflection_blur, transmission_blur; /* degrees */
     const struct pen_patterns *patterns;       /* NULL: none */
+    bool ior_written;                          /* then 1 makes a solid, too */
 };
 _Static_assert(offsetof(struct pen_material, kr) == PEN_COLOUR_KR * sizeof(struct pen_vec3),
                "the colours are an array of PEN_MATERIAL_COLOURS");
@@ -55,7 +56,14 @@ static inline struct pen_vec3 *pen_material_colour(struct pen_material *m, int c
     return (struct pen_vec3 *)((char *)m + (size_t)colour * sizeof(struct pen_vec3));
 }
 
-/* emission 0, ka 1, kd ks kt kr 0, shininess 1, ior 1, no blur: black without ambient light. */
+/* Whether primitives with an inside, and closed surfaces of flat ones, are solids. */
+static inline bool pen_material_is_solid(const struct pen_material *m)
+{
+    return m->ior != 1 || m->ior_written;
+}
+
+/* emission 0, ka 1, kd ks kt kr 0, shininess 1, ior 1 and not written, no blur: black without
+ * ambient light. */
 struct pen_material pen_material_default(void);
 
 enum pen_light_kind { PEN_LIGHT_DIRECTIONAL, PEN_LIGHT_POINT, PEN_LIGHT_SPOT };
@@ -115,6 +123,10 @@ struct pen_object_desc {
     enum pen_object_kind kind;
     const char *name; /* NULL if it has none */
     int material;     /* index, -1: default */
+    /* Of a triangle or polygon: it has no area. It is no primitive, but its edges count where a
+     * solid may close. */
+    bool left_out;
+    bool repeats_vertex; /* of a polygon: its last vertex, once more, is not among `vertices` */
     union {
         struct {
             struct pen_vec3 center;
@@ -163,6 +175,7 @@ struct pen_camera_move {
 
 struct pen_camera_desc {
     struct pen_vec3 position, up;
+    bool default_up; /* not written; where it is parallel to the view direction, another is taken */
     bool has_look_at; /* else `direction` */
     struct pen_vec3 look_at, direction;
     bool has_view_plane; /* else `fov_degrees` */
@@ -201,17 +214,25 @@ struct pen_scene_desc {
     uint32_t object_count; /* top level */
     struct pen_object_desc *objects;
     uint64_t primitive_count;     /* all primitives, also those in groups; groups do not count */
+    uint32_t left_out_count;      /* objects that are left out, and */
+    uint64_t left_out_vertices;   /* all of their vertices */
     struct pen_settings settings; /* defaults and the scene's own `render` */
+    /* What the reader has left out or chosen, and what is probably meant otherwise: code PEN_OK,
+     * place and sentence. */
+    uint32_t note_count;
+    struct pen_status *notes;
 };
 
 /* The frame of a camera after its moves. right = forward x up; all are unit and orthogonal. */
 struct pen_camera_frame {
     struct pen_vec3 eye, right, up, forward;
+    bool other_up; /* instead of the default one, which is parallel to the view direction */
 };
 
-/* Computes the frame of a camera. Fails: PEN_INVALID with the wrong key, relative to the camera
- * object, as its place: "/up" (parallel to the view direction, or zero), "/look_at" (equal to the
- * position, or too far from it), "/direction" (zero). */
+/* Computes the frame of a camera. A default up, [0, 1, 0], that is parallel to the view direction
+ * is replaced by [0, 0, -1] for a view down, [0, 0, 1] for a view up. Fails: PEN_INVALID with the
+ * wrong key, relative to the camera object, as its place: "/up" (parallel to the view direction, or
+ * zero), "/look_at" (equal to the position, or too far from it), "/direction" (zero). */
 bool pen_camera_frame_make(const struct pen_camera_desc *camera, struct pen_camera_frame *frame,
                            struct pen_status *st);
 

@@ -73,6 +73,8 @@ enum pen_desc_iter_step pen_desc_iter_next(struct pen_desc_iter *iter,
                 return PEN_ITER_FAILED;
             continue;
         }
+        if (object->left_out != iter->left_out)
+            continue;
         *item = (struct pen_desc_iter_item){object, level->moved, &level->transform, level->similar,
                                             level->scale};
         return PEN_ITER_PRIMITIVE;

@@ -56,6 +56,7 @@ struct survey {
     bool opaque_shadows;        /* which lets no light pass */
     bool forks;                 /* a primitive has kt > 0, and kr > 0 or refracts */
     bool weights_grow;          /* some factor of a weight is above 1 */
+    bool ones_are_solids;       /* of a description: those with a written index of 1 */
     unsigned effects;
 };
 
@@ -98,13 +99,13 @@ static void add_factor(struct survey *survey, double *largest, double factor)
     survey->weights_grow = survey->weights_grow || factor > 1;
 }
 
-/* Adds the effects of the secondary rays of a material. Where it refracts, Fresnel's share of kt is
- * reflected with kr. */
-static void add_secondary(struct survey *survey, const struct pen_material *m)
+/* Adds the effects of the secondary rays of a material, which may be that of a solid. Where it
+ * refracts, Fresnel's share of kt is reflected with kr. */
+static void add_secondary(struct survey *survey, const struct pen_material *m, bool solid)
 {
     struct pen_secondary_factors *largest = &survey->factors;
     const bool mirrors = color_is_lit(m->kr), transmits = color_is_lit(m->kt);
-    const bool refracts = transmits && m->ior != 1;
+    const bool refracts = transmits && solid;
     const struct pen_vec3 kr = colour_bound(m, PEN_COLOUR_KR, m->kr);
     const struct pen_vec3 kt = colour_bound(m, PEN_COLOUR_KT, m->kt);
     const double reflected = largest_channel(refracts ? pen_add(kr, kt) : kr);
@@ -131,12 +132,13 @@ static void add_secondary(struct survey *survey, const struct pen_material *m)
     }
 }
 
-/* Adds the effects of one primitive's material. Materials that no primitive has do not count. */
-static void add_material(struct survey *survey, const struct pen_material *m)
+/* Adds the effects of one primitive's material, and whether it is of a solid. Materials that no
+ * primitive has do not count. */
+static void add_material(struct survey *survey, const struct pen_material *m, bool solid)
 {
     if (survey->ambient_light && color_is_lit(m->ka))
         survey->effects |= PEN_FX_AMBIENT;
-    add_secondary(survey, m);
+    add_secondary(survey, m, solid);
     if (survey->lights && color_is_lit(m->ks))
         survey->effects |= PEN_FX_SPECULAR;
     if (color_is_lit(m->kd) || color_is_lit(m->ks))
@@ -144,7 +146,7 @@ static void add_material(struct survey *survey, const struct pen_material *m)
     if (m->patterns)
         survey->effects |= PEN_FX_PATTERNS;
     survey->see_through = survey->see_through || color_is_lit(m->kt);
-    survey->forks = survey->forks || (color_is_lit(m->kt) && (color_is_lit(m->kr) || m->ior != 1));
+    survey->forks = survey->forks || (color_is_lit(m->kt) && (color_is_lit(m->kr) || solid));
 }
 
 /* Where a weight may grow on its way, no factor alone tells how large it becomes. */
@@ -171,8 +173,11 @@ void pen_effects_find(struct pen_scene *scene)
                             .effects = effect_of_sky(&scene->sky, scene->background)};
     for (uint32_t i = 0; i < scene->light_count; i++)
         survey.shadows |= shadow_kind(scene->lights[i].shadows, scene->lights[i].soft);
-    for (uint32_t i = 0; i < scene->prims.count; i++)
-        add_material(&survey, &scene->materials[scene->prim_material[i]]);
+    for (uint32_t i = 0; i < scene->prims.count; i++) {
+        const struct pen_material *m = &scene->materials[scene->prim_material[i]];
+        const bool in_solid = scene->solids.count > 0 && scene->solids.of_prim[i] != PEN_NO_SOLID;
+        add_material(&survey, m, m->ior != 1 || in_solid);
+    }
     scene->effects = survey_end(&survey);
     scene->factors = survey_factors(&survey);
 }
@@ -183,11 +188,25 @@ static void survey_objects(struct survey *survey, const struct pen_scene_desc *d
     const struct pen_material none = pen_material_default();
     for (uint32_t i = 0; i < count; i++) {
         const struct pen_object_desc *o = &objects[i];
+        const struct pen_material *m = o->material < 0 ? &none : &desc->materials[o->material];
         if (o->kind == PEN_OBJECT_GROUP)
             survey_objects(survey, desc, o->u.group.objects, o->u.group.count);
-        else
-            add_material(survey, o->material < 0 ? &none : &desc->materials[o->material]);
+        else if (!o->left_out)
+            add_material(survey, m, m->ior != 1 || (survey->ones_are_solids && m->ior_written));
     }
+}
+
+/* Whether a material that is used refracts, so that solids with an index of 1 may lie in it;
+ * without boxes, all of them are taken to. */
+static bool ones_are_solids(const struct pen_scene_desc *desc)
+{
+    struct survey survey = {0};
+    bool ones = false;
+    for (uint32_t i = 0; i < desc->material_count; i++)
+        ones |= desc->materials[i].ior == 1 && desc->materials[i].ior_written;
+    if (ones)
+        survey_objects(&survey, desc, desc->objects, desc->object_count);
+    return survey.effects & PEN_FX_REFRACTION;
 }
 
 int pen_camera_samples(bool lens, const struct pen_settings *settings)
@@ -254,6 +273,7 @@ unsigned pen_desc_effects(const struct pen_scene_desc *desc, const struct pen_se
         survey.lights = true;
         survey.shadows |= shadow_kind(light->shadows, pen_light_desc_soft(light));
     }
+    survey.ones_are_solids = ones_are_solids(desc);
     survey_objects(&survey, desc, desc->objects, desc->object_count);
     const struct pen_secondary_factors factors = survey_factors(&survey);
     return with_settings(survey_end(&survey), &factors, pen_desc_has_lens(desc), settings);

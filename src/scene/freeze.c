@@ -223,8 +223,10 @@ static bool freeze_all(struct pen_freezer *f)
     if (!freeze_views(f) || !freeze_frame(f) || !freeze_materials(f) || !freeze_lights(f) ||
         !pen_freeze_prims(f) || !pen_freeze_own_spaces(f) || (f->rays && !pen_freeze_layers(f)))
         return false;
+    if (!pen_freeze_solids(f))
+        return false;
     pen_effects_find(f->scene);
-    return pen_freeze_solids(f);
+    return true;
 }
 
 static bool build_accel(struct pen_freezer *f, enum pen_accelerator accelerator)

@@ -20,11 +20,12 @@ static bool reserve_buffer(struct pen_freezer *f, const struct pen_desc_iter_ite
     return true;
 }
 
-bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user)
+static bool each(struct pen_freezer *f, bool left_out, pen_freeze_primitive *fn, void *user)
 {
     struct pen_desc_iter iter;
     if (!pen_desc_iter_init(&iter, f->desc, f->st))
         return false;
+    iter.left_out = left_out;
     struct pen_desc_iter_item at;
     struct pen_scene_prim scene_prim;
     enum pen_desc_iter_step step;
@@ -38,4 +39,14 @@ bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user
     }
     pen_desc_iter_release(&iter);
     return step == PEN_ITER_END;
+}
+
+bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user)
+{
+    return each(f, false, fn, user);
+}
+
+bool pen_freeze_each_left_out(struct pen_freezer *f, pen_freeze_primitive *fn, void *user)
+{
+    return each(f, true, fn, user);
 }

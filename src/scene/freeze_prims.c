@@ -35,8 +35,6 @@ static bool alloc_arrays(struct pen_freezer *f, struct filler *a)
     return (ok && a->kept) || pen_freeze_no_memory(f);
 }
 
-/* The vertices in the local frame. Coordinates below PEN_LEAST become 0, which is far below what
- * doubles resolve at the frame's extent. */
 static const struct pen_vec3 *local_vertices(const struct pen_freezer *f, struct filler *a,
                                              const struct pen_scene_prim *scene_prim)
 {
@@ -45,8 +43,7 @@ static const struct pen_vec3 *local_vertices(const struct pen_freezer *f, struct
     if (keeps)
         a->kept += scene_prim->from.count;
     for (uint32_t i = 0; i < scene_prim->from.count && (keeps || i < PASSED_MAX); i++)
-        v[i] =
-            pen_without_less(pen_local_point(&f->frame, scene_prim->from.vertices[i]), PEN_LEAST);
+        v[i] = pen_freeze_vertex(f, scene_prim->from.vertices[i]);
     return v;
 }
 

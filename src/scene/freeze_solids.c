@@ -19,6 +19,7 @@ struct finder {
     uint32_t *same; /* by material: the first material that is equal */
     struct solid_face *face;
     uint32_t faces;
+    struct pen_vec3 *left_out, *vertex; /* of faces that are left out; the next free one */
     struct found *found;
     uint32_t *found_of; /* by primitive: its place in `found`, or PEN_NO_SOLID */
     uint32_t *number;   /* by place in `found`: the solid's number */
@@ -58,6 +59,8 @@ static int compare_materials(const void *a, const void *b)
     const int numbers = memcmp(p->material, q->material, offsetof(struct pen_material, patterns));
     if (numbers != 0)
         return numbers;
+    if (p->material->ior_written != q->material->ior_written)
+        return p->material->ior_written ? 1 : -1;
     return compare_patterns(p->material->patterns, q->material->patterns);
 }
 
@@ -89,11 +92,21 @@ static bool find_same(struct finder *f)
     return true;
 }
 
+/* Whether a round primitive is open. The reader refuses an ior other than 1 for those, but takes 1,
+ * which makes no solid of them. */
+static bool is_open(const struct pen_prims *prims, uint32_t prim)
+{
+    const struct pen_prim_ref ref = prims->ref[prim];
+    return (ref.kind == PEN_PRIM_CYLINDER && !prims->cylinder[ref.index].caps) ||
+           (ref.kind == PEN_PRIM_CONE && !prims->cone[ref.index].hull.caps);
+}
+
 /* Whether a primitive is a solid, or a side of one. */
 static bool is_solid(const struct pen_scene *scene, uint32_t prim)
 {
-    return scene->materials[scene->prim_material[prim]].ior != 1 &&
-           !pen_prim_infinite(scene->prims.ref[prim].kind);
+    const struct pen_material *m = &scene->materials[scene->prim_material[prim]];
+    return pen_material_is_solid(m) && !pen_prim_infinite(scene->prims.ref[prim].kind) &&
+           (m->ior != 1 || !is_open(&scene->prims, prim));
 }
 
 /* Adds a primitive to the solid at a place in `found`, which may be a new one. */
@@ -112,8 +125,25 @@ static void add_to_solid(struct finder *f, uint32_t prim, uint32_t place, bool c
     f->found_of[prim] = place;
 }
 
+/* Adds a triangle or polygon without area. */
+static bool add_left_out(struct pen_freezer *freezer, const struct pen_scene_prim *prim, void *user)
+{
+    struct finder *f = user;
+    const uint32_t material =
+        prim->material < 0 ? f->scene->material_count - 1 : (uint32_t)prim->material;
+    struct pen_vec3 *v = f->vertex;
+    if (!pen_material_is_solid(&f->scene->materials[material]))
+        return true;
+    for (uint32_t i = 0; i < prim->from.count; i++)
+        v[i] = pen_freeze_vertex(freezer, prim->from.vertices[i]);
+    f->vertex += prim->from.count;
+    f->face[f->faces++] = (struct solid_face){
+        .line = {v, prim->from.count, 0}, .prim = PEN_NO_PRIM, .material = f->same[material]};
+    return true;
+}
+
 /* Makes the solids in the order of their first primitives. */
-static bool find_solids(struct finder *f)
+static bool find_solids(struct pen_freezer *freezer, struct finder *f)
 {
     const struct pen_scene *scene = f->scene;
     const struct pen_prims *prims = &scene->prims;
@@ -121,10 +151,13 @@ static bool find_solids(struct finder *f)
     for (uint32_t i = 0; i < prims->count; i++) {
         f->found_of[i] = PEN_NO_SOLID;
         if (is_solid(scene, i) && pen_prim_outlined(prims->ref[i].kind))
-            f->face[f->faces++] =
-                (struct solid_face){.prim = i, .material = f->same[scene->prim_material[i]]};
+            f->face[f->faces++] = (struct solid_face){.line = pen_prim_outline(prims, i),
+                                                      .prim = i,
+                                                      .material = f->same[scene->prim_material[i]]};
     }
-    if (!pen_solid_faces_join(prims, f->face, f->faces))
+    f->vertex = f->left_out;
+    if (!pen_freeze_each_left_out(freezer, add_left_out, f) ||
+        !pen_solid_faces_join(f->face, f->faces))
         return false;
     for (uint32_t i = 0; i < prims->count; i++) {
         if (!is_solid(scene, i))
@@ -138,6 +171,122 @@ static bool find_solids(struct finder *f)
         add_to_solid(f, i, first == i ? f->count : f->found_of[first], face->closed);
         f->turned[i] = face->turned;
     }
+    return true;
+}
+
+/* A tree over the boxes of solids, without pointers: the range begin to end - 1 has its middle one
+ * as its root, and those before and behind as its branches. */
+struct box_tree {
+    struct pen_box *box, *all; /* of a root: its own, and that of its range */
+};
+
+static double middle_of(const struct pen_box *b, int axis)
+{
+    return pen_component(b->lo, axis) + pen_component(b->hi, axis);
+}
+
+/* Puts the median of a range along an axis in its middle, and lesser ones before it (Hoare's
+ * selection). */
+static void select_median(struct pen_box *box, uint32_t begin, uint32_t end, int axis)
+{
+    const uint32_t middle = begin + (end - begin) / 2;
+    while (end - begin > 1) {
+        const double pivot = middle_of(&box[begin + (end - begin) / 2], axis);
+        uint32_t i = begin, k = end - 1;
+        while (i <= k) {
+            while (middle_of(&box[i], axis) < pivot)
+                i++;
+            while (middle_of(&box[k], axis) > pivot)
+                k--;
+            if (i > k)
+                break;
+            const struct pen_box moved = box[i];
+            box[i++] = box[k];
+            box[k] = moved;
+            if (k == 0)
+                break;
+            k--;
+        }
+        if (middle <= k && k + 1 < end)
+            end = k + 1;
+        else if (middle >= i)
+            begin = i;
+        else
+            return;
+    }
+}
+
+static struct pen_box tree_build(struct box_tree *t, uint32_t begin, uint32_t end)
+{
+    const uint32_t middle = begin + (end - begin) / 2;
+    struct pen_box all = pen_box_empty();
+    if (begin == end)
+        return all;
+    for (uint32_t i = begin; i < end; i++)
+        all = pen_box_union(all, t->box[i]);
+    const struct pen_vec3 size = pen_sub(all.hi, all.lo);
+    select_median(t->box, begin, end,
+                  size.x >= size.y && size.x >= size.z ? 0
+                  : size.y >= size.z                   ? 1
+                                                       : 2);
+    tree_build(t, begin, middle);
+    tree_build(t, middle + 1, end);
+    return t->all[middle] = all;
+}
+
+static bool boxes_meet(const struct pen_box *a, const struct pen_box *b)
+{
+    return a->lo.x <= b->hi.x && a->hi.x >= b->lo.x && a->lo.y <= b->hi.y && a->hi.y >= b->lo.y &&
+           a->lo.z <= b->hi.z && a->hi.z >= b->lo.z;
+}
+
+static bool tree_meets(const struct box_tree *t, uint32_t begin, uint32_t end,
+                       const struct pen_box *b)
+{
+    const uint32_t middle = begin + (end - begin) / 2;
+    return begin < end && boxes_meet(&t->all[middle], b) &&
+           (boxes_meet(&t->box[middle], b) || tree_meets(t, begin, middle, b) ||
+            tree_meets(t, middle + 1, end, b));
+}
+
+/* Makes the tree of all solids with an index other than 1. Owns: free tree->box. */
+static bool tree_make(struct box_tree *tree, const struct finder *f, uint32_t count)
+{
+    tree->box = malloc((2 * (size_t)count + 1) * sizeof *tree->box);
+    if (!tree->box)
+        return false;
+    tree->all = tree->box + count;
+    for (uint32_t i = 0, at = 0; i < f->count; i++)
+        if (f->found[i].solid.ior != 1)
+            tree->box[at++] = f->found[i].solid.box;
+    tree_build(tree, 0, count);
+    return true;
+}
+
+/* Drops the solids with an index of 1 whose boxes meet no box of a solid with another index: where
+ * nothing refracts they change nothing. */
+static bool drop_ones(struct finder *f)
+{
+    uint32_t others = 0, kept = 0;
+    for (uint32_t i = 0; i < f->count; i++)
+        others += f->found[i].solid.ior != 1;
+    if (others == f->count)
+        return true;
+    struct box_tree tree;
+    if (!tree_make(&tree, f, others))
+        return false;
+    for (uint32_t i = 0; i < f->count; i++) {
+        const struct found found = f->found[i];
+        const bool keep = found.solid.ior != 1 || tree_meets(&tree, 0, others, &found.solid.box);
+        f->number[i] = keep ? kept : PEN_NO_SOLID;
+        f->found[kept] = found;
+        kept += keep;
+    }
+    for (uint32_t i = 0; i < f->scene->prims.count; i++)
+        if (f->found_of[i] != PEN_NO_SOLID)
+            f->found_of[i] = f->number[f->found_of[i]];
+    f->count = kept;
+    free(tree.box);
     return true;
 }
 
@@ -225,23 +374,37 @@ static bool find_views(struct pen_freezer *freezer, struct finder *f)
 static bool find_all(struct pen_freezer *freezer, struct finder *f)
 {
     const size_t prims = freezer->scene->prims.count;
-    f->face = malloc(prims * sizeof *f->face);
+    f->face = malloc((prims + freezer->desc->left_out_count) * sizeof *f->face);
+    f->left_out = malloc((freezer->desc->left_out_vertices + 1) * sizeof *f->left_out);
     f->found = malloc(prims * sizeof *f->found);
     f->found_of = malloc(prims * sizeof *f->found_of);
     f->number = malloc(prims * sizeof *f->number);
     f->turned = pen_arena_alloc(freezer->scene->arena, prims, sizeof *f->turned);
-    return f->face && f->found && f->found_of && f->number && f->turned && find_same(f) &&
-           find_solids(f) && number_solids(f) && find_views(freezer, f);
+    return f->face && f->left_out && f->found && f->found_of && f->number && f->turned &&
+           find_same(f) && find_solids(freezer, f) && drop_ones(f) && number_solids(f) &&
+           find_views(freezer, f);
+}
+
+/* Whether light is refracted somewhere. Solids with an index of 1 alone refract nothing. */
+static bool scene_refracts(const struct pen_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->prims.count; i++) {
+        const struct pen_material *m = &scene->materials[scene->prim_material[i]];
+        if (m->ior != 1 && color_is_lit(m->kt))
+            return true;
+    }
+    return false;
 }
 
 bool pen_freeze_solids(struct pen_freezer *freezer)
 {
     struct finder f = {.scene = freezer->scene};
-    if (!(freezer->scene->effects & PEN_FX_REFRACTION))
+    if (!scene_refracts(freezer->scene))
         return true;
     const bool ok = find_all(freezer, &f) || pen_freeze_no_memory(freezer);
     free(f.same);
     free(f.face);
+    free(f.left_out);
     free(f.found);
     free(f.found_of);
     free(f.number);

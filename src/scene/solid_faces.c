@@ -8,7 +8,9 @@
  * joined where three or more faces share an edge, to *groups*, each of which is a solid, closed if
  * its edges are in balance. Two faces with the same vertices are a wall inside a solid, as between
  * two boxes that stand on each other; they are a solid of their own, without a volume, and left out
- * of the rest. The volume of a closed solid is positive if its faces look outward;
+ * of the rest. A face without area, which the scene leaves out, joins its neighbours all the same:
+ * it fills the seam between an edge and the parts of that edge on the other side. The volume of a
+ * closed solid is positive if its faces look outward;
  * else all are turned. So the order of vertices in the document makes no difference for it. */
 #include "scene/internal/solid_faces.h"
 
@@ -71,10 +73,9 @@ static int compare_points(struct pen_vec3 a, struct pen_vec3 b)
     return compare_ends(p, q, 3);
 }
 
-static struct loop loop_of(const struct pen_prims *prims, const struct solid_face *face,
-                           uint32_t number)
+static struct loop loop_of(const struct solid_face *face, uint32_t number)
 {
-    struct loop loop = {pen_prim_outline(prims, face->prim), 0, 1, face->material, number};
+    struct loop loop = {face->line, 0, 1, face->material, number};
     const uint32_t n = loop.line.count;
     for (uint32_t i = 1; i < n; i++)
         if (compare_points(loop.line.v[i], loop.line.v[loop.first]) < 0)
@@ -116,13 +117,13 @@ static void make_wall(struct solid_face *face, const struct loop *a, const struc
 }
 
 /* Finds pairs of faces with the same vertices. Of three, one is left. */
-static bool find_walls(const struct pen_prims *prims, struct solid_face *face, uint32_t count)
+static bool find_walls(struct solid_face *face, uint32_t count)
 {
     struct loop *loop = malloc((count + (size_t)1) * sizeof *loop);
     if (!loop)
         return false;
     for (uint32_t i = 0; i < count; i++) {
-        loop[i] = loop_of(prims, &face[i], i);
+        loop[i] = loop_of(&face[i], i);
         face[i].wall = false;
     }
     qsort(loop, count, sizeof *loop, compare_loops);
@@ -135,23 +136,40 @@ static bool find_walls(const struct pen_prims *prims, struct solid_face *face, u
     return true;
 }
 
-static bool make_edges(const struct pen_prims *prims, const struct solid_face *face, uint32_t count,
-                       struct edges *edges)
+static bool make_edges(const struct solid_face *face, uint32_t count, struct edges *edges)
 {
     size_t total = 0;
     for (uint32_t i = 0; i < count; i++)
-        total += pen_prim_outline(prims, face[i].prim).count;
+        total += face[i].line.count;
     edges->at = malloc((total + 1) * sizeof *edges->at);
     if (!edges->at)
         return false;
     for (uint32_t i = 0; i < count; i++) {
-        const struct pen_outline line = pen_prim_outline(prims, face[i].prim);
+        const struct pen_outline line = face[i].line;
         for (uint32_t k = 0; k < line.count && !face[i].wall; k++)
             edges->at[edges->count++] =
                 edge_of(&face[i], i, line.v[k], line.v[k + 1 < line.count ? k + 1 : 0]);
     }
     qsort(edges->at, edges->count, sizeof *edges->at, compare_edges);
     return true;
+}
+
+/* Removes edges without length, and those that a face without area runs along in both directions:
+ * they are no side of anything. */
+static void remove_folds(struct edges *edges)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < edges->count; i++) {
+        const struct edge *e = &edges->at[i], *last = kept > 0 ? &edges->at[kept - 1] : NULL;
+        if (compare_ends(e->end, e->end + 3, 3) == 0)
+            continue;
+        if (last && last->face == e->face && last->along != e->along &&
+            compare_ends(last->end, e->end, 6) == 0)
+            kept--;
+        else
+            edges->at[kept++] = *e;
+    }
+    edges->count = kept;
 }
 
 /* The first edge after the run of edges that equal edge i. */
@@ -275,10 +293,9 @@ static void join_groups(struct solid_face *face, uint32_t count, const struct ed
 }
 
 /* Six times the volume between a face and point o. */
-static double volume_under(const struct pen_prims *prims, const struct solid_face *face,
-                           struct pen_vec3 o)
+static double volume_under(const struct solid_face *face, struct pen_vec3 o)
 {
-    const struct pen_outline line = pen_prim_outline(prims, face->prim);
+    const struct pen_outline line = face->line;
     double sum = 0;
     for (uint32_t i = 1; i + 1 < line.count; i++) {
         const struct pen_vec3 a = pen_sub(line.v[0], o), b = pen_sub(line.v[i], o),
@@ -289,7 +306,7 @@ static double volume_under(const struct pen_prims *prims, const struct solid_fac
 }
 
 /* Turns the closed solids outward. Faces of open ones are as the document has them. */
-static bool turn_outward(const struct pen_prims *prims, struct solid_face *face, uint32_t count)
+static bool turn_outward(struct solid_face *face, uint32_t count)
 {
     double *volume = calloc((size_t)count + 1, sizeof *volume);
     if (!volume)
@@ -299,8 +316,7 @@ static bool turn_outward(const struct pen_prims *prims, struct solid_face *face,
         if (f->wall)
             continue;
         f->turned = f->closed && turned_in_patch(face, i);
-        volume[f->solid] +=
-            volume_under(prims, f, pen_prim_outline(prims, face[f->solid].prim).v[0]);
+        volume[f->solid] += volume_under(f, face[f->solid].line.v[0]);
     }
     for (uint32_t i = 0; i < count; i++)
         face[i].turned ^= !face[i].wall && face[i].closed && volume[face[i].solid] < 0;
@@ -308,11 +324,12 @@ static bool turn_outward(const struct pen_prims *prims, struct solid_face *face,
     return true;
 }
 
-bool pen_solid_faces_join(const struct pen_prims *prims, struct solid_face *face, uint32_t count)
+bool pen_solid_faces_join(struct solid_face *face, uint32_t count)
 {
     struct edges edges = {0};
-    if (!find_walls(prims, face, count) || !make_edges(prims, face, count, &edges))
+    if (!find_walls(face, count) || !make_edges(face, count, &edges))
         return false;
+    remove_folds(&edges);
     for (uint32_t i = 0; i < count; i++) {
         face[i].patch_up = i;
         face[i].turned_up = face[i].open = false;
@@ -329,5 +346,5 @@ bool pen_solid_faces_join(const struct pen_prims *prims, struct solid_face *face
         face[i].closed = !face[face[i].solid].open;
     }
     free(edges.at);
-    return turn_outward(prims, face, count);
+    return turn_outward(face, count);
 }

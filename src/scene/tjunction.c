@@ -49,7 +49,8 @@ struct probe {
 
 static bool is_loop(const struct pen_object_desc *object)
 {
-    return object->kind == PEN_OBJECT_TRIANGLE || object->kind == PEN_OBJECT_POLYGON;
+    return !object->left_out &&
+           (object->kind == PEN_OBJECT_TRIANGLE || object->kind == PEN_OBJECT_POLYGON);
 }
 
 static uint64_t count_corners(const struct pen_object_desc *objects, uint32_t count)

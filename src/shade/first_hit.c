@@ -31,7 +31,7 @@ bool pen_first_hit(const struct pen_kernel_input *input, int x, int y, struct pe
     if (!first_hit(input, &path, x, y, &hit))
         return false;
     const struct pen_vec3 p = pen_prim_point(&scene->prims, hit, &path.ray);
-    const struct pen_vec3 n = pen_prim_normal(&scene->prims, hit, p);
+    const struct pen_vec3 n = pen_prim_normal_seen(&scene->prims, hit, p, path.ray.d);
     const double bound = pen_origin_at(&scene->prims, &path.ray, &path.origin, hit, p).bound;
     out->prim = hit.prim;
     out->distance = pen_scale2(pen_length(pen_sub(p, path.ray.o)), scene->exponent);

@@ -126,6 +126,8 @@ static void find_objects(struct objects *found, const struct pen_object_desc *li
             find_objects(found, o->u.group.objects, o->u.group.count, o->name ? o->name : group);
             continue;
         }
+        if (o->left_out)
+            continue;
         const uint32_t number = found->primitive++;
         const struct pen_material *m =
             o->material < 0 ? &none : &found->desc->materials[o->material];

@@ -47,6 +47,7 @@ static void change_material(struct pen_arena *arena, struct pen_material *m, uns
         break;
     case PEN_FX_REFRACTION:
         m->ior = 1;
+        m->ior_written = false;
         break;
     case PEN_FX_GLOSSY:
         m->reflection_blur = 0;

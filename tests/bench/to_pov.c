@@ -169,7 +169,7 @@ static void put_objects(const struct pen_object_desc *objects, uint32_t count,
             struct pen_transform inner =
                 o->u.group.has_transform ? pen_transform_compose(t, &o->u.group.transform) : *t;
             put_objects(o->u.group.objects, o->u.group.count, materials, &inner);
-        } else {
+        } else if (!o->left_out) {
             put_primitive(o, t);
             if (o->material < 0)
                 printf("texture { pigment { color rgb 0 } } }\n");

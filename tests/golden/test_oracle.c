@@ -164,6 +164,7 @@ START_TEST(test_oracle__agrees_on_refraction)
 {
     static const char *const views[] = {"front", "inside", "drink"};
     int different = differences("tests/golden/scenes/refraction-touching", NULL, 96);
+    different += differences("tests/golden/scenes/bubble", NULL, 96);
     for (int i = 0; i < 3; i++)
         different += differences("tests/golden/scenes/refraction", views[i], 96);
     ck_assert_int_eq(different, 0);

@@ -87,17 +87,19 @@ START_TEST(test_boundary__h027_polygons)
 }
 END_TEST
 
-/* No vertex is dropped: a loop that repeats a vertex is refused, one with a vertex on a side is
- * accepted. */
+/* A loop that repeats a vertex is refused, unless it is the first or the last one at its end; one
+ * with a vertex on a side is accepted. */
 START_TEST(test_boundary__h028_polygons)
 {
     static const struct refusal rows[] = {
-        {POLYGON("[0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1]"), 0, "/objects/0/vertices/3",
+        {POLYGON("[0, 0, 1], [0, 0, 1], [1, 0, 0], [0, 1, 0]"), 0, "/objects/0/vertices/1",
          "repeats vertex 0"},
-        {POLYGON("[0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 1, 0]"), 0, "/objects/0/vertices/3",
-         "repeats vertex 2"},
+        {POLYGON("[0, 0, 1], [1, 0, 0], [0, 1, 0], [1, 0, 0]"), 0, "/objects/0/vertices/3",
+         "repeats vertex 1"},
     };
     assert_refused(rows, COUNT(rows));
+    ck_assert(load(POLYGON("[0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1]")));
+    ck_assert(load(POLYGON("[0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 1, 0]")));
     ck_assert(load(POLYGON("[0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0.5, 0.5]")));
 }
 END_TEST

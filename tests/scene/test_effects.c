@@ -133,6 +133,29 @@ START_TEST(test_effects__rays_that_are_never_traced_call_for_nothing)
 }
 END_TEST
 
+/* A written index of 1 calls for nothing where nothing refracts; within glass it does what any
+ * index does: it reflects, and blurs what it reflects. */
+START_TEST(test_effects__a_written_index_of_one)
+{
+    struct pen_material one = pen_material_default(), glass = one;
+    one.kt = glass.kt = pen_vec3(0.5, 0.5, 0.5);
+    one.reflection_blur = 5;
+    one.ior_written = glass.ior_written = true;
+    glass.ior = 1.5;
+    ck_assert_uint_eq(effects_of(one, 0.001), PEN_FX_TRANSMISSION);
+    for (int apart = 0; apart <= 1; apart++) {
+        kit_init(&kit);
+        kit_sphere(&kit, pen_vec3(0, 0, 0), 1, kit_material(&kit, glass));
+        kit_sphere(&kit, pen_vec3(3 * apart, 0, 0), 0.5, kit_material(&kit, one));
+        struct pen_scene *scene = kit_freeze(&kit);
+        const unsigned effects = pen_scene_effects(scene, 0, &kit.settings);
+        ck_assert_int_eq((effects & PEN_FX_GLOSSY) != 0, !apart);
+        ck_assert_uint_eq(scene->solids.count, apart ? 1 : 2);
+        pen_scene_free(scene);
+    }
+}
+END_TEST
+
 /* Fresnel's share of kt adds to kr; and blur remains where paths fork, since it says where their
  * trees are cut. */
 START_TEST(test_effects__a_refracting_surface_reflects_kr_and_kt)
@@ -191,6 +214,7 @@ END_TEST
 
 PEN_SUITE("effects", test_effects__are_the_same_before_and_after_freezing,
           test_effects__rays_that_are_never_traced_call_for_nothing,
+          test_effects__a_written_index_of_one,
           test_effects__a_refracting_surface_reflects_kr_and_kt,
           test_effects__the_larger_colour_of_a_pattern_counts,
           test_effects__weights_that_grow_call_for_all)

@@ -452,7 +452,89 @@ START_TEST(test_solids__many_faces)
 }
 END_TEST
 
-PEN_SUITE("solids", test_solids__boxes_in_any_order, test_solids__contains_along_edges,
+/* A solid with a written index of 1 is one where its box meets that of a solid with another index,
+ * and no solid elsewhere; nor is what has no inside. */
+START_TEST(test_solids__an_index_of_one)
+{
+    for (int i = 0; i < 200; i++) {
+        begin(600 + (uint64_t)i);
+        struct pen_material one = glass(1);
+        one.ior_written = true;
+        const int glassy = kit_material(&kit, glass(1.5)), air = kit_material(&kit, one),
+                  plain = kit_material(&kit, glass(1));
+        struct pen_box box[40];
+        bool is_glass[40];
+        uint32_t wanted = 0, boxes = 2 + random_below(&random_state, 39);
+        for (uint32_t k = 0; k < boxes; k++) {
+            const vec3 c = random_vec(&random_state, 5);
+            const double half = random_in(&random_state, 0.1, 1.5);
+            is_glass[k] = k == 0 || random_bits(&random_state) & 1;
+            box[k].lo = pen_sub(c, pen_vec3(half, half, half));
+            box[k].hi = pen_add(c, pen_vec3(half, half, half));
+            add_box(c.x, c.y, c.z, half, is_glass[k] ? glassy : air, ANY_TURN);
+        }
+        for (uint32_t k = 0; k < boxes; k++) {
+            bool meets = is_glass[k];
+            for (uint32_t n = 0; n < boxes && !meets; n++)
+                meets = is_glass[n] && box[n].lo.x <= box[k].hi.x && box[n].hi.x >= box[k].lo.x &&
+                        box[n].lo.y <= box[k].hi.y && box[n].hi.y >= box[k].lo.y &&
+                        box[n].lo.z <= box[k].hi.z && box[n].hi.z >= box[k].lo.z;
+            wanted += meets;
+        }
+        kit_sphere(&kit, pen_vec3(0, 0, 0), 1, plain);
+        kit_plane(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), air);
+        kit_cylinder(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), 1, 1, air)->u.cylinder.caps =
+            false;
+        shuffle();
+        check(wanted, wanted);
+    }
+}
+END_TEST
+
+/* Triangles without area that fill the seam between an edge and its parts close a box; those that
+ * fold back on themselves change nothing. */
+START_TEST(test_solids__what_is_left_out_closes)
+{
+    for (int i = 0; i < 64; i++) {
+        begin(700 + (uint64_t)i);
+        const int m = kit_material(&kit, glass(1.5)), other = kit_material(&kit, glass(1.4));
+        const vec3 a = pen_vec3(0, 0, 0), b = pen_vec3(4, 0, 0), half = pen_vec3(1, 0, 0);
+        const vec3 front[5] = {a, half, b, pen_vec3(4, 0, 3), pen_vec3(0, 0, 3)};
+        const int five[5] = {0, 1, 2, 3, 4};
+        const vec3 seam[3] = {a, half, b}, fold[3] = {a, b, a}, point[3] = {b, b, b};
+        const int three[3] = {0, 1, 2};
+        const bool fills = i & 1, folds = i & 2, own = !(i & 4);
+        add_faces(a, pen_vec3(4, 2, 3), 63 - 4, false, m, ANY_TURN); /* all but y = 0 */
+        add_face(front, five, 5, m, ANY_TURN);
+        const uint32_t first = kit.desc.object_count;
+        if (fills)
+            add_face(seam, three, 3, own ? m : other, ANY_TURN);
+        if (folds) {
+            add_face(fold, three, 3, m, ANY_TURN);
+            add_face(point, three, 3, m, ANY_TURN);
+        }
+        for (uint32_t k = first; k < kit.desc.object_count; k++) {
+            kit.objects[k].left_out = true;
+            kit.desc.left_out_count++;
+            kit.desc.left_out_vertices += 3;
+            kit.desc.primitive_count--;
+        }
+        struct pen_transform turn = pen_transform_identity();
+        if (i & 8) {
+            turn = pen_transform_make(1.7, pen_vec3(1, 2, 3), 40, pen_vec3(5, 0, 1));
+            kit_group(&kit, 0, &turn);
+        } else {
+            shuffle();
+        }
+        struct pen_scene *scene = freeze(1, fills && own);
+        ck_assert_uint_eq(scene->solids.at[0].count, 6);
+        pen_scene_free(scene);
+    }
+}
+END_TEST
+
+PEN_SUITE("solids", test_solids__an_index_of_one, test_solids__what_is_left_out_closes,
+          test_solids__boxes_in_any_order, test_solids__contains_along_edges,
           test_solids__boxes_that_touch, test_solids__stacked_boxes,
           test_solids__stacked_boxes_in_any_order, test_solids__open_boxes, test_solids__strips,
           test_solids__materials, test_solids__numbers, test_solids__torus,

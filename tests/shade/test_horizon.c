@@ -134,17 +134,47 @@ static void add_cone(vec3 base, vec3 axis, double radius, double height)
     o->u.cone.caps = true;
 }
 
-/* Straight down on the apex, which has no tangent plane of its own: it is lit from above. */
+/* The apex, which has no tangent plane of its own, is lit as the side next to it that faces the
+ * viewer: here by lights in the direction (cos a, 0, sin a), with a viewer on the side of +x. The
+ * normal of that side is (2, 0, 1) / sqrt 5. */
 START_TEST(test_horizon__apex_from_outside)
 {
-    kit_init(&kit);
-    add_cone(pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), 1, 2);
-    kit.settings.max_depth = 1;
-    kit_directional(&kit, pen_vec3(-1, 0, -1), pen_vec3(1, 1, 1));
-    expect(1, 1);
-    kit.desc.light_count = 0;
-    kit_directional(&kit, pen_vec3(-1, 0, 1e-3), pen_vec3(1, 1, 1));
-    expect(0, 0);
+    for (int degrees = -115; degrees <= 242; degrees += 3) {
+        const double a = degrees * M_PI / 180;
+        kit_init(&kit);
+        add_cone(pen_vec3(0, 0, -2), pen_vec3(0, 0, 1), 1, 2);
+        kit.materials[0] = kit_matte(1);
+        kit.view.camera.position = pen_vec3(1, 0, 3);
+        kit.view.camera.has_look_at = true;
+        kit.view.camera.look_at = pen_vec3(0, 0, 0);
+        kit.settings.max_depth = 1;
+        kit_directional(&kit, pen_vec3(-cos(a), 0, -sin(a)), pen_vec3(1, 1, 1));
+        const double sine = (2 * cos(a) + sin(a)) / sqrt(5);
+        struct pen_ray_counts rays;
+        ck_assert_double_eq_tol(kit_pixel(&kit, 0, 0, &rays).x, fmax(0, sine), 1e-9);
+        ck_assert_uint_eq(rays.shadow, sine > 0);
+    }
+}
+END_TEST
+
+/* The apex in the axis of the view takes the value of what is around it: for every light in the
+ * axis the cosine of the side's slope. */
+START_TEST(test_horizon__apex_along_the_axis)
+{
+    static const double heights[] = {0.1, 1, 3, 50};
+    for (int i = 0; i < 8; i++) {
+        const double h = heights[i / 2], side = 1 / sqrt(1 + h * h);
+        struct pen_material m = kit_matte(1);
+        kit_init(&kit);
+        add_cone(pen_vec3(0, 0, -h), pen_vec3(0, 0, 1), 1, h);
+        if (i & 1) /* a highlight on the apex alone would be a dot */
+            m.ks = pen_vec3(1, 1, 1), m.shininess = 1000;
+        kit.materials[0] = m;
+        kit.settings.max_depth = 1;
+        kit_directional(&kit, pen_vec3(0, 0, -1), pen_vec3(1, 1, 1));
+        const double highlight = i & 1 ? pow(fmax(0, 2 * side * side - 1), 1000) : 0;
+        ck_assert_double_eq_tol(kit_pixel(&kit, 0, 0, NULL).x, side + highlight, 1e-9);
+    }
 }
 END_TEST
 
@@ -162,4 +192,5 @@ START_TEST(test_horizon__apex_from_inside)
 END_TEST
 
 PEN_SUITE("horizon", test_horizon__flat, test_horizon__near_light, test_horizon__small_sphere,
-          test_horizon__disk, test_horizon__apex_from_outside, test_horizon__apex_from_inside)
+          test_horizon__disk, test_horizon__apex_from_outside, test_horizon__apex_along_the_axis,
+          test_horizon__apex_from_inside)

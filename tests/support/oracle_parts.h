@@ -63,6 +63,7 @@ struct ray {
 struct oracle_material {
     struct point emission, ka, kd, ks, kt, kr;
     real shininess, ior;
+    bool ior_written;
     real reflection_blur, transmission_blur; /* half-angles of cones in degrees */
 };
 

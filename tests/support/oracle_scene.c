@@ -100,6 +100,7 @@ static struct oracle_material material_read(const json_t *named, const json_t *m
                                     .kr = triple_or(m, "kr", 0),
                                     .shininess = number_or(m, "shininess", 1),
                                     .ior = number_or(m, "ior", 1),
+                                    .ior_written = json_object_get(m, "ior") != NULL,
                                     .reflection_blur = number_or(m, "reflection_blur", 0),
                                     .transmission_blur = number_or(m, "transmission_blur", 0)};
 }

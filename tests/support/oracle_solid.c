@@ -40,7 +40,7 @@ static bool may_bend(const struct oracle_primitive *b)
 {
     bool capped = b->caps && (b->kind == ORACLE_CYLINDER || b->kind == ORACLE_CONE);
     bool closed = capped || b->kind == ORACLE_SPHERE;
-    return b->material.ior != 1 && (closed || b->kind == ORACLE_RING);
+    return b->material.ior_written && (closed || b->kind == ORACLE_RING);
 }
 
 static bool same_point(struct point a, struct point b)

@@ -24,6 +24,7 @@
 #include "io/stats_json.h"
 #include "render/layer_file.h"
 #include "render/render.h"
+#include "scene/empty_view.h"
 #include "scene/scene.h"
 #include "study/hash.h"
 
@@ -175,6 +176,16 @@ static bool freeze(struct render *r, struct pen_status *st)
     r->scene = pen_scene_freeze(&r->input.desc, kind, 0, st);
     r->build_ms = ms_since(start);
     return r->scene != NULL;
+}
+
+/* Warns of a view in which nothing is visible. */
+static void check_empty(const struct render *r)
+{
+    const struct pen_settings *s = &r->input.desc.settings;
+    char text[PEN_MSG_BYTES];
+    if (pen_view_empty_warning(r->scene, r->view, s->width, s->height, text, sizeof text))
+        pen_report_say(stderr, "penumbra: %s: view \"%s\": warning: %s", r->input.source.label,
+                       r->scene->views[r->view].name, text);
 }
 
 /* Measures how well doubles resolve the scene in this view, and warns if that is too coarse. */
@@ -429,6 +440,8 @@ static bool show_pixel(struct render *r, struct pen_status *st)
 static bool make_results(struct render *r, int64_t start_ns, struct pen_status *st)
 {
     const struct values *v = r->values;
+    pen_scene_input_warn(&r->input);
+    check_empty(r);
     check_precision(r);
     if (r->layer != PEN_LAYER_BEAUTY)
         return write_layer(r, st);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "cmd/report.h"
 #include "io/message.h"
 
 /* Where the document is a job, says that instead of what it lacks to be a scene. */
@@ -57,6 +58,19 @@ int pen_scene_input_view(const struct pen_scene_input *input, const char *name,
     pen_fail(st, PEN_NOT_FOUND, "no view \"%s\", %s is \"%s\"", name,
              near ? "nearest" : "the first", near ? near : names[0]);
     return -1;
+}
+
+void pen_scene_input_warn(const struct pen_scene_input *input)
+{
+    for (uint32_t i = 0; i < input->desc.note_count; i++) {
+        const struct pen_status *note = &input->desc.notes[i];
+        if (note->line > 0)
+            pen_report_say(stderr, "penumbra: %s:%d:%d: warning: %s", input->source.label,
+                           note->line, note->column, note->msg);
+        else
+            pen_report_say(stderr, "penumbra: %s: %s: warning: %s", input->source.label, note->at,
+                           note->msg);
+    }
 }
 
 void pen_scene_input_release(struct pen_scene_input *input)

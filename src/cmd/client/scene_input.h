@@ -21,6 +21,9 @@ bool pen_scene_input_read(struct pen_scene_input *input, const char *name,
 int pen_scene_input_view(const struct pen_scene_input *input, const char *name,
                          struct pen_status *st);
 
+/* Prints what the reader has noted about the scene, as warnings on standard error. */
+void pen_scene_input_warn(const struct pen_scene_input *input);
+
 void pen_scene_input_release(struct pen_scene_input *input);
 
 #endif

@@ -144,8 +144,8 @@ static bool check_lens(struct pen_reader *r, const struct pen_place *at,
                            pen_reader_name(r, at, "aperture_radius").text);
 }
 
-/* Reports a camera that has no valid frame, at the wrong key if this object has it. A camera may
- * lack `up`, and a view any key, because it overrides only some; the message then names the key. */
+/* Reports a camera that has no valid frame, at the wrong key if this object has it. A view may
+ * lack any key, because it overrides only some; the message then names the key. */
 static bool check_frame(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                         const struct pen_camera_desc *camera)
 {
@@ -185,13 +185,15 @@ static bool read_others(struct pen_reader *r, const struct pen_place *at, const 
         camera->has_look_at = json_object_get(json, "look_at") != NULL;
     if (plane || json_object_get(json, "fov_degrees"))
         camera->has_view_plane = plane != NULL;
+    camera->default_up = camera->default_up && !json_object_get(json, "up");
     return ok;
 }
 
 bool pen_camera_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                      struct pen_camera_desc *camera)
 {
-    *camera = (struct pen_camera_desc){.up = {0, 1, 0}, .fov_degrees = 50};
+    *camera = (struct pen_camera_desc){
+        .up = {0, 1, 0}, .default_up = !json_object_get(json, "up"), .fov_degrees = 50};
     bool ok = pen_fields_read_whole(r, at, json, pen_camera_fields, camera);
     ok &= read_others(r, at, json, camera);
     if (json_is_object(json) && !json_object_get(json, "look_at") &&

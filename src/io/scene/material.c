@@ -30,6 +30,7 @@ static bool read_material(struct pen_reader *r, const struct pen_place *at, cons
 {
     *material = pen_material_default();
     bool ok = pen_fields_read(r, at, json, pen_material_fields, material);
+    material->ior_written = json_object_get(json, "ior") != NULL;
     ok &= pen_patterns_read(r, at, json, material);
     return ok;
 }

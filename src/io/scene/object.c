@@ -133,18 +133,55 @@ bool pen_points_have_area(const struct pen_vec3 v[3])
            largest(pen_exact_normal(v, 3)) > 0;
 }
 
-static bool check_loop(struct pen_reader *r, const struct pen_place *at, bool triangle,
-                       const struct pen_object_desc *object)
+static bool same_point(struct pen_vec3 a, struct pen_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+/* Whether the vertices are not all on one line. */
+static bool has_area(const struct pen_vec3 *v, uint32_t count)
+{
+    uint32_t other = 1;
+    while (other < count && same_point(v[0], v[other]))
+        other++;
+    for (uint32_t i = other + 1; i < count; i++) {
+        const struct pen_vec3 corner[3] = {v[0], v[other], v[i]};
+        if (pen_points_have_area(corner))
+            return true;
+    }
+    return false;
+}
+
+/* Removes vertices at the end that repeat the first one, or the one before. Returns whether there
+ * were any. */
+static bool remove_repeated_end(struct pen_object_desc *object)
 {
     const struct pen_vec3 *v = object->u.polygon.vertices;
-    if (triangle)
-        return pen_points_have_area(v) ||
-               pen_reader_fail(r, at, PEN_INVALID,
-                               "must be three points that are not on one line, found a triangle "
-                               "of zero area");
+    uint32_t *count = &object->u.polygon.count, before = *count;
+    while (*count > 1 &&
+           (same_point(v[*count - 1], v[0]) || same_point(v[*count - 1], v[*count - 2])))
+        (*count)--;
+    return *count < before;
+}
+
+/* Leaves out what a picture cannot show and exporters write all the same: repeated vertices at the
+ * end of a polygon, and what has no area. */
+static bool check_loop(struct pen_reader *r, const struct pen_place *at, bool triangle,
+                       struct pen_object_desc *object)
+{
+    const struct pen_vec3 *v = object->u.polygon.vertices;
+    const bool repeats = !triangle && remove_repeated_end(object);
+    const uint32_t count = object->u.polygon.count;
+    object->left_out = !has_area(v, count);
+    object->repeats_vertex = repeats && !object->left_out;
+    r->left_out_count += object->left_out;
+    r->left_out_vertices += object->left_out ? count : 0;
+    r->repeat_count += object->repeats_vertex;
+    if (triangle || object->left_out)
+        return true;
     struct pen_status st;
     size_t i;
-    if (pen_polygon_check(v, object->u.polygon.count, &st))
+    if (pen_polygon_check(v, count, &st))
         return true;
     bool indexed = sscanf(st.at, "/vertices/%zu", &i) == 1;
     struct pen_place place = pen_place_index(at, indexed ? i : 0);
@@ -282,7 +319,6 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
         return read_group(r, at, json, chain, object) && ok;
     if (kind == PEN_OBJECT_CONE && ok)
         ok = check_cone(r, at, object);
-    r->primitive_count++;
     const json_t *material = json_object_get(json, "material");
     const json_t *vertices = json_object_get(json, "vertices");
     struct pen_place material_at = pen_place_key(at, "material");
@@ -293,6 +329,7 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
         ok &= read_vertices(r, at, vertices, kind == PEN_OBJECT_TRIANGLE, object);
     if (ok && !pen_prim_flat((uint32_t)kind) && !chain->invalid)
         ok = pen_transform_chain_check_quadric(r, at, pen_kinds[kind].name, chain);
+    r->primitive_count += !object->left_out;
     return ok;
 }
 
@@ -329,5 +366,7 @@ bool pen_objects_read(struct pen_reader *r, const struct pen_place *at, const js
     desc->objects = list.objects;
     desc->object_count = list.count;
     desc->primitive_count = r->primitive_count;
+    desc->left_out_count = r->left_out_count;
+    desc->left_out_vertices = r->left_out_vertices;
     return ok;
 }

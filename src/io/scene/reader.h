@@ -60,6 +60,8 @@ struct pen_reader {
     struct pen_material *materials;
     const struct pen_name_index *names; /* named_count, sorted by name */
     uint64_t object_count, primitive_count;
+    uint32_t left_out_count, repeat_count; /* objects without area; that repeat their last vertex */
+    uint64_t left_out_vertices;
 };
 
 /* Adds an error at a place. An error in a value that the source map has already reported is left
@@ -230,6 +232,9 @@ bool pen_lights_read(struct pen_reader *r, const struct pen_place *at, const jso
                      struct pen_scene_desc *desc);
 bool pen_objects_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                       struct pen_scene_desc *desc);
+/* Notes what has been left out or chosen, and what is probably meant otherwise, in *desc, which has
+ * been read without errors. */
+void pen_notes_read(struct pen_reader *r, const json_t *document, struct pen_scene_desc *desc);
 bool pen_settings_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                               struct pen_settings *settings);
 

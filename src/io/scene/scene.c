@@ -161,6 +161,8 @@ bool pen_scene_read_from(const json_t *document, const struct pen_source_map *so
     desc->name = target.name;
     desc->ambient = target.ambient;
     read_parts(&r, document, desc);
+    if (errors->total == before)
+        pen_notes_read(&r, document, desc);
     return errors->total == before;
 }
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "io/scene/reader.h"
+#include "scene/empty_view.h"
 #include "scene/freeze_without_rays.h"
 #include "scene/precision.h"
 #include "scene/tjunction.h"
@@ -100,7 +101,7 @@ static bool find_object(const struct pen_object_desc *objects, uint32_t count, b
             if (find_object(object->u.group.objects, object->u.group.count, loops, &place, left,
                             out))
                 return true;
-        } else if ((loop || !loops) && (*left)-- == 0) {
+        } else if (!object->left_out && (loop || !loops) && (*left)-- == 0) {
             pen_place_pointer(&place, "", out, PEN_AT_BYTES);
             return true;
         }
@@ -143,6 +144,21 @@ static void warn_precision(struct pen_reader *r, const json_t *document,
     }
     if (measured)
         warn_thin(r, desc, &precision);
+}
+
+/* Warns of each view in which nothing is visible. */
+static void warn_empty_views(struct pen_reader *r, const json_t *document,
+                             const struct pen_scene_desc *desc, const struct pen_scene *scene)
+{
+    const struct pen_settings *s = &desc->settings;
+    char text[PEN_MSG_BYTES];
+    struct pen_place up[2] = {{0}};
+    up[1] = pen_place_key(&up[0], "views");
+    for (int i = 0; i < (int)scene->view_count; i++) {
+        struct pen_place at = view_place(up, document, i);
+        if (pen_view_empty_warning(scene, i, s->width, s->height, text, sizeof text))
+            warn(r, &at, text);
+    }
 }
 
 /* Warns of flat primitives that refract and do not close. */
@@ -202,6 +218,7 @@ static bool warn_frozen(struct pen_reader *r, const json_t *document,
     struct pen_scene *scene = pen_scene_freeze_without_rays(desc, &st);
     if (!scene)
         return true;
+    warn_empty_views(r, document, desc, scene);
     warn_precision(r, document, desc, scene);
     warn_open_solids(r, desc, scene);
     pen_scene_free(scene);
@@ -244,7 +261,8 @@ static void warn_unchecked(struct pen_reader *r, bool frozen, bool tjunctions)
         r->errors->count = room;
     if (!frozen)
         warn(r, &root,
-             "precision, narrow primitives and surfaces that refract were not checked: there are "
+             "empty views, precision, narrow primitives and surfaces that refract were not "
+             "checked: there are "
              "too many primitives for so many views");
     if (!tjunctions)
         warn(r, &root,
@@ -256,6 +274,8 @@ void pen_scene_warnings(const json_t *document, const char *at, const struct pen
                         struct pen_errors *warnings)
 {
     struct pen_reader r = {.errors = warnings, .prefix = at};
+    for (uint32_t i = 0; i < desc->note_count; i++)
+        pen_errors_add(warnings, &desc->notes[i]);
     warn_empty_or_black(&r, desc);
     warn_unused_materials(&r, document, desc);
     warn_dark_lights(&r, desc);

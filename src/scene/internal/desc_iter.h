@@ -19,6 +19,7 @@ struct pen_desc_iter_level {
 struct pen_desc_iter {
     struct pen_desc_iter_level *levels;
     uint32_t depth, capacity;
+    bool left_out; /* returns what is left out (struct pen_object_desc) instead of primitives */
 };
 
 /* A primitive of the iteration. */

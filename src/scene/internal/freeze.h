@@ -43,6 +43,16 @@ typedef bool pen_freeze_primitive(struct pen_freezer *f, const struct pen_scene_
                                   void *user);
 bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user);
 
+/* The same for what is left out. */
+bool pen_freeze_each_left_out(struct pen_freezer *f, pen_freeze_primitive *fn, void *user);
+
+/* A vertex in the local frame. Coordinates below PEN_LEAST become 0, which is far below what
+ * doubles resolve at the frame's extent. */
+static inline struct pen_vec3 pen_freeze_vertex(const struct pen_freezer *f, struct pen_vec3 v)
+{
+    return pen_without_less(pen_local_point(&f->frame, v), PEN_LEAST);
+}
+
 /* Fills the typed arrays of the primitives; needs f->summary and f->frame. */
 bool pen_freeze_prims(struct pen_freezer *f);
 
@@ -52,7 +62,7 @@ bool pen_freeze_own_spaces(struct pen_freezer *f);
 /* Finds where primitives may coincide: scene->layer_box; needs the typed arrays. */
 bool pen_freeze_layers(struct pen_freezer *f);
 
-/* Finds the solids of a scene whose effects have refraction; needs the typed arrays. */
+/* Finds the solids of a scene that refracts; needs the typed arrays. */
 bool pen_freeze_solids(struct pen_freezer *f);
 
 /* Builds the accelerator `manual`; needs the typed arrays. Fails: as pen_accel_build. */

@@ -8,9 +8,11 @@
 
 #include "geom/prims.h"
 
-/* A triangle or polygon. The caller sets the first two. */
+/* A triangle or polygon. The caller sets the first three. Those that are left out of the scene come
+ * after all others. */
 struct solid_face {
-    uint32_t prim;
+    struct pen_outline line;
+    uint32_t prim;     /* PEN_NO_PRIM: it is left out of the scene */
     uint32_t material; /* equal numbers: one material */
     uint32_t solid;    /* the number of the solid's first face */
     bool closed;       /* the solid is; else its faces have the sides of the document */
@@ -24,6 +26,6 @@ struct solid_face {
 };
 
 /* Joins faces. Fails: returns false when out of memory. Cost: O(n log n) in the edges. */
-bool pen_solid_faces_join(const struct pen_prims *prims, struct solid_face *face, uint32_t count);
+bool pen_solid_faces_join(struct solid_face *face, uint32_t count);
 
 #endif

@@ -155,11 +155,23 @@ static ALWAYS_INLINE void surface_keep_in_outlines(struct surface *s, const stru
     s->p = lanes3_load(p);
 }
 
+/* The outward normal of a point that is seen along d. That of the apex of a cone that refracts is
+ * the axis: refracted by its side there, a ray might leave the cone where it enters it. */
+static ALWAYS_INLINE struct pen_vec3 surface_normal(const struct pen_scene *scene,
+                                                    struct pen_hit hit, struct pen_vec3 p,
+                                                    struct pen_vec3 d)
+{
+    if (scene->see_through[hit.prim] && scene->materials[scene->prim_material[hit.prim]].ior != 1)
+        return pen_prim_normal(&scene->prims, hit, p);
+    return pen_prim_normal_seen(&scene->prims, hit, p, d);
+}
+
 /* Some points, one by one, as lanes_prim_surface. */
-static ALWAYS_INLINE void surface_points_singly(struct surface *s, const struct pen_prims *prims,
+static ALWAYS_INLINE void surface_points_singly(struct surface *s, const struct pen_scene *scene,
                                                 const struct path *const *path, unsigned points,
                                                 struct lanes_prim_point *at)
 {
+    const struct pen_prims *prims = &scene->prims;
     struct pen_vec3 p[LANES], n[LANES];
     double scale[LANES], curvature[LANES];
     lanes3_store(p, at->p);
@@ -169,7 +181,7 @@ static ALWAYS_INLINE void surface_points_singly(struct surface *s, const struct 
     for (; points; points &= points - 1) {
         const int i = __builtin_ctz(points);
         p[i] = pen_prim_point(prims, s->hit[i], &path[i]->ray);
-        n[i] = pen_prim_normal(prims, s->hit[i], p[i]);
+        n[i] = surface_normal(scene, s->hit[i], p[i], path[i]->ray.d);
         scale[i] = pen_prim_scale(prims, s->hit[i].prim, p[i]);
         curvature[i] = pen_prim_curvature(prims, s->hit[i], p[i]);
     }
@@ -204,7 +216,7 @@ static ALWAYS_INLINE struct lanes_prim_point surface_points(struct surface *s,
         left &= ~same;
     }
     if (singly)
-        surface_points_singly(s, prims, path, singly, &all);
+        surface_points_singly(s, scene, path, singly, &all);
     return all;
 }
 

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/* Views in which no primitive is visible. */
+#ifndef PEN_SCENE_EMPTY_VIEW_H
+#define PEN_SCENE_EMPTY_VIEW_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "scene/scene.h"
+
+/* Writes a warning with a remedy to `out` if no camera ray of the view can meet a primitive: all
+ * lie behind the eye, or all beyond one of the sides of the pyramid that the rays fill. Returns
+ * false otherwise, also where no single side of the pyramid tells, and for scenes without
+ * primitives. Cost: up to the first primitive that may be visible; no ray is traced. */
+bool pen_view_empty_warning(const struct pen_scene *scene, int view, int width, int height,
+                            char *out, size_t bytes);
+
+#endif
