@@ -399,7 +399,7 @@ START_TEST(test_submit__xml_is_a_bare_scene_and_is_returned_as_sent)
     json_t *job = json_loadb((char *)out.answer.data, out.answer.bytes, 0, NULL);
     const json_t *render = json_object_get(job, "render");
     ck_assert_int_eq(json_integer_value(json_object_get(render, "width")), 8);
-    ck_assert_str_eq(json_string_value(json_object_get(render, "transfer")), "linear");
+    ck_assert_str_eq(json_string_value(json_object_get(render, "transfer")), "display");
     store_must(pen_jobs_scene(bed.jobs, out.id, &scene, &st), &st, "scene");
     ck_assert_str_eq((char *)scene.data, xml);
     json_decref(job);
