@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How long a claim takes while many jobs wait: bench_claims STORE [JOBS [ADDRESSES [LABELS]]] fills
- * a new store and prints the time of a submit and of a claim. Nothing is rendered. */
+/* How long a claim takes while many jobs wait: bench_claims STORE [JOBS [ADDRESSES]] fills a new
+ * store and prints the time of a submit and of a claim. Nothing is rendered. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,19 +28,18 @@ static void die(const char *what, const struct pen_status *st)
     exit(1);
 }
 
-/* Stores job n, of one batch, from one of so many addresses with one of so many labels. */
-static void submit(struct pen_store *store, int n, int addresses, int labels)
+/* Stores job n, of one batch, from one of so many addresses. */
+static void submit(struct pen_store *store, int n, int addresses)
 {
     static const unsigned char sha256[32];
     const struct pen_view_new view = {"main", 4, 4};
     const struct pen_batch_new batch = {.tile_count = 1, .pixels = 16};
-    char id[PEN_ID_BYTES], address[32], label[32];
+    char id[PEN_ID_BYTES], address[32];
     struct pen_buf answer = {0};
     struct pen_status st;
     enum pen_submit_result result;
     snprintf(id, sizeof id, "01900000-0000-7000-8000-%012d", n);
     snprintf(address, sizeof address, "10.0.%d.%d", n % addresses / 250, n % addresses % 250);
-    snprintf(label, sizeof label, "{\"shot\":\"%d\"}", n / addresses % labels);
     const struct pen_job_new job = {.id = id,
                                     .created_ms = pen_clock_wall_ms(),
                                     .kind = "render",
@@ -54,8 +53,7 @@ static void submit(struct pen_store *store, int n, int addresses, int labels)
                                     .batch_count = 1,
                                     .batches = &batch,
 #ifndef BEFORE
-                                    .client = address,
-                                    .label = label
+                                    .client = address
 #endif
     };
     if (!pen_store_submit(store, &job, &result, &answer, &st))
@@ -91,11 +89,10 @@ int main(int argc, char **argv)
 {
     double ms[CLAIMS];
     struct pen_status st;
-    const int jobs = number(argv, argc, 2, JOBS), addresses = number(argv, argc, 3, 1),
-              labels = number(argv, argc, 4, 1);
+    const int jobs = number(argv, argc, 2, JOBS), addresses = number(argv, argc, 3, 1);
     const int claims = jobs < CLAIMS ? jobs : CLAIMS;
     if (argc < 2) {
-        fprintf(stderr, "usage: bench_claims STORE [JOBS [ADDRESSES [LABELS]]]\n");
+        fprintf(stderr, "usage: bench_claims STORE [JOBS [ADDRESSES]]\n");
         return 2;
     }
     struct pen_store *store = pen_store_open(argv[1], &st);
@@ -103,9 +100,9 @@ int main(int argc, char **argv)
         die("open", &st);
     int64_t begun_ns = pen_clock_ns();
     for (int n = 0; n < jobs; n++)
-        submit(store, n, addresses, labels);
-    printf("%d jobs of %d addresses with %d labels each: %.3f ms per submit\n", jobs, addresses,
-           labels, (double)(pen_clock_ns() - begun_ns) * 1e-6 / jobs);
+        submit(store, n, addresses);
+    printf("%d jobs of %d addresses: %.3f ms per submit\n", jobs, addresses,
+           (double)(pen_clock_ns() - begun_ns) * 1e-6 / jobs);
     for (int i = 0; i < claims; i++)
         ms[i] = work(store);
     qsort(ms, (size_t)claims, sizeof *ms, by_value);
