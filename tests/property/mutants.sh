@@ -581,7 +581,7 @@ edit src/render/adaptive.c 1 's/ \+ curved \* curved;/ + 0 * curved;/'
 judge_test
 
 mutant adaptive_linear render/test_decide 0 "errors are those of linear values"
-edit src/render/adaptive.c 1 's/^        a->settings->transfer == PEN_SETTING_LINEAR \? /        true ? /'
+edit src/render/adaptive.c 1 's/^(    const enum pen_transfer transfer = )pen_settings_transfer.*$/\1PEN_TRANSFER_LINEAR;/'
 judge_test
 
 mutant adaptive_clamp render/test_decide 0 "values that are estimated are not clamped"
@@ -715,7 +715,7 @@ edit src/render/audit.c 1 's/ \/ \(PEN_AUDIT_REPLICATES - 1\) \/ PEN_AUDIT_REPLI
 judge_test
 
 mutant audit_linear render/test_audit 0 "linear values are compared"
-edit src/render/audit.c 1 's/^( *const enum pen_transfer transfer = )job->task->settings->transfer == PEN_SETTING_LINEAR$/\1job->task->settings->transfer != -1/'
+edit src/render/audit.c 1 's/^(    const enum pen_transfer transfer = )pen_settings_transfer.*$/\1PEN_TRANSFER_LINEAR;/'
 judge_test
 
 mutant audit_replaced render/test_audit 0 "pixels are drawn again"
