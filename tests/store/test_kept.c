@@ -17,7 +17,7 @@
 #include "support/suite.h"
 
 enum {
-    SCHEMAS = 15,
+    SCHEMAS = 16,
     FIRST_WITH_BENCHMARKS = 6,
     FIRST_WITH_LOCK_FILES = 9,
     FIRST_WITH_SHARES = 12,

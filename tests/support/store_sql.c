@@ -59,6 +59,10 @@ static const char *const undo[] = {
     "INSERT OR IGNORE INTO old_key SELECT key, body_sha256, answer, created_ms FROM idempotency;"
     "DROP TABLE idempotency; ALTER TABLE old_key RENAME TO idempotency;"
     "CREATE INDEX idempotency_by_age ON idempotency(created_ms)",
+    "ALTER TABLE job DROP COLUMN work; ALTER TABLE job DROP COLUMN cost_map;"
+    "ALTER TABLE batch DROP COLUMN work;"
+    "ALTER TABLE job RENAME COLUMN told_us TO committed_us;"
+    "ALTER TABLE job RENAME COLUMN told_ms TO committed_ms",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

@@ -33,8 +33,11 @@
  * job.charges          those of them that crashed by the job's fault
  * job.paused_until_ms  until then other jobs go first
  * job.spent_us         how long workers have worked on the job, by their monotonic clocks
- * job.committed_us     what spent_us was at the last commit of a batch
- * job.committed_ms     when that was
+ * job.work             the share of the job's expected work that is done, in billionths: the sum of
+ *                      batch.work
+ * job.told_us          what spent_us was when that was told, by a commit or between
+ * job.told_ms          when that was
+ * job.cost_map         where its work lies, until it ends (render/cost_map.h); NULL: not known
  * job.removed_ms       when it was removed; its rows go in slices, the job's own row last
  * job.client           its owner; job.lane, batch.lane: the share that they belong to
  * peer.jobs, lane.jobs the unfinished jobs
@@ -43,6 +46,7 @@
  * peer.virtual_us      the virtual time of its lanes; level.virtual_us: of the peers of a priority
  * peer.waiting_since_ms when it was served last, or began to wait
  * batch.spent_us       the part of the job's time that was spent under the batch's present attempt
+ * batch.work           the part of job.work that was last told of the batch
  * batch.quarantined    a worker was lost while it held the batch
  * batch.revision       the revision that the commit gave the job; a reader that knows an older one
  *                      asks for the commits since */
@@ -330,9 +334,20 @@ static const char step_16[] =
     "ALTER TABLE client_key RENAME TO idempotency;"
     "CREATE INDEX idempotency_by_age ON idempotency(created_ms);";
 
+/* Earlier, what was done of a job was told in pixels alone. */
+static const char step_17[] =
+    "ALTER TABLE job RENAME COLUMN committed_us TO told_us;"
+    "ALTER TABLE job RENAME COLUMN committed_ms TO told_ms;"
+    "ALTER TABLE job ADD COLUMN work INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN cost_map BLOB;"
+    "ALTER TABLE batch ADD COLUMN work INTEGER NOT NULL DEFAULT 0;"
+    "UPDATE batch SET work = pixels * 1000000000 / (SELECT total_pixels FROM job"
+    " WHERE number = batch.job) WHERE state = 2 AND kind <> 1;"
+    "UPDATE job SET work = (SELECT coalesce(sum(work), 0) FROM batch WHERE job = job.number);";
+
 static const char *const steps[] = {step_1,  step_2,  step_3,  step_4,  step_5,  step_6,
                                     step_7,  step_8,  step_9,  step_10, step_11, step_12,
-                                    step_13, step_14, step_15, step_16};
+                                    step_13, step_14, step_15, step_16, step_17};
 enum { STEP_COUNT = (int)(sizeof steps / sizeof steps[0]) };
 
 /* Reads the schema's version by SQL, because the header of the file can be older than its log. */
