@@ -24,6 +24,7 @@ soak      11 $make soak MINUTES=10
 crash      5 PEN_TIMED=1 $make crash ROUNDS=200
 effects    3 $make effects-proof
 promises  15 $make accuracy-promise audit-promise
+eta        5 $make eta-promise
 mutants  150 $make mutants
 stability 60 $make stability
 fuzz      20 $make fuzz MINUTES=2

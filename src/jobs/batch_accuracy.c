@@ -24,7 +24,8 @@ static void forecast(void *user, const struct pen_accuracy_forecast *forecast)
     struct accuracy *a = user;
     struct pen_status ignored;
     const double ms = fmin(forecast->expected_ms, a->task.budget_ms);
-    pen_store_estimate(a->study.context->store, a->study.claim, (int64_t)ceil(ms), &ignored);
+    a->study.context->work.expected_ms = ms;
+    pen_store_estimate(a->study.context->store, a->study.claim, (int64_t)ceil(ms), NULL, &ignored);
 }
 
 static bool read_spec(struct accuracy *a, struct pen_status *st)

@@ -28,6 +28,11 @@ bool pen_batch_context_load(struct pen_batch_context *context, const struct pen_
         return false;
     bool ok = pen_stored_request_read(job.request, &context->request, st);
     context->fresh = job.done_pixels == 0 && job.estimate_ms == 0;
+    context->work.expected_ms = (double)job.estimate_ms;
+    pen_cost_map_release(&context->work.map);
+    context->work.map = (struct pen_cost_map){.views = context->request.view_count,
+                                              .width = context->request.settings.width,
+                                              .height = context->request.settings.height};
     pen_job_record_release(&job);
     if (ok)
         memcpy(context->job_id, claim->job_id, sizeof context->job_id);
@@ -45,6 +50,7 @@ void pen_batch_context_drop_caches(struct pen_batch_context *context)
 void pen_batch_context_release(struct pen_batch_context *context)
 {
     pen_stored_request_release(&context->request);
+    pen_cost_map_release(&context->work.map);
     free(context->image);
 }
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The first estimate of what a job will take, from which its first eta_seconds come: its budget, if
- * it has one. Else it is made once, before the job's first batch, where the bound of the job's rays
- * means more than ten seconds, which its batches tell (batch_layout.c). It is left out where it
- * would cost more than a thirtieth of the pixels, or more than ten seconds itself by that bound:
- * then the first batches, of a second each, tell soon enough.
+/* The first estimate of what a job will take: its budget, if it has one. Else it is made once,
+ * before the job's first batch.
+ *   - A job whose bound of rays, which its batches tell (batch_layout.c), means more than three
+ *     seconds gets a cost map of all its views. That takes 1/64 of the work.
+ *   - A job with a target error, whose work depends on its noise, gets a forecast, unless that
+ * would take more than a thirtieth of the pixels.
  *
  * A job that is expected to take longer than the operator allows fails: by this estimate if even
  * the lower end of its interval is above, and later by the time that it has taken and, for what is
@@ -14,18 +15,18 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
 
 #include "base/log.h"
 #include "jobs/internal/jobs.h"
 #include "render/forecast.h"
 
 enum {
-    LONG_BATCHES = 10, /* of about a second each */
-    TELLING_S = 10     /* the time after which what a job has done tells how long the rest takes */
+    LONG_BATCHES = 3, /* of about a second each */
+    TELLING_S = 10    /* the time after which what a job has done tells how long the rest takes */
 };
 
-/* The share of a job's pixels that tells more than its estimate. */
+/* The share of a job's work that tells more than its estimate. */
 static const double TELLING_SHARE = 0.1;
 
 static bool fail_expected(double seconds, const char *from, int max_seconds, struct pen_status *st)
@@ -37,92 +38,133 @@ static bool fail_expected(double seconds, const char *from, int max_seconds, str
                     seconds, seconds / 3600, from, max_seconds);
 }
 
-static bool is_wanted(const struct pen_batch_context *context, const struct pen_claim *claim)
+/* Whether the job can have a cost map. */
+static bool is_long(const struct pen_batch_context *context, const struct pen_claim *claim)
 {
-    const struct pen_settings *s = &context->request.settings;
-    const double views = context->request.view_count, pixels = views * s->width * s->height,
-                 batches = views * claim->view_batches, share = PEN_FORECAST_QUICK_PIXELS / pixels;
-    const bool first = context->fresh && claim->attempt == 1 && claim->view == 0 &&
-                       claim->first_tile == 0 && share < 1.0 / 30;
-    if (pen_stored_request_budget(&context->request) > 0)
-        return false;
-    if (pen_settings_adaptive(s)) /* a view is one batch, however long */
-        return first;
-    return first && batches > LONG_BATCHES && share * batches < LONG_BATCHES;
+    const struct pen_stored_request *request = &context->request;
+    return !pen_settings_adaptive(&request->settings) &&
+           (double)request->view_count * claim->view_batches > LONG_BATCHES;
 }
 
-bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_forecast *forecast,
+static bool is_first(const struct pen_batch_context *context, const struct pen_claim *claim)
+{
+    return context->fresh && claim->attempt == 1 && claim->view == 0 && claim->first_tile == 0;
+}
+
+static bool wants_forecast(const struct pen_batch_context *context)
+{
+    const struct pen_settings *s = &context->request.settings;
+    const double pixels = (double)context->request.view_count * s->width * s->height;
+    return pen_settings_adaptive(s) && pixels > 30.0 * PEN_FORECAST_QUICK_PIXELS;
+}
+
+bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_estimate *time_ms,
                        double times, struct pen_status *st)
 {
     const int most_s = context->max_seconds;
-    return most_s == 0 || times * forecast->time_ms.low <= 1000.0 * most_s ||
-           fail_expected(times * forecast->time_ms.expected / 1000, "from some of its pixels",
-                         most_s, st);
+    return most_s == 0 || times * time_ms->low <= 1000.0 * most_s ||
+           fail_expected(times * time_ms->expected / 1000, "from some of its pixels", most_s, st);
+}
+
+/* Makes the job's cost map. *time_ms is that of all views. */
+static bool make_map(struct pen_batch_context *context, const struct pen_forecast_task *task,
+                     struct pen_estimate *time_ms, struct pen_status *st)
+{
+    const int views = context->request.view_count;
+    int *view = malloc((size_t)views * sizeof *view);
+    bool ok = view || pen_fail(st, PEN_NO_MEMORY, "no memory for %d views", views);
+    for (int i = 0; ok && i < views; i++) {
+        const struct pen_claim of_view = {.view = i};
+        ok = (view[i] = pen_batch_view(context, &of_view, task->scene, st)) >= 0;
+    }
+    ok = ok && pen_cost_map_make(context->pool, task, view, views, &context->work.map, st);
+    *time_ms = context->work.map.time_ms;
+    free(view);
+    return ok;
+}
+
+/* Makes the forecast of one view. *time_ms is that of all, if the others are like it. */
+static bool make_forecast(struct pen_batch_context *context, const struct pen_forecast_task *task,
+                          struct pen_estimate *time_ms, struct pen_status *st)
+{
+    const double views = context->request.view_count;
+    struct pen_forecast forecast;
+    if (!pen_forecast_make(context->pool, task, &forecast, st))
+        return false;
+    *time_ms = (struct pen_estimate){views * forecast.time_ms.expected,
+                                     views * forecast.time_ms.low, views * forecast.time_ms.high};
+    pen_forecast_release(&forecast);
+    return true;
+}
+
+/* Stores what is expected, and the map. A failure is ignored. */
+static void store_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
+                           double ms)
+{
+    struct pen_buf map = {0};
+    struct pen_status ignored;
+    const bool any = context->work.map.cell && pen_cost_map_save(&context->work.map, &map);
+    context->work.expected_ms = ms;
+    pen_store_estimate(context->store, claim, (int64_t)ceil(ms), any ? &map : NULL, &ignored);
+    pen_buf_release(&map);
+}
+
+/* Reads the map that another worker has made. Until it is there, all pixels count the same. */
+static void load_map(struct pen_batch_context *context, const struct pen_claim *claim)
+{
+    struct pen_buf map = {0};
+    struct pen_status ignored;
+    if (!context->work.map.cell && is_long(context, claim) &&
+        pen_store_cost_map(context->store, claim->job_id, &map, &ignored))
+        pen_cost_map_load(map.data, map.bytes, &context->work.map);
+    pen_buf_release(&map);
 }
 
 bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
                         const struct pen_scene *scene, struct pen_status *st)
 {
-    const struct pen_stored_request *request = &context->request;
-    struct pen_status ignored;
     const struct pen_forecast_task task = {.scene = scene,
-                                           .view = pen_batch_view(context, claim, scene, &ignored),
-                                           .settings = &request->settings,
+                                           .view = pen_batch_view(context, claim, scene, st),
+                                           .settings = &context->request.settings,
                                            .quick = true,
                                            .deadline_ns = pen_batch_forecast_end(context),
                                            .cancel = pen_heartbeat_cancel_flag(context->heart),
                                            .pixel_begins = pen_batch_pixel_hook(context),
                                            .pixel_user = context};
-    const bool wanted = is_wanted(context, claim) && task.view >= 0;
-    const double budget_s = pen_stored_request_budget(request),
+    const double budget_ms = 1000 * pen_stored_request_budget(&context->request),
                  with_layers = 1 + pen_batch_layer_work(context);
-    struct pen_forecast forecast;
-    if (context->fresh && budget_s > 0)
-        pen_store_estimate(context->store, claim, (int64_t)ceil(1000 * budget_s * with_layers),
-                           &ignored);
-    context->fresh = false;
-    if (!wanted)
-        return true;
-    if (!pen_batch_hook_done(context, pen_forecast_make(context->pool, &task, &forecast, st), st))
+    const bool first = is_first(context, claim), has_map = is_long(context, claim);
+    struct pen_estimate time_ms;
+    if (task.view < 0)
         return false;
-    const double all_ms = forecast.time_ms.expected * request->view_count * with_layers;
-    const bool allowed =
-        pen_batch_allowed(context, &forecast, request->view_count * with_layers, st);
+    if (context->fresh && budget_ms > 0)
+        store_estimate(context, claim, budget_ms * with_layers);
+    context->fresh = false;
+    if (!first || budget_ms > 0 || !(has_map || wants_forecast(context))) {
+        load_map(context, claim);
+        return true;
+    }
+    const bool made = has_map ? make_map(context, &task, &time_ms, st)
+                              : make_forecast(context, &task, &time_ms, st);
+    if (!pen_batch_hook_done(context, made, st))
+        return false;
+    const double all_ms = time_ms.expected * with_layers;
     const struct pen_log_about about = pen_claim_about(claim);
     pen_log_about(PEN_LOG_DEBUG, &about, "expected to take %.1f s", all_ms / 1000);
-    pen_forecast_release(&forecast);
-    if (allowed)
-        pen_store_estimate(context->store, claim, (int64_t)ceil(all_ms), &ignored);
-    return allowed;
+    if (!pen_batch_allowed(context, &time_ms, with_layers, st))
+        return false;
+    store_estimate(context, claim, all_ms);
+    return true;
 }
 
-void pen_batch_paced(struct pen_batch_context *context, const struct pen_claim *claim,
-                     int64_t pixels, double ms)
-{
-    struct pen_batch_pace *pace = NULL;
-    for (int i = 0; i < PEN_BATCH_PACES && !pace; i++)
-        if (strcmp(context->pace[i].job_id, claim->job_id) == 0)
-            pace = &context->pace[i];
-    if (!pace) {
-        pace = &context->pace[context->pace_next];
-        context->pace_next = (context->pace_next + 1) % PEN_BATCH_PACES;
-        *pace = (struct pen_batch_pace){.ms = 0};
-        memcpy(pace->job_id, claim->job_id, sizeof pace->job_id);
-    }
-    pace->pixels += pixels;
-    pace->ms += ms;
-}
-
-/* How long so many pixels of the job take at this worker's pace; 0 as long as it is not known. */
+/* How long so much of the job's work takes at this worker's pace; 0 as long as it is not known. */
 static double seconds_for(const struct pen_batch_context *context, const struct pen_claim *claim,
-                          int64_t pixels)
+                          double work)
 {
-    for (int i = 0; i < PEN_BATCH_PACES; i++) {
-        const struct pen_batch_pace *pace = &context->pace[i];
-        if (strcmp(pace->job_id, claim->job_id) == 0 && pace->ms >= 1000.0 * TELLING_S)
-            return (double)pixels * pace->ms / 1000 / (double)pace->pixels;
-    }
-    return 0;
+    const struct pen_batch_pace *pace = pen_batch_pace_of(context, claim);
+    return pace && pace->ms >= 1000.0 * TELLING_S && pace->work > 0
+               ? work * pace->ms / 1000 / pace->work
+               : 0;
 }
 
 bool pen_batch_expected(struct pen_batch_context *context, const struct pen_claim *claim,
@@ -137,10 +179,9 @@ bool pen_batch_expected(struct pen_batch_context *context, const struct pen_clai
         pen_stored_request_budget(&context->request) > 0 || /* which is bounded itself */
         !pen_store_job(context->store, claim->job_id, &job, &ignored))
         return true;
-    const double share = (double)job.done_pixels / (double)job.total_pixels;
-    const bool told = job.estimate_ms == 0 || share >= TELLING_SHARE;
-    const double rest_s =
-        told ? seconds_for(context, claim, job.total_pixels - job.done_pixels) : 0;
+    const double share = (double)job.work / PEN_WORK_ALL;
+    const bool told = !is_long(context, claim) || share >= TELLING_SHARE;
+    const double rest_s = told ? seconds_for(context, claim, 1 - share) : 0;
     pen_job_record_release(&job);
     char from[80];
     snprintf(from, sizeof from, "of which %.3g %% are done after %.0f s", 100 * share, spent_s);

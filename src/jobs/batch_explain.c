@@ -76,7 +76,7 @@ static bool render(struct explain *e, struct pen_status *st)
     const struct pen_settings *settings = &context->request.settings;
     if (!pen_stored_request_analyze(&context->request))
         return true;
-    if (!pen_batch_allowed(context, &e->forecast, 1, st))
+    if (!pen_batch_allowed(context, &e->forecast.time_ms, 1, st))
         return false;
     if (!(e->film = pen_film_new(settings->width, settings->height, st)))
         return false;

@@ -127,8 +127,8 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .tile_count = count,
                                    .rgb = context->image,
                                    .cancel = pen_heartbeat_cancel_flag(context->heart),
-                                   .tile_done = pen_pixel_compressor_tile_done,
-                                   .user = context->compressor,
+                                   .tile_done = pen_batch_tile_done,
+                                   .user = context,
                                    .rows_done = context->picture ? encode_rows : NULL,
                                    .rows_user = context,
                                    .pixel_begins = pen_batch_pixel_hook(context),
@@ -142,6 +142,8 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
         pen_batch_bound(context, last ? 1 : 1 / (1 + pen_batch_layer_work(context)));
         task.pause = pen_batch_is_long;
         task.pause_user = context;
+        pen_batch_work_begin(context, claim, count,
+                             last ? PEN_WORK_PIXELS_LAST : PEN_WORK_PIXELS_FIRST);
     }
     if (task.view < 0)
         return false;
@@ -154,6 +156,7 @@ static bool cut_result(struct pen_batch_context *context, const struct pen_claim
 {
     const int tiles = (int)stats->tile_count;
     output->result.pixels = claim->pixels;
+    output->result.work = (int64_t)(PEN_WORK_ALL * pen_batch_work_of(context, claim, tiles));
     if (tiles >= claim->tile_count)
         return false;
     pen_png_free(context->picture);
@@ -245,6 +248,8 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     if (!scene || !pen_batch_estimate(context, claim, scene, st) || !reserve_image(context, st))
         return false;
     pen_batch_bound(context, 1);
+    if (layers_first)
+        pen_batch_work_begin(context, claim, tiles, PEN_WORK_LAYERS);
     if ((layers_first && !pen_batch_layers_make(context, claim, true, &tiles, &layers_ms, st)) ||
         !begin_picture(context, claim, tiles, output, st) ||
         !run_tiles(context, claim, scene, tiles, &stats, st))
@@ -255,7 +260,8 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     tiles = (int)stats.tile_count;
     if (ok && !layers_first)
         ok = pen_batch_layers_make(context, claim, false, &tiles, &layers_ms, st);
-    pen_batch_paced(context, claim, output->result.pixels, layers_ms + stats.render_ms);
+    pen_batch_paced(context, claim, (double)output->result.work / PEN_WORK_ALL,
+                    layers_ms + stats.render_ms);
     warn_of_dropped(claim, &stats.rays);
     pen_store_tally_add(context->store, PEN_TALLY_RAYS,
                         stats.rays.primary + stats.rays.shadow + stats.rays.reflection +
@@ -289,6 +295,7 @@ bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim 
 {
     context->budget_ns = time_for_rounds(context);
     bool ok = render(context, claim, output, st);
+    pen_batch_work_end(context);
     pen_png_free(context->picture);
     context->picture = NULL;
     pen_adaptive_free(context->adaptive);

@@ -18,7 +18,8 @@
  * allows end then.
  *
  * With the state goes the progress of the job: the view's pixels times the share of its rays or, if
- * it has a budget and no target, of its time. */
+ * it has a budget and no target, of its time. Between, readers see what the worker expects: with a
+ * budget the share of its time, else the share of its rays and what the pace adds to it. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -97,6 +98,24 @@ static double share_of(const struct rounds *r, const struct pen_render_stats *st
     return fmin(most, fmax(by_rays, by_time)) / all;
 }
 
+/* Tells the heartbeat what is done, of rounds that have taken so long. */
+static void tell(const struct rounds *r, const struct pen_render_stats *stats)
+{
+    struct pen_batch_context *context = r->keeper.context;
+    const double view = 1.0 / context->request.view_count, ms = stats->render_ms,
+                 budget_ms = 1000 * pen_stored_request_budget(&context->request) *
+                             (1 + pen_batch_layer_work(context)),
+                 done = budget_ms > 0 ? ms / budget_ms : view * share_of(r, stats);
+    struct pen_work work = {.done = done, .begun = INFINITY, .per_ms = 1 / budget_ms};
+    if (budget_ms <= 0) {
+        work.begun = view - done;
+        work.per_ms = done > 0 || context->work.expected_ms > 0
+                          ? pen_work_pace(done, ms, context->work.expected_ms)
+                          : 0;
+    }
+    pen_batch_work_tell(context, &work);
+}
+
 /* Keeps the state, if that is due. Returns whether the rounds go on. */
 static bool keep(void *user, const struct pen_adaptive *adaptive,
                  const struct pen_render_stats *stats)
@@ -106,6 +125,7 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
     bool gives_way;
     if (pen_batch_keeper_is_overdue(&r->keeper))
         return false;
+    tell(r, stats);
     if (!pen_keeper_is_due(&r->keeper))
         return true;
     const int64_t begun_ns = pen_clock_ns();
@@ -153,6 +173,7 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
     r.host = pen_host_json();
     if (read_kept(&r, task, context->adaptive, &earlier))
         rounds.earlier = &earlier;
+    tell(&r, &earlier);
     context->rounds_kept = rounds.earlier && earlier.adaptive.ended;
     rounds.pause = pause_round;
     rounds.paused = keep;

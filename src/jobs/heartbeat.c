@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The thread checks the claim five times a second. Most checks only read the store
  * (pen_store_heartbeat writes every few seconds), so a cancel is noticed soon and a lease costs
- * little. A claim that begins and ends between two checks costs two locks. Without a claim the
- * thread sleeps until there is one. */
+ * little. Once a second a check tells readers what is done. A claim that begins and ends between
+ * two checks costs two locks. Without a claim the thread sleeps until there is one. */
 #include "jobs/internal/heartbeat.h"
 
 #include <pthread.h>
@@ -12,9 +12,11 @@
 #include "base/log.h"
 #include "jobs/internal/failure.h"
 #include "jobs/internal/jobs.h"
+#include "jobs/internal/work.h"
 
 enum {
     CHECK_MS = 200,
+    TELL_MS = 600,  /* the shortest time between two checks that tell what is done */
     LOG_MS = 10000, /* between log lines about a store that does not answer */
     /* Until render threads count as stuck. They check the flag before each block of pixels, which
      * takes long on a machine that is busy with other things: STUCK_MS are of one thread's
@@ -28,6 +30,8 @@ struct pen_heartbeat {
     const struct pen_worker_options *options;
     struct pen_thread_pool *pool; /* of the render threads; its marks are guarded by lock */
     int64_t lease_ms;
+    pen_heartbeat_work_fn *work;
+    void *work_user;
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t change;
@@ -40,6 +44,7 @@ struct pen_heartbeat {
     uint64_t claims;          /* guarded by lock; the number of claims so far */
     int64_t spent_ns;         /* guarded by lock; on the active claim, before since_ns */
     int64_t since_ns;         /* guarded by lock; when its clock started; 0: it is stopped */
+    int64_t tell_ns;          /* guarded by lock; when that was last told, or the claim began */
     enum pen_claim_end ended; /* guarded by lock */
     int64_t told_ns;          /* guarded by lock; when the render threads were told to stop */
     bool failed;              /* guarded by lock; the job is stored as failed by its timeout */
@@ -134,6 +139,22 @@ static void log_failure(struct pen_heartbeat *heart, const struct pen_log_about 
     pen_log_about(PEN_LOG_WARN, about, "heartbeat: %s", st->msg);
 }
 
+/* Adds to the claim what it tells of its work, if that is due. Called with the lock held. */
+static void add_work(struct pen_heartbeat *heart, struct pen_claim *claim)
+{
+    const int64_t now_ns = pen_clock_ns();
+    const double others = (double)claim->job_work / PEN_WORK_ALL;
+    double per_ms;
+    if (!heart->work || heart->since_ns == 0 ||
+        now_ns - heart->tell_ns < (int64_t)TELL_MS * 1000000)
+        return;
+    const double done = heart->work(heart->work_user, (double)claim->spent_us / 1000, &per_ms);
+    heart->tell_ns = now_ns;
+    claim->work = (int64_t)((others + done < 1 ? done : 1 - others) * PEN_WORK_ALL);
+    claim->estimate_ms = pen_work_estimate_ms(
+        (double)(claim->job_spent_us + claim->spent_us) / 1000, others + done, per_ms);
+}
+
 /* Checks the active claim. Called and returns with the lock held; the store is called without it.
  * A store that does not answer does not end the claim: it may answer again before the lease runs
  * out. */
@@ -153,14 +174,18 @@ static void check_claim(struct pen_heartbeat *heart)
         end_claim(heart, claim_number, PEN_CLAIM_TIMED_OUT);
     if (heart->stop && atomic_load_explicit(heart->stop, memory_order_relaxed))
         end_claim(heart, claim_number, PEN_CLAIM_STOPPED);
+    if (heart->ended == PEN_CLAIM_HELD)
+        add_work(heart, &claim);
     pthread_mutex_unlock(&heart->lock);
     if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st))
         log_failure(heart, &about, &st);
     pthread_mutex_lock(&heart->lock);
     if (!held)
         end_claim(heart, claim_number, PEN_CLAIM_LOST);
-    if (heart->claims == claim_number)
+    if (heart->claims == claim_number) {
         heart->claim.job_spent_us = claim.job_spent_us;
+        heart->claim.job_work = claim.job_work;
+    }
 }
 
 /* Makes a checkpoint of the store while the render threads work. Called and returns with the lock
@@ -271,7 +296,7 @@ void pen_heartbeat_begin(struct pen_heartbeat *heart, const struct pen_claim *cl
     heart->ended = PEN_CLAIM_HELD;
     heart->failed = false;
     heart->spent_ns = 0;
-    heart->since_ns = pen_clock_ns();
+    heart->since_ns = heart->tell_ns = pen_clock_ns();
     atomic_store_explicit(&heart->cancel, false, memory_order_relaxed);
     if (heart->asleep)
         pthread_cond_signal(&heart->change);
@@ -330,6 +355,12 @@ void pen_heartbeat_request_checkpoint(struct pen_heartbeat *heart)
     if (heart->asleep)
         pthread_cond_signal(&heart->change);
     pthread_mutex_unlock(&heart->lock);
+}
+
+void pen_heartbeat_watch(struct pen_heartbeat *heart, pen_heartbeat_work_fn *work, void *user)
+{
+    heart->work = work;
+    heart->work_user = user;
 }
 
 enum pen_claim_end pen_heartbeat_end(struct pen_heartbeat *heart)

@@ -2,6 +2,7 @@
 /* The job object has two parts: the stored request, which submit.c wrote, and the state of the job,
  * which is added here. Both depend on the stored job alone, so a revision of a job always has the
  * same text. */
+#include <math.h>
 #include <string.h>
 
 #include "base/clock.h"
@@ -17,41 +18,30 @@ json_t *pen_time_json(int64_t wall_ms)
     return json_string(text);
 }
 
-/* How many times as long as workers work on the job it takes, since they share their time among
- * jobs: as it was from its start to its last commit. Less than 1 if several work on it at once. */
-static double time_sharing(const struct pen_job_record *job)
-{
-    const double seconds = (double)(job->committed_elapsed_us - job->queue_us) / 1e6;
-    return job->committed_us > 0 ? seconds / ((double)job->committed_us / 1e6) : 1;
-}
-
-/* The seconds left at the job's last change; null: not known. They come from the rate since its
- * start and from the worker's estimate, which counts for less the more is done: the first pixels
- * may be the easy ones, but in the end the rate knows. Jobs that share the workers with it are in
- * both as far as they have done so. */
+/* The seconds left when the job's work was last told; null: not known. What workers are expected to
+ * spend on it takes them as much longer as it did until then: they share their time among jobs, and
+ * several may work on one. */
 static json_t *eta_json(const struct pen_job_record *job)
 {
-    int64_t left = job->total_pixels - job->done_pixels;
+    const double spent_ms = (double)job->told_us / 1000,
+                 passed_ms = (double)(job->told_elapsed_us - job->queue_us) / 1000,
+                 left_ms = fmax(0, (double)job->estimate_ms - spent_ms),
+                 sharing = spent_ms > 0 ? passed_ms / spent_ms : 1,
+                 work = (double)job->work / PEN_WORK_ALL;
     if (job->state == PEN_JOB_SUCCEEDED)
         return json_integer(0);
-    if (job->state != PEN_JOB_RUNNING || (job->done_pixels == 0 && job->estimate_ms == 0))
+    if (job->state != PEN_JOB_RUNNING || (job->estimate_ms == 0 && work == 0))
         return json_null();
-    const double share = (double)left / (double)job->total_pixels;
-    const double estimated = (double)job->estimate_ms / 1000 * share * time_sharing(job);
-    if (job->done_pixels == 0)
-        return json_real(estimated);
-    const double seconds = (double)(job->elapsed_us - job->queue_us) / 1e6;
-    const double by_rate = seconds * (double)left / (double)job->done_pixels;
-    return json_real(job->estimate_ms == 0 ? by_rate : share * estimated + (1 - share) * by_rate);
+    return json_real(
+        (job->estimate_ms > 0 ? left_ms * sharing : passed_ms * fmax(0, 1 - work) / work) / 1000);
 }
 
 static json_t *progress_json(const struct pen_job_record *job)
 {
-    double fraction =
-        job->total_pixels > 0 ? (double)job->done_pixels / (double)job->total_pixels : 0;
+    const double work = fmin(1, (double)job->work / PEN_WORK_ALL);
     return json_pack("{s:I, s:I, s:f, s:o}", "done", (json_int_t)job->done_pixels, "total",
-                     (json_int_t)job->total_pixels, "fraction", fraction, "eta_seconds",
-                     eta_json(job));
+                     (json_int_t)job->total_pixels, "fraction",
+                     job->state == PEN_JOB_SUCCEEDED ? 1 : work, "eta_seconds", eta_json(job));
 }
 
 static json_t *links_json(const struct pen_job_record *job)

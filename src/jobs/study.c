@@ -76,7 +76,13 @@ void pen_study_progress(void *user, int done, int total)
         return;
     study->progress_ns = now_ns;
     pen_heartbeat_pause(study->context->heart);
-    pen_store_progress(store, study->claim, done, &ignored);
+    struct pen_claim claim = *study->claim;
+    claim.spent_us = pen_heartbeat_spent_us(study->context->heart);
+    const double share = (double)done / total,
+                 ms = (double)(claim.job_spent_us + claim.spent_us) / 1000;
+    claim.estimate_ms =
+        pen_work_estimate_ms(ms, share, pen_work_pace(share, ms, study->context->work.expected_ms));
+    pen_store_progress(store, &claim, done, &ignored);
     if (pen_store_checkpoint_due(store)) /* no run is timed at this moment */
         pen_store_checkpoint(store, &ignored);
     pen_heartbeat_resume(study->context->heart);

@@ -273,6 +273,9 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
     bool done = run_batch_with_retries(w, claim, &output, &why);
     pen_heartbeat_pause(w->context.heart);
     claim->spent_us = pen_heartbeat_spent_us(w->context.heart);
+    if (done && claim->kind == PEN_BATCH_RENDER)
+        claim->estimate_ms =
+            pen_batch_expected_ms(&w->context, claim, (double)output.result.work / PEN_WORK_ALL);
     if (done && pen_heartbeat_is_late(w->context.heart)) {
         pen_batch_output_release(&output);
         done = pen_fail(&why, PEN_CANCELLED, "the time is up");
@@ -381,6 +384,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
         !(w->context.pool = pen_thread_pool_new(o->threads, st)) ||
         !(w->context.heart = pen_heartbeat_new(o, w->context.pool, w->lease_ms, st)))
         return false;
+    pen_heartbeat_watch(w->context.heart, pen_batch_work_now, &w->context);
     pen_store_observe(w->store, o->observer);
     pen_store_delegate_checkpoints(w->store);
     if (!(w->context.compressor = pen_pixel_compressor_new(o->observer, st)))
@@ -406,7 +410,8 @@ static void tear_down(struct worker *w)
 bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
                     struct pen_status *st)
 {
-    struct worker w = {.options = options, .stop = stop};
+    struct worker w = {
+        .options = options, .stop = stop, .context.work.lock = PTHREAD_MUTEX_INITIALIZER};
     bool ok = set_up(&w, st) && run(&w, st);
     struct pen_status ignored;
     if (w.store)

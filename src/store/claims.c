@@ -116,9 +116,16 @@ bool pen_charge_time(struct pen_store *store, const struct pen_claim *claim, str
                                            claim->spent_us, st);
 }
 
+int64_t pen_work_of_pixels(const struct pen_batch_row *batch, int64_t pixels)
+{
+    const double share = (double)pixels / (double)batch->job_pixels;
+    return (int64_t)(share < 1 ? PEN_WORK_ALL * share : PEN_WORK_ALL);
+}
+
 struct progress {
     const struct pen_claim *claim;
     struct pen_progress what;
+    bool runs; /* it is a study's, which tells time and work, too */
 };
 
 static bool write_progress(struct pen_store *store, void *arg, struct pen_status *st)
@@ -134,14 +141,19 @@ static bool write_progress(struct pen_store *store, void *arg, struct pen_status
     if (!held)
         return pen_fail(st, PEN_STALE, "the batch is no longer held; its progress was refused");
     progress.job = batch.job;
+    if (in->runs) {
+        progress.batch = in->claim->batch;
+        progress.work = pen_work_of_pixels(&batch, progress.pixels);
+    }
     store->changed = true;
-    return driver->ops->job_progress(driver, &progress, st);
+    return pen_charge_time(store, in->claim, st) &&
+           driver->ops->job_progress(driver, &progress, st);
 }
 
 bool pen_policy_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                          struct pen_status *st)
 {
-    struct progress progress = {claim, {.pixels = done}};
+    struct progress progress = {claim, {.pixels = done, .estimate_ms = claim->estimate_ms}, true};
     return pen_store_write(store, write_progress, &progress, st);
 }
 
@@ -226,6 +238,10 @@ static bool write_kept(struct pen_store *store, void *arg, struct pen_status *st
         return pen_fail(st, PEN_STALE, "the batch is no longer held; what it kept was refused");
     progress.job = batch.job;
     progress.raise = batch.kind == PEN_BATCH_RENDER;
+    progress.batch = keep->kept->done < 0 ? 0 : keep->claim->batch;
+    progress.work = pen_work_of_pixels(&batch, progress.pixels);
+    if (progress.work < batch.work)
+        progress.work = batch.work;
     store->changed = true;
     return admit_rest(store, keep, st) &&
            (keep->kept->done < 0 || driver->ops->job_progress(driver, &progress, st)) &&
@@ -247,9 +263,10 @@ bool pen_policy_keep(struct pen_store *store, const struct pen_claim *claim,
 }
 
 bool pen_policy_estimate(struct pen_store *store, const struct pen_claim *claim,
-                         int64_t estimate_ms, struct pen_status *st)
+                         int64_t estimate_ms, const struct pen_buf *cost_map, struct pen_status *st)
 {
-    struct progress progress = {claim, {.add = true, .estimate_ms = estimate_ms}};
+    struct progress progress = {
+        claim, {.add = true, .estimate_ms = estimate_ms, .cost_map = cost_map}, false};
     return pen_store_write(store, write_progress, &progress, st);
 }
 
@@ -294,9 +311,22 @@ bool pen_policy_fail(struct pen_store *store, const struct pen_claim *claim, con
 
 struct extension {
     const struct pen_claim *claim;
-    int64_t now_ms, until_ms;
+    int64_t job, now_ms, until_ms;
     bool held;
 };
+
+static bool tell(struct pen_store *store, const struct extension *extension, struct pen_status *st)
+{
+    const struct pen_claim *claim = extension->claim;
+    const struct pen_progress progress = {.job = extension->job,
+                                          .now_ms = extension->now_ms,
+                                          .add = true,
+                                          .estimate_ms = claim->estimate_ms,
+                                          .batch = claim->batch,
+                                          .work = claim->work};
+    store->changed = true;
+    return store->driver->ops->job_progress(store->driver, &progress, st);
+}
 
 /* Mends times, too, since a worker with a batch that takes long does nothing else that would. */
 static bool write_extension(struct pen_store *store, void *arg, struct pen_status *st)
@@ -306,7 +336,8 @@ static bool write_extension(struct pen_store *store, void *arg, struct pen_statu
            pen_charge_time(store, extension->claim, st) &&
            store->driver->ops->batch_extend(store->driver, extension->claim->batch,
                                             extension->claim->attempt, extension->until_ms,
-                                            &extension->held, st);
+                                            &extension->held, st) &&
+           (!extension->held || extension->claim->estimate_ms == 0 || tell(store, extension, st));
 }
 
 bool pen_policy_heartbeat(struct pen_store *store, struct pen_claim *claim, int64_t lease_ms,
@@ -317,12 +348,16 @@ bool pen_policy_heartbeat(struct pen_store *store, struct pen_claim *claim, int6
     if (!pen_check_fence(store, claim, &batch, held, st) ||
         !store->driver->ops->now(store->driver, &now_ms, st))
         return false;
-    if (*held)
+    if (*held) {
         claim->job_spent_us = batch.job_spent_us - batch.spent_us;
+        claim->job_work = batch.job_work - batch.work;
+    }
     const int64_t left_ms = batch.lease_until_ms > now_ms ? batch.lease_until_ms - now_ms : 0;
-    if (!*held || (left_ms >= lease_ms - lease_ms / 3 && left_ms <= lease_ms))
+    if (!*held ||
+        (claim->estimate_ms == 0 && left_ms >= lease_ms - lease_ms / 3 && left_ms <= lease_ms))
         return true;
-    struct extension extension = {.claim = claim, .now_ms = now_ms, .until_ms = now_ms + lease_ms};
+    struct extension extension = {
+        .claim = claim, .job = batch.job, .now_ms = now_ms, .until_ms = now_ms + lease_ms};
     if (!pen_store_write(store, write_extension, &extension, st))
         return false;
     *held = extension.held;

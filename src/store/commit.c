@@ -22,12 +22,17 @@ static bool add_progress(struct pen_driver *driver, const struct commit *commit,
         .job = batch->job,
         .pixels = batch->kind == PEN_BATCH_ASSEMBLE ? 0 : batch->pixels,
         .now_ms = commit->now_ms,
+        .batch = commit->claim->batch,
+        .work = commit->result->work,
+        .estimate_ms = commit->claim->estimate_ms,
         .add = batch->kind != PEN_BATCH_STUDY, /* a study has stored its progress already */
         .forgive = true,
         /* A batch that has a view for itself may have told a part of its pixels (pen_store_keep).
          */
         .raise = batch->kind == PEN_BATCH_RENDER && commit->claim->view_batches <= 1,
     };
+    if (progress.work == 0)
+        progress.work = pen_work_of_pixels(batch, progress.pixels);
     return driver->ops->job_progress(driver, &progress, st);
 }
 

@@ -452,11 +452,18 @@ bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, cons
 }
 
 bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,
-                        struct pen_status *st)
+                        const struct pen_buf *cost_map, struct pen_status *st)
 {
     struct call_start start = begin(store, "estimate");
     return enter(store, PEN_NEED_WRITE, st) &&
-           leave(store, &start, pen_policy_estimate(store, claim, estimate_ms, st));
+           leave(store, &start, pen_policy_estimate(store, claim, estimate_ms, cost_map, st));
+}
+
+bool pen_store_cost_map(struct pen_store *store, const char *id, struct pen_buf *out,
+                        struct pen_status *st)
+{
+    return enter(store, PEN_NEED_READ, st) &&
+           leave(store, NULL, store->driver->ops->job_cost_map(store->driver, id, out, st));
 }
 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,

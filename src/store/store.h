@@ -229,6 +229,9 @@ bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
                       struct pen_status *st);
 
+/* All of a job's work, of which claims tell shares. */
+enum { PEN_WORK_ALL = 1000000000 };
+
 /* A job as stored. Owns: the texts belong to the record; free them with pen_job_record_release. */
 struct pen_job_record {
     int64_t number; /* order of submission */
@@ -244,12 +247,13 @@ struct pen_job_record {
     int64_t created_ms, started_ms, finished_ms; /* by the store's clock; 0: not yet */
     int64_t updated_ms;                          /* when the revision last changed */
     int64_t done_pixels, total_pixels;
-    int64_t estimate_ms;  /* what rendering is expected to take in all; 0: not estimated */
-    int64_t committed_us; /* how long workers had worked on it at its last commit */
-    /* The time since the submit: up to the last change; up to the last commit, 0: there was none;
+    int64_t work;        /* the share of its expected work that is done, of PEN_WORK_ALL */
+    int64_t estimate_ms; /* how long workers are expected to work on it in all; 0: not estimated */
+    int64_t told_us;     /* how long they had worked on it when `work` was last told */
+    /* The time since the submit: up to the last change; up to when `work` was last told, 0: never;
      * up to the first claim. Measured by the clock of the boot. From one boot to the next it is the
      * difference of the store's clock, or none if that was set back. */
-    int64_t elapsed_us, committed_elapsed_us, queue_us;
+    int64_t elapsed_us, told_elapsed_us, queue_us;
 };
 
 void pen_job_record_release(struct pen_job_record *job);
@@ -344,9 +348,16 @@ struct pen_claim {
     int64_t claimed_ms;
     int64_t timeout_ms;   /* of the job: how long workers may work on it in all; 0: none */
     int64_t job_spent_us; /* how long they have worked on it, without this claim */
+    int64_t job_work;     /* the share of its expected work that is done, without this batch */
     int64_t spent_us; /* set by the holder, 0 at first: how long it has worked on this claim, by a
                          monotonic clock. Heartbeat, commit, release and fail add to the job what
                          they have not added yet */
+    /* Set by the holder for a heartbeat, a commit and the progress of a study: how long workers are
+     * expected to work on the job in all. 0: that is not known, and the heartbeat tells nothing. */
+    int64_t estimate_ms;
+    /* Set by the holder for a heartbeat: the share of the job's expected work that this claim has
+     * done, of PEN_WORK_ALL. */
+    int64_t work;
 };
 
 /* Claims the next batch by priority, fair shares and age, with the exceptions for quarantined
@@ -362,9 +373,10 @@ struct pen_result {
     int64_t pixels;
     int part_tiles; /* of a render batch: it has its first tiles only, so many; 0: all */
     const struct pen_pixels *encoded; /* the same, encoded; or NULL. Only render batches have one */
-    const char *stats;                /* JSON, kept as long as the job */
-    int64_t handed_ns;                /* when it was given to the store, by pen_clock_ns; 0: now */
-    const char *layer, *format;       /* of the artefact; NULL: none */
+    int64_t work; /* the share of the job's expected work, of PEN_WORK_ALL; 0: that of its pixels */
+    const char *stats;          /* JSON, kept as long as the job */
+    int64_t handed_ns;          /* when it was given to the store, by pen_clock_ns; 0: now */
+    const char *layer, *format; /* of the artefact; NULL: none */
     const void *artefact;
     size_t artefact_bytes;
 };
@@ -394,7 +406,8 @@ bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim 
                                 const struct pen_result *result, struct pen_next *next,
                                 struct pen_status *st);
 
-/* Stores how many of its runs a study has finished, for readers. Fails: PEN_STALE. */
+/* Stores how many of its runs a study has finished, for readers, with the claim's time and
+ * estimate. Fails: PEN_STALE. */
 bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
                         struct pen_status *st);
 
@@ -441,9 +454,13 @@ bool pen_store_keep_part(struct pen_store *store, const struct pen_claim *claim,
 bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, const char *name,
                     struct pen_buf *out, struct pen_status *st);
 
-/* Stores what rendering the claim's job is expected to take in all, for readers. Fails: PEN_STALE.
- */
+/* Stores how long workers are expected to work on the claim's job in all, for readers, and for
+ * other workers the map of its work, which it has until it ends; NULL: none. Fails: PEN_STALE. */
 bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,
+                        const struct pen_buf *cost_map, struct pen_status *st);
+
+/* Appends the map of an unfinished job's work; nothing, if it has none. */
+bool pen_store_cost_map(struct pen_store *store, const char *id, struct pen_buf *out,
                         struct pen_status *st);
 
 /* Gives a batch back without a result or a charge, and adds claim->spent_us to the job. Does
@@ -470,8 +487,9 @@ bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, cons
 /* Tells whether the claim still holds, and extends its lease once a third of it has gone. Most
  * calls only read, so it may be called often. *held = false: the job has ended, or the batch was
  * opened again; stop working on it. Else claim->job_spent_us is brought up to date: other workers
- * may work on the job. A call that extends the lease adds claim->spent_us to the job: if the worker
- * dies, the job has spent what it told last. */
+ * may work on the job, and so is claim->job_work. A call that extends the lease adds
+ * claim->spent_us to the job: if the worker dies, the job has spent what it told last. So does one
+ * that tells of work (claim->estimate_ms), which readers see at once. */
 bool pen_store_heartbeat(struct pen_store *store, struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st);
 

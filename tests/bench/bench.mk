@@ -53,6 +53,12 @@ calibration: all $(BENCHES)
 accuracy-promise: all $(BENCHES)
 	@TARGETS="0.02 0.01 0.005" sh tests/bench/calibration.sh $(BUILD) $(BUILD)/accuracy-promise
 
+# The time left that jobs tell beside what was left (tests/bench/eta.sh): some minutes on an idle host. Fails
+# beyond its bar.
+.PHONY: eta-promise
+eta-promise: all
+	@sh tests/bench/eta.sh $(BUILD)
+
 # What a target error costs beside fixed numbers of samples, at equal true error: some 20 minutes.
 .PHONY: equal-error
 equal-error: all

@@ -371,8 +371,8 @@ static double eta_of(void)
     return seconds;
 }
 
-/* What the worker expects counts fully at first, and the rate fully in the end. If the job got a
- * part of the worker's time, it is expected to get no larger one. */
+/* What workers are expected to spend on the job, less what they have spent when they told it; as
+ * much longer as it took until then, since they may have had a part of the time. */
 static void check_eta(double spent_s)
 {
     static float rgb[64 * 64 * 3];
@@ -384,18 +384,18 @@ static void check_eta(double spent_s)
                 id);
     struct pen_claim claim = store_claim(bed.bed.store, "w");
     ck_assert(eta_of() == -1);
-    store_must(pen_store_estimate(bed.bed.store, &claim, 8000000, &st), &st, "estimate");
+    store_must(pen_store_estimate(bed.bed.store, &claim, 8000000, NULL, &st), &st, "estimate");
     ck_assert(eta_of() == 8000);
-    struct pen_result result = {.rgb = rgb, .pixels = claim.pixels, .stats = "{}"};
+    struct pen_result result = {
+        .rgb = rgb, .pixels = claim.pixels, .work = PEN_WORK_ALL / 4, .stats = "{}"};
     claim.spent_us = (int64_t)(spent_s * 1e6);
+    claim.estimate_ms = 6000000;
     store_must(pen_store_commit(bed.bed.store, &claim, &result, &st), &st, "commit");
     struct pen_job_record job = store_job_get(bed.bed.store, id);
-    const double left = 1 - (double)job.done_pixels / 4096,
-                 took = (double)(job.elapsed_us - job.queue_us) / 1e6,
-                 rate = took * left / (1 - left), sharing = spent_s > 0 ? took / spent_s : 1,
-                 wanted = left * left * 8000 * sharing + (1 - left) * rate;
-    ck_assert(left > 0 && left < 1);
-    ck_assert(fabs(eta_of() - wanted) < 1e-6 * wanted);
+    const double took = (double)(job.elapsed_us - job.queue_us) / 1e6,
+                 sharing = spent_s > 0 ? took / spent_s : 1, wanted = (6000 - spent_s) * sharing;
+    ck_assert(fabs(eta_of() - wanted) <= 1e-6 * wanted);
+    ck_assert_int_eq(job.work, PEN_WORK_ALL / 4);
     pen_job_record_release(&job);
     jobs_bed_close(&bed);
 }
@@ -407,8 +407,9 @@ START_TEST(test_list__first_eta_is_the_estimate_of_the_worker)
 }
 END_TEST
 
-/* A job of more than ten batches is estimated before its first pixels, a small one is not. */
-START_TEST(test_list__only_long_jobs_are_estimated)
+/* A job whose bound is above three seconds gets a map of its work before its first pixels, a small
+ * one does not. */
+START_TEST(test_list__only_long_jobs_get_a_cost_map)
 {
     static const char *const renders[] = {
         ", \"render\": {\"width\": 64, \"height\": 64, \"tile\": 16}",
@@ -424,7 +425,10 @@ START_TEST(test_list__only_long_jobs_are_estimated)
             usleep(1000);
             job = store_job_get(bed.bed.store, id);
         }
-        ck_assert_int_eq(job.estimate_ms > 0, i == 1);
+        struct pen_buf map = {0};
+        store_must(pen_store_cost_map(bed.bed.store, id, &map, &st), &st, "map");
+        ck_assert_int_eq(map.bytes > 0, i == 1);
+        pen_buf_release(&map);
         pen_job_record_release(&job);
     }
     struct pen_job_snapshot snapshot;
@@ -564,6 +568,6 @@ PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps,
           test_list__job_that_ends_while_it_is_deleted_stays_with_its_statistics,
           test_list__progress_is_frozen_per_revision,
           test_list__first_eta_is_the_estimate_of_the_worker,
-          test_list__only_long_jobs_are_estimated, test_list__built_in_scenes_are_listed_by_name,
+          test_list__only_long_jobs_get_a_cost_map, test_list__built_in_scenes_are_listed_by_name,
           test_list__problem_of_one_status, test_list__problem_is_written_as_json,
           test_list__problem_of_several_errors, test_list__workers_are_shown_with_host_and_work)

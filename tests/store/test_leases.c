@@ -579,6 +579,59 @@ START_TEST(test_leases__heartbeat_tells_the_time_of_other_workers)
 }
 END_TEST
 
+static void expect_work(const char *id, int64_t work, int64_t estimate_ms, int64_t told_us)
+{
+    struct pen_job_record job = store_job_get(bed.store, id);
+    ck_assert_int_eq(job.work, work);
+    ck_assert_int_eq(job.estimate_ms, estimate_ms);
+    ck_assert_int_eq(job.told_us, told_us);
+    pen_job_record_release(&job);
+    store_audit_clean(bed.store);
+}
+
+/* The map goes with the end of its job; what a lost claim told goes when another tells. */
+START_TEST(test_leases__work_is_that_which_each_batch_told_last)
+{
+    struct store_job in;
+    struct pen_status st;
+    const struct pen_buf map = {.data = (unsigned char *)"map", .bytes = 3};
+    struct pen_buf read = {0};
+    store_bed_open(&bed);
+    store_job_init(&in, 1, 1, 2);
+    store_job_submit(bed.store, &in);
+    struct pen_claim first = store_claim(bed.store, "w"), second = store_claim(bed.store, "v");
+    store_must(pen_store_estimate(bed.store, &first, 900, &map, &st), &st, "estimate");
+    ck_assert(held(&first)); /* tells nothing */
+    expect_work(in.id, 0, 900, 0);
+    first.work = PEN_WORK_ALL / 4;
+    first.estimate_ms = 800;
+    first.spent_us = 100;
+    ck_assert(held(&first));
+    expect_work(in.id, PEN_WORK_ALL / 4, 800, 100);
+    ck_assert(held(&second));
+    ck_assert_int_eq(second.job_work, PEN_WORK_ALL / 4);
+    store_must(pen_store_release(bed.store, &first, &st), &st, "release");
+    expect_work(in.id, PEN_WORK_ALL / 4, 800, 100);
+    first = store_claim(bed.store, "w");
+    ck_assert_int_eq(first.job_work, 0);
+    first.work = PEN_WORK_ALL / 8;
+    first.estimate_ms = 700;
+    ck_assert(held(&first));
+    expect_work(in.id, PEN_WORK_ALL / 8, 700, 100);
+    ck_assert_int_eq(store_commit(bed.store, &first), PEN_OK); /* of half of the pixels */
+    expect_work(in.id, PEN_WORK_ALL / 2, 700, 100);
+    store_must(pen_store_cost_map(bed.store, in.id, &read, &st), &st, "map");
+    ck_assert_mem_eq(read.data, "map", read.bytes);
+    ck_assert_uint_eq(read.bytes, 3);
+    store_must(pen_store_cancel(bed.store, in.id, NULL, &st), &st, "cancel");
+    expect_work(in.id, PEN_WORK_ALL / 2, 700, 100);
+    pen_buf_release(&read);
+    store_must(pen_store_cost_map(bed.store, in.id, &read, &st), &st, "map");
+    ck_assert_uint_eq(read.bytes, 0);
+    store_bed_close(&bed);
+}
+END_TEST
+
 PEN_SUITE("store leases", test_leases__claim_describes_its_batch,
           test_leases__larger_priority_first_then_older_jobs,
           test_leases__assemble_batch_comes_before_younger_jobs,
@@ -600,4 +653,5 @@ PEN_SUITE("store leases", test_leases__claim_describes_its_batch,
           test_leases__picture_put_again_replaces_the_first,
           test_leases__time_is_added_once_by_heartbeats_commits_and_releases,
           test_leases__time_of_a_lost_claim_is_what_its_last_heartbeat_told,
-          test_leases__heartbeat_tells_the_time_of_other_workers)
+          test_leases__heartbeat_tells_the_time_of_other_workers,
+          test_leases__work_is_that_which_each_batch_told_last)

@@ -169,7 +169,7 @@ START_TEST(test_outcomes__refused_calls_have_done_nothing_and_will_not)
     ck_assert_int_eq(pen_store_failure(bed.store, &st), PEN_FAILURE_REFUSED);
     struct pen_claim claim = store_claim(bed.store, "w");
     store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
-    ck_assert(!pen_store_estimate(bed.store, &claim, 1, &st));
+    ck_assert(!pen_store_estimate(bed.store, &claim, 1, NULL, &st));
     ck_assert_int_eq(st.code, PEN_STALE);
     ck_assert(!pen_store_progress(bed.store, &claim, 1, &st));
     ck_assert_int_eq(st.code, PEN_STALE);

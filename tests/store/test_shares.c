@@ -440,7 +440,7 @@ START_TEST(test_shares__the_queue_tells_what_is_left_of_the_batches_in_hand)
     store_worker_seen(bed.store, "w");
     struct pen_claim claim = store_claim(bed.store, "w");
     expect_in_hand(1, 0);
-    store_must(pen_store_estimate(bed.store, &claim, 9000, &st), &st, "estimate");
+    store_must(pen_store_estimate(bed.store, &claim, 9000, NULL, &st), &st, "estimate");
     expect_in_hand(0, 9 * SECOND_US);
     store_run_sql(&bed, "UPDATE job SET spent_us = 4000000", NULL, 0);
     expect_in_hand(0, 5 * SECOND_US);

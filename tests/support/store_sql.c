@@ -75,9 +75,12 @@ static const char *const undo[] = {
     "ALTER TABLE batch DROP COLUMN commit_us; ALTER TABLE job DROP COLUMN moment_ms;"
     "ALTER TABLE job DROP COLUMN moment_us; ALTER TABLE job DROP COLUMN moment_boot;"
     "ALTER TABLE job DROP COLUMN queue_us; ALTER TABLE job DROP COLUMN elapsed_us;"
-    "UPDATE job SET committed_elapsed_us = created_ms + committed_elapsed_us / 1000"
-    " WHERE committed_elapsed_us > 0;"
-    "ALTER TABLE job RENAME COLUMN committed_elapsed_us TO committed_ms",
+    "UPDATE job SET told_elapsed_us = created_ms + told_elapsed_us / 1000"
+    " WHERE told_elapsed_us > 0;"
+    "ALTER TABLE job DROP COLUMN work; ALTER TABLE job DROP COLUMN cost_map;"
+    "ALTER TABLE batch DROP COLUMN work;"
+    "ALTER TABLE job RENAME COLUMN told_us TO committed_us;"
+    "ALTER TABLE job RENAME COLUMN told_elapsed_us TO committed_ms",
 };
 enum { NEWEST = (int)(sizeof undo / sizeof undo[0]) + 1 };
 

@@ -81,20 +81,16 @@ bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *
                      struct pen_audit *audit, bool *done, struct pen_status *st);
 
 /* batch_estimate.c: before the first batch of a job that may take long, estimates what it will
- * take, and stores that. A small job is left as it is. Fails: as pen_forecast_make; PEN_TOO_LARGE
- * if that is longer than the operator allows. */
+ * take and where its work lies, and stores that; before others, reads where it lies. A small job is
+ * left as it is. Fails: as pen_forecast_make; PEN_TOO_LARGE if that is longer than the operator
+ * allows. */
 bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
                         const struct pen_scene *scene, struct pen_status *st);
 
-/* batch_estimate.c: whether the operator allows so many times what a forecast is of, as far as the
+/* batch_estimate.c: whether the operator allows so many times an estimated time, as far as the
  * lower end of its interval tells. Fails: PEN_TOO_LARGE, if not. */
-bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_forecast *forecast,
+bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_estimate *time_ms,
                        double times, struct pen_status *st);
-
-/* batch_estimate.c: notes that a batch of the claim's job has rendered so many pixels in this time.
- */
-void pen_batch_paced(struct pen_batch_context *context, const struct pen_claim *claim,
-                     int64_t pixels, double ms);
 
 /* batch_estimate.c: tells from the time that the job has taken, and the pace at which this worker
  * renders it, whether all of it is expected to take longer than the operator allows. Fails:

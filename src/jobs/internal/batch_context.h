@@ -11,19 +11,10 @@
 #include "jobs/internal/pixel_compressor.h"
 #include "jobs/internal/scene_cache.h"
 #include "jobs/internal/stored_request.h"
+#include "jobs/internal/work.h"
 #include "jobs/worker.h"
 #include "render/layers.h"
 #include "render/render.h"
-
-/* What this worker has rendered of a job. */
-struct pen_batch_pace {
-    char job_id[PEN_ID_BYTES];
-    double ms; /* of rendering alone */
-    int64_t pixels;
-};
-
-/* Of so many jobs whose batches come in turn. */
-enum { PEN_BATCH_PACES = 16 };
 
 /* How often this worker has given a batch back whose state it could not keep. */
 struct pen_batch_losses {
@@ -45,8 +36,9 @@ struct pen_batch_context {
     atomic_bool exhausted;                /* atomic: relaxed; the fault has failed a pixel */
     char job_id[PEN_ID_BYTES];            /* the job of `request`, "" if there is none */
     struct pen_stored_request request;
-    bool fresh;                     /* no pixel of the job was done when `request` was read, and its
-                                       time not estimated */
+    bool fresh; /* no pixel of the job was done when `request` was read, and its
+                   time not estimated */
+    struct pen_batch_work work;
     float *image;                   /* pixels of the view being rendered, by rows */
     size_t image_pixels;            /* capacity of image, in pixels */
     struct pen_png_writer *picture; /* of the view being rendered, from `image`; else NULL */
@@ -59,8 +51,6 @@ struct pen_batch_context {
     int64_t split_ns; /* when its tiles end, by pen_clock_ns, if not in rounds */
     int64_t keep_ms, patience_ms, batch_ms; /* as in pen_worker_options */
     int max_seconds;                        /* the same */
-    struct pen_batch_pace pace[PEN_BATCH_PACES];
-    int pace_next; /* the one that the next new job takes */
     struct pen_batch_losses losses[PEN_BATCH_LOSSES];
     int losses_next; /* the one that the next batch takes */
     double store_ms; /* time spent waiting for the store and for compression; not in the job's

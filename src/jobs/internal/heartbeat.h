@@ -59,6 +59,13 @@ int64_t pen_heartbeat_spent_us(struct pen_heartbeat *heart);
 /* Whether the job's time is up now; a short batch may end between two checks of the thread. */
 bool pen_heartbeat_is_late(struct pen_heartbeat *heart);
 
+/* Tells what the active claim has done of its job's work, when so many ms were spent on it, and
+ * sets *per_ms to the work of a ms; 0: not known, and nothing is told to readers. Called once a
+ * second from the heartbeat's thread, while the claim's clock runs, with the heartbeat's lock held:
+ * so it makes none of these calls. To be set before the first claim. */
+typedef double pen_heartbeat_work_fn(void *user, double spent_ms, double *per_ms);
+void pen_heartbeat_watch(struct pen_heartbeat *heart, pen_heartbeat_work_fn *work, void *user);
+
 /* Ends the active claim. Returns why the heartbeat has ended it before, or PEN_CLAIM_HELD. */
 enum pen_claim_end pen_heartbeat_end(struct pen_heartbeat *heart);
 

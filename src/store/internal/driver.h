@@ -131,6 +131,8 @@ struct pen_batch_row {
     enum pen_batch_kind kind;
     int64_t job, attempt, pixels, lease_until_ms;
     int64_t spent_us, job_spent_us; /* the time spent under this attempt; on the job in all */
+    int64_t work, job_work;         /* as told, of the batch and of the job, of PEN_WORK_ALL */
+    int64_t job_pixels;             /* of the job in all */
     int64_t job_deaths, job_started_ms;
     int view;
 };
@@ -147,8 +149,12 @@ struct pen_batch_add {
 struct pen_progress {
     int64_t job, pixels, now_ms;
     bool add;     /* true: add `pixels` to done_pixels. false: set it, to the job's total at most */
-    bool forgive; /* set the job's deaths and charges to 0, end its pause, note its time */
+    bool forgive; /* set the job's deaths and charges to 0, end its pause */
     int64_t estimate_ms; /* above 0: what the job is expected to take */
+    int64_t batch, work; /* the share of the job's work that this batch has, from now on, which is
+                            told with the time spent, if there is an estimate or `forgive`; batch 0:
+                            as it was */
+    const struct pen_buf *cost_map; /* NULL: as it was */
     /* Instead of `add`: raise done_pixels to the pixels of the batches that are done and these, if
      * it is below. */
     bool raise;
@@ -344,6 +350,10 @@ struct pen_driver_ops {
     bool (*job_end_batches)(struct pen_driver *driver, int64_t job, struct pen_status *st);
     /* Removes it with its views, batches, pixels and artefacts. */
     bool (*job_remove)(struct pen_driver *driver, int64_t job, struct pen_status *st);
+    /* Appends the map of a job's work, which job_progress stores, and which goes when the job ends.
+     */
+    bool (*job_cost_map)(struct pen_driver *driver, const char *id, struct pen_buf *out,
+                         struct pen_status *st);
     /* Marks an ended job as removed: from then on job_get, job_find, job_page, job_counts and
      * scene_of_job do not see it. */
     bool (*job_mark_removed)(struct pen_driver *driver, int64_t job, int64_t now_ms,

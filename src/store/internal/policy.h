@@ -100,6 +100,9 @@ bool pen_ages_wait(struct pen_store *store, int64_t now_ms, bool *wait, struct p
 bool pen_outranked(struct pen_driver *driver, const struct pen_claim *claim, int64_t now_ms,
                    bool *outranked, struct pen_status *st);
 
+/* The share of a job's work that so many pixels of it are, if no pixel costs more than another. */
+int64_t pen_work_of_pixels(const struct pen_batch_row *batch, int64_t pixels);
+
 /* Adds to the job the time that the claim's holder has told (pen_claim.spent_us) and that was not
  * added before; inside a transaction. Does nothing if the batch is not leased under the claim. */
 bool pen_charge_time(struct pen_store *store, const struct pen_claim *claim, struct pen_status *st);
@@ -209,7 +212,8 @@ bool pen_policy_progress(struct pen_store *store, const struct pen_claim *claim,
 bool pen_policy_keep(struct pen_store *store, const struct pen_claim *claim,
                      const struct pen_kept *kept, bool *outranked, struct pen_status *st);
 bool pen_policy_estimate(struct pen_store *store, const struct pen_claim *claim,
-                         int64_t estimate_ms, struct pen_status *st);
+                         int64_t estimate_ms, const struct pen_buf *cost_map,
+                         struct pen_status *st);
 bool pen_policy_release(struct pen_store *store, const struct pen_claim *claim,
                         struct pen_status *st);
 bool pen_policy_set_back(struct pen_store *store, const struct pen_claim *claim, const char *error,

@@ -50,8 +50,11 @@ static const struct rule rules[] = {
     {"a job on which less time was spent than on its batches",
      "SELECT id FROM job WHERE spent_us <"
      " (SELECT coalesce(sum(spent_us), 0) FROM batch WHERE job = number)"},
-    {"a job on which less time was spent than at its last commit",
-     "SELECT id FROM job WHERE spent_us < committed_us"},
+    {"a job on which less time was spent than it was told",
+     "SELECT id FROM job WHERE spent_us < told_us"},
+    {"a job whose work is not that of its batches",
+     "SELECT id FROM job WHERE work <>"
+     " (SELECT coalesce(sum(work), 0) FROM batch WHERE job = number)"},
     {"a peer whose count of unfinished jobs is wrong",
      "SELECT id FROM peer WHERE jobs <>"
      " (SELECT count(*) FROM job j WHERE j.peer = peer.id AND j.state < 2)"},

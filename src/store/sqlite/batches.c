@@ -78,6 +78,7 @@ static void read_claim(const struct pen_sqlite_query *row, struct pen_claim *cla
         .started_ms = pen_sqlite_column_int(row, CLAIM_started_ms),
         .timeout_ms = pen_sqlite_column_int(row, CLAIM_timeout_ms),
         .job_spent_us = pen_sqlite_column_int(row, CLAIM_job_spent_us),
+        .job_work = pen_sqlite_column_int(row, CLAIM_job_work),
     };
     *job = pen_sqlite_column_int(row, CLAIM_job);
     const char *id = pen_sqlite_column_text(row, CLAIM_job_id);
@@ -155,6 +156,9 @@ bool pen_sqlite_batch_get(struct pen_driver *driver, int64_t batch, struct pen_b
         .job_spent_us = pen_sqlite_column_int(&query, 8),
         .job_deaths = pen_sqlite_column_int(&query, 9),
         .job_started_ms = pen_sqlite_column_int(&query, 10),
+        .work = pen_sqlite_column_int(&query, 11),
+        .job_work = pen_sqlite_column_int(&query, 12),
+        .job_pixels = pen_sqlite_column_int(&query, 13),
     };
     pen_sqlite_end(&query);
     return true;

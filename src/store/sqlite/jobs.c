@@ -145,9 +145,10 @@ static bool fill_row(const struct pen_sqlite_query *query, struct pen_job_row *r
             .updated_ms = pen_sqlite_column_int(query, JOB_updated_ms),
             .done_pixels = pen_sqlite_column_int(query, JOB_done_pixels),
             .total_pixels = pen_sqlite_column_int(query, JOB_total_pixels),
+            .work = pen_sqlite_column_int(query, JOB_work),
             .estimate_ms = pen_sqlite_column_int(query, JOB_estimate_ms),
-            .committed_us = pen_sqlite_column_int(query, JOB_committed_us),
-            .committed_elapsed_us = pen_sqlite_column_int(query, JOB_committed_elapsed_us),
+            .told_us = pen_sqlite_column_int(query, JOB_told_us),
+            .told_elapsed_us = pen_sqlite_column_int(query, JOB_told_elapsed_us),
             .elapsed_us = pen_sqlite_column_int(query, JOB_elapsed_us),
             .queue_us = pen_sqlite_column_int(query, JOB_queue_us),
         }};
@@ -318,7 +319,9 @@ bool pen_sqlite_job_start(struct pen_driver *driver, int64_t job, int64_t now_ms
 bool pen_sqlite_job_progress(struct pen_driver *driver, const struct pen_progress *progress,
                              struct pen_status *st)
 {
-    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_PROGRESS);
+    struct pen_sqlite_store *store = pen_sqlite_of(driver);
+    struct pen_sqlite_query query = pen_sqlite_query(store, SQL_JOB_PROGRESS);
+    const struct pen_buf *map = progress->cost_map;
     pen_sqlite_int(&query, progress->job);
     pen_sqlite_int(&query, progress->pixels);
     pen_sqlite_int(&query, progress->add);
@@ -326,8 +329,31 @@ bool pen_sqlite_job_progress(struct pen_driver *driver, const struct pen_progres
     pen_sqlite_int(&query, progress->forgive);
     pen_sqlite_int(&query, progress->estimate_ms);
     pen_sqlite_int(&query, progress->raise);
+    pen_sqlite_int(&query, progress->batch);
+    pen_sqlite_int(&query, progress->work);
+    pen_sqlite_blob(&query, map ? map->data : NULL, map ? map->bytes : 0);
     bind_moment(&query);
-    return pen_sqlite_run(&query, st);
+    if (!pen_sqlite_run(&query, st))
+        return false;
+    query = pen_sqlite_query(store, SQL_BATCH_WORK);
+    pen_sqlite_int(&query, progress->batch);
+    pen_sqlite_int(&query, progress->work);
+    return progress->batch == 0 || pen_sqlite_run(&query, st);
+}
+
+bool pen_sqlite_job_cost_map(struct pen_driver *driver, const char *id, struct pen_buf *out,
+                             struct pen_status *st)
+{
+    struct pen_sqlite_query query = pen_sqlite_query(pen_sqlite_of(driver), SQL_JOB_COST_MAP);
+    bool found;
+    pen_sqlite_text(&query, id);
+    if (!pen_sqlite_next(&query, &found, st))
+        return false;
+    const struct pen_bytes map = found ? pen_sqlite_column_blob(&query, 0) : (struct pen_bytes){0};
+    const bool ok = map.bytes == 0 || pen_buf_add(out, map.data, map.bytes);
+    if (found)
+        pen_sqlite_end(&query);
+    return ok || pen_fail(st, PEN_NO_MEMORY, "no memory for the map of a job's work");
 }
 
 bool pen_sqlite_job_view_ended(struct pen_driver *driver, int64_t job, int64_t *open_views,

@@ -32,8 +32,11 @@
  * job.charges          those of them that crashed by the job's fault
  * job.paused_until_ms  until then other jobs go first
  * job.spent_us         how long workers have worked on the job, by their monotonic clocks
- * job.committed_us     what spent_us was at the last commit of a batch
- * job.committed_elapsed_us  what elapsed_us was then
+ * job.work             the share of the job's expected work that is done, in billionths: the sum of
+ *                      batch.work
+ * job.told_us          what spent_us was when that was told, by a commit or between
+ * job.told_elapsed_us  what elapsed_us was then
+ * job.cost_map         where its work lies, until it ends (render/cost_map.h); NULL: not known
  * job.elapsed_us       the time since the submit, up to the moment of moment_boot, moment_us (of
  *                      pen_clock_moment) and moment_ms (of the store's clock)
  * job.queue_us         what elapsed_us was when the job began
@@ -46,6 +49,7 @@
  * level.virtual_us     the virtual time of the peers of a priority
  * peer.waiting_since_ms when it was served last, or began to wait
  * batch.spent_us       the part of the job's time that was spent under the batch's present attempt
+ * batch.work           the part of job.work that was last told of the batch
  * batch.quarantined    a worker was lost while it held the batch
  * batch.revision       the revision that the commit gave the job; a reader that knows an older one
  *                      asks for the commits since */
@@ -347,9 +351,17 @@ static const char step_17[] =
     "CREATE INDEX batch_open_of_peer ON batch(peer, job, id) WHERE state = 0;"
     "CREATE INDEX job_by_service ON job(peer, spent_us, number) WHERE state < 2;";
 
-/* Durations that are measured instead of told by time stamps. */
+/* Durations that are measured instead of told by time stamps; and what is done of a job as a share
+ * of its work, not of its pixels alone. */
 static const char step_18[] =
-    "ALTER TABLE job RENAME COLUMN committed_ms TO committed_elapsed_us;"
+    "ALTER TABLE job RENAME COLUMN committed_ms TO told_elapsed_us;"
+    "ALTER TABLE job RENAME COLUMN committed_us TO told_us;"
+    "ALTER TABLE job ADD COLUMN work INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN cost_map BLOB;"
+    "ALTER TABLE batch ADD COLUMN work INTEGER NOT NULL DEFAULT 0;"
+    "UPDATE batch SET work = pixels * 1000000000 / (SELECT total_pixels FROM job"
+    " WHERE number = batch.job) WHERE state = 2 AND kind <> 1;"
+    "UPDATE job SET work = (SELECT coalesce(sum(work), 0) FROM batch WHERE job = job.number);"
     "ALTER TABLE job ADD COLUMN elapsed_us INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN queue_us INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN moment_boot INTEGER NOT NULL DEFAULT 0;"
@@ -357,8 +369,8 @@ static const char step_18[] =
     "ALTER TABLE job ADD COLUMN moment_ms INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE batch ADD COLUMN commit_us INTEGER NOT NULL DEFAULT 0;"
     "UPDATE job SET queue_us = max(0, started_ms - created_ms) * 1000, moment_ms = updated_ms,"
-    " committed_elapsed_us = max(0, committed_elapsed_us - created_ms) * 1000;"
-    "UPDATE job SET elapsed_us = max(queue_us, committed_elapsed_us,"
+    " told_elapsed_us = max(0, told_elapsed_us - created_ms) * 1000;"
+    "UPDATE job SET elapsed_us = max(queue_us, told_elapsed_us,"
     " (updated_ms - created_ms) * 1000, (finished_ms - created_ms) * 1000);";
 
 static const char *const steps[] = {step_1,  step_2,  step_3,  step_4,  step_5,  step_6,

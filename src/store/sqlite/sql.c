@@ -186,21 +186,24 @@ static const char *const sql_text[] = {
         " deaths = CASE WHEN ?5 THEN 0 ELSE deaths END,"
         " paused_until_ms = CASE WHEN ?5 THEN 0 ELSE paused_until_ms END,"
         " estimate_ms = CASE WHEN ?6 > 0 THEN ?6 ELSE estimate_ms END,"
-        " committed_us = CASE WHEN ?5 THEN spent_us ELSE committed_us END,"
-        " committed_elapsed_us = CASE WHEN ?5 THEN " ELAPSED(
-            "?4", "?8",
-            "?9") " ELSE committed_elapsed_us END, " ELAPSE("?4", "?8",
-                                                            "?9") ","
-                                                                  " revision = revision + 1 WHERE "
-                                                                  "number = ?1",
+        " work = CASE WHEN ?8 > 0 THEN work + ?9 - (SELECT work FROM batch WHERE id = ?8)"
+        " ELSE work END,"
+        " told_us = CASE WHEN ?8 > 0 AND (?5 OR ?6 > 0) THEN spent_us ELSE told_us END,"
+        " told_elapsed_us = CASE WHEN ?8 > 0 AND (?5 OR ?6 > 0) THEN " ELAPSED(
+            "?4", "?11",
+            "?12") " ELSE told_elapsed_us END,"
+                   " cost_map = CASE WHEN length(?10) > 0 THEN ?10 ELSE cost_map END, " ELAPSE(
+                       "?4", "?11", "?12") ", revision = revision + 1 WHERE number = ?1",
+    [SQL_BATCH_WORK] = "UPDATE batch SET work = ?2 WHERE id = ?1",
+    [SQL_JOB_COST_MAP] = "SELECT cost_map FROM job WHERE id = ?",
     [SQL_JOB_VIEW_ENDED] = "UPDATE job SET open_views = open_views - 1 WHERE number = ?"
                            " RETURNING open_views",
-    [SQL_JOB_SUCCEED] = "UPDATE job SET state = 2, finished_ms = ?2"
+    [SQL_JOB_SUCCEED] = "UPDATE job SET state = 2, finished_ms = ?2, cost_map = NULL"
                         " WHERE number = ?1 AND state = 1",
     [SQL_JOB_END] =
-        "UPDATE job SET state = ?2, error = ?3, finished_ms = ?4, updated_ms = ?4, " ELAPSE(
-            "?4", "?5", "?6") ","
-                              " revision = revision + 1 WHERE number = ?1 AND state IN (0, 1)",
+        "UPDATE job SET state = ?2, error = ?3, finished_ms = ?4, updated_ms = ?4,"
+        " cost_map = NULL, " ELAPSE(
+            "?4", "?5", "?6") ", revision = revision + 1 WHERE number = ?1 AND state IN (0, 1)",
     [SQL_JOB_END_BATCHES] = "UPDATE batch SET state = 3, worker = NULL, lease_until_ms = NULL,"
                             " quarantined = 0 WHERE job = ? AND state IN (0, 1)",
     [SQL_JOB_REMOVE] = "DELETE FROM job WHERE number = ?",
@@ -275,8 +278,8 @@ static const char *const sql_text[] = {
     [SQL_FIRST_HELD] = "SELECT " CLAIM_COLUMNS CLAIM_TABLES
                        " WHERE b.state = 1 AND b.worker = ? ORDER BY b.id LIMIT 1",
     [SQL_BATCH_GET] = "SELECT b.job, b.view, b.kind, b.state, b.attempt, b.pixels,"
-                      " b.lease_until_ms, b.spent_us, j.spent_us, j.deaths, j.started_ms"
-                      " FROM batch b"
+                      " b.lease_until_ms, b.spent_us, j.spent_us, j.deaths, j.started_ms,"
+                      " b.work, j.work, j.total_pixels FROM batch b"
                       " JOIN job j ON j.number = b.job WHERE b.id = ?",
     [SQL_BATCH_LEASE] =
         "UPDATE batch SET state = 1, attempt = ?2, worker = ?3, lease_until_ms = ?4,"

@@ -63,6 +63,8 @@ enum pen_sqlite_sql {
     SQL_JOB_START,
     SQL_JOB_ELAPSE,
     SQL_JOB_PROGRESS,
+    SQL_BATCH_WORK,
+    SQL_JOB_COST_MAP,
     SQL_JOB_VIEW_ENDED,
     SQL_JOB_SUCCEED,
     SQL_JOB_END,
@@ -195,9 +197,10 @@ enum pen_sqlite_sql {
     NEXT(updated_ms)                                                                               \
     NEXT(done_pixels)                                                                              \
     NEXT(total_pixels)                                                                             \
+    NEXT(work)                                                                                     \
     NEXT(estimate_ms)                                                                              \
-    NEXT(committed_us)                                                                             \
-    NEXT(committed_elapsed_us)                                                                     \
+    NEXT(told_us)                                                                                  \
+    NEXT(told_elapsed_us)                                                                          \
     NEXT(elapsed_us)                                                                               \
     NEXT(queue_us)                                                                                 \
     NEXT(scene)
@@ -216,6 +219,7 @@ enum pen_sqlite_sql {
     NEXT(started_ms, j.started_ms)                                                                 \
     NEXT(timeout_ms, j.timeout_ms)                                                                 \
     NEXT(job_spent_us, j.spent_us)                                                                 \
+    NEXT(job_work, j.work - b.work)                                                                \
     NEXT(scene_sha256, s.sha256)
 
 struct pen_wake;
@@ -492,6 +496,7 @@ enum { SQL_APPLICATION_ID = 0x50656e6d };
     OP(job_counts)                                                                                 \
     OP(job_start)                                                                                  \
     OP(job_progress)                                                                               \
+    OP(job_cost_map)                                                                               \
     OP(job_view_ended)                                                                             \
     OP(job_succeed)                                                                                \
     OP(job_end)                                                                                    \
