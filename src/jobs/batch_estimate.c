@@ -2,7 +2,7 @@
 /* The first estimate of what a job will take: its budget, if it has one. Else it is made once,
  * before the job's first batch.
  *   - A job whose bound of rays, which its batches tell (batch_layout.c), means more than three
- *     seconds gets a cost map of all its views. That takes 1/64 of the work.
+ *     seconds gets a cost map of all its views. That takes 1/52 of the work.
  *   - A job with a target error, whose work depends on its noise, gets a forecast, unless that
  * would take more than a thirtieth of the pixels.
  *

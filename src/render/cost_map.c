@@ -13,9 +13,9 @@
 #include "render/internal/kernel_input.h"
 #include "render/render.h"
 
-/* Of a job: MOST_CELLS bounds what the store keeps of it; FEW_CELLS are wanted also where blocks
- * have to be small for that. */
-enum { MOST_CELLS = 1024, FEW_CELLS = 160, CAMERA_LEAST = 2 };
+/* Of a job: MOST_CELLS bounds what the store keeps of it. For up to MANY_CELLS blocks take fewer
+ * camera rays, and for up to FEW_CELLS they are smaller, though a ray costs more there. */
+enum { MOST_CELLS = 1024, MANY_CELLS = 512, FEW_CELLS = 160 };
 
 /* Of all cells: some ten seconds of two threads. Pixels take at most their share of it, as far as
  * the numbers of samples tell. */
@@ -35,8 +35,9 @@ struct sampler {
     struct pen_kernel_scratch **scratch; /* by thread */
     int view, threads, side, step;
     int64_t end_ns; /* when no more cells of the view are begun; 0: none */
-    double fewer;   /* how many times fewer samples blocks take */
-    bool cut;       /* not of camera rays alone: then `fewer` is at most that */
+    double pixels;  /* that a view may take, with all samples */
+    double fewer;   /* how many times fewer samples blocks of the view take */
+    double excess;  /* by how much that may be too much, of all views */
     atomic_int next;
 };
 
@@ -87,31 +88,46 @@ static void cut_view(struct pen_cost_map *map, double cells)
     map->rows = (int)most(1, least(map->height, floor(map->height / side)));
 }
 
-/* Chooses cells, blocks and samples, so that the blocks take PEN_COST_MAP_PART of the work. */
-static void choose(struct sampler *s, int first_view)
+static int camera_samples(const struct sampler *s, int view)
+{
+    const bool lens = s->task->scene->views[view].camera.aperture_radius > 0;
+    const struct pen_settings sampling = pen_settings_sampling(s->task->settings);
+    return pen_camera_samples(lens, &sampling);
+}
+
+/* Chooses cells and blocks: as many as PEN_COST_MAP_PART of the work allows in the view with the
+ * fewest camera rays, of which blocks may leave some out. */
+static void choose_cells(struct sampler *s, const int *view)
 {
     struct pen_cost_map *map = s->map;
-    const struct pen_scene *scene = s->task->scene;
-    const bool lens = scene->views[first_view].camera.aperture_radius > 0;
-    const int camera = pen_camera_samples(lens, &s->sampling);
-    const double pixels = (double)map->width * map->height / PEN_COST_MAP_PART,
-                 all = most(1, MOST_CELLS / map->views), few = most(1, FEW_CELLS / map->views);
+    const double all = most(1, MOST_CELLS / map->views), many = most(1, MANY_CELLS / map->views),
+                 few = most(1, FEW_CELLS / map->views);
+    double fewer = 1;
+    int camera = camera_samples(s, view[0]);
+    for (int i = 1; i < map->views; i++)
+        camera = smaller(camera, camera_samples(s, view[i]));
+    s->pixels = (double)map->width * map->height / PEN_COST_MAP_PART;
     s->side = PEN_BLOCK_SIDE;
-    s->fewer = 1;
-    if (pixels < few * s->side * s->side && camera > CAMERA_LEAST) {
-        const double wanted = ceil(camera * pixels / (few * s->side * s->side));
-        const int taken = wanted > CAMERA_LEAST ? (int)wanted : CAMERA_LEAST;
-        s->sampling.samples_per_pixel = s->sampling.lens_samples = taken;
-        s->fewer = (double)camera / taken;
-    }
-    while (s->side > 1 && pixels * s->fewer < few * s->side * s->side)
+    if (s->pixels < many * s->side * s->side)
+        fewer = camera / ceil(camera * s->pixels / (many * s->side * s->side));
+    while (s->side > 1 && s->pixels * fewer < few * s->side * s->side)
         s->side /= 2;
-    cut_view(map, least(all, floor(pixels * s->fewer / (s->side * s->side))));
-    const double taken = (double)cells_of(map) * s->side * s->side;
-    const struct pen_forecast_samples times =
-        pen_forecast_samples_cut(scene, first_view, RAYS_MAX / taken, &s->sampling);
-    s->fewer *= times.camera * times.light * times.blur;
-    s->cut = times.light * times.blur > 1;
+    cut_view(map, least(all, floor(s->pixels * fewer / (s->side * s->side))));
+}
+
+/* Chooses how many samples the blocks of a view take. */
+static void choose_samples(struct sampler *s, int view)
+{
+    const int camera = camera_samples(s, view);
+    const double blocks = (double)cells_of_view(s->map) * s->side * s->side;
+    const int taken = smaller(camera, (int)ceil(camera * s->pixels / blocks));
+    s->sampling = pen_settings_sampling(s->task->settings);
+    if (taken < camera)
+        s->sampling.samples_per_pixel = s->sampling.lens_samples = taken;
+    const struct pen_forecast_samples times = pen_forecast_samples_cut(
+        s->task->scene, view, RAYS_MAX / (blocks * s->map->views), &s->sampling);
+    s->fewer = (double)camera / taken * times.camera * times.light * times.blur;
+    s->excess = most(s->excess, times.light * times.blur);
 }
 
 static bool is_cancelled(const struct sampler *s)
@@ -169,6 +185,7 @@ static bool time_view(struct pen_thread_pool *pool, struct sampler *s, int view)
 {
     const int64_t end_ns = s->task->deadline_ns;
     bool ok = true;
+    choose_samples(s, view);
     s->input = pen_kernel_input_of(s->task->scene, view, &s->sampling);
     s->kernel = pen_kernel_select(s->input.effects, pen_cpu_isa());
     s->end_ns =
@@ -221,7 +238,7 @@ static void normalise(const struct sampler *s)
     const double mean = done > 0 ? ns / done : 0, all_ns = mean * cells,
                  off_ns =
                      done > 1 ? 1.96 * cells * sqrt(squares / (2 * (done - 1)) / done) : all_ns,
-                 to_ms = 1e-6 / s->threads, excess = s->cut ? s->fewer : 1;
+                 to_ms = 1e-6 / s->threads, excess = s->excess;
     map->time_ms = (struct pen_estimate){all_ns * to_ms, most(0, all_ns - off_ns) * to_ms / excess,
                                          (all_ns + off_ns) * to_ms};
     for (int i = 0; i < cells; i++)
@@ -233,13 +250,11 @@ bool pen_cost_map_make(struct pen_thread_pool *pool, const struct pen_forecast_t
                        struct pen_status *st)
 {
     const struct pen_settings *settings = task->settings;
-    struct sampler s = {.task = task,
-                        .map = map,
-                        .sampling = pen_settings_sampling(settings),
-                        .threads = pen_render_threads(pool, settings)};
+    struct sampler s = {
+        .task = task, .map = map, .excess = 1, .threads = pen_render_threads(pool, settings)};
     *map = (struct pen_cost_map){
         .views = view_count, .width = settings->width, .height = settings->height};
-    choose(&s, view[0]);
+    choose_cells(&s, view);
     const bool ok = time_views(pool, &s, view);
     if (ok && !is_cancelled(&s)) {
         normalise(&s);

@@ -14,7 +14,7 @@
 #include "render/forecast.h"
 
 /* One pixel of so many is rendered, or as much as that takes. */
-enum { PEN_COST_MAP_PART = 64 };
+enum { PEN_COST_MAP_PART = 52 };
 
 struct pen_cost_map {
     int views, width, height;    /* all views have the same size */

@@ -15,12 +15,12 @@ builtin() { echo "$1 {\"scene\": \"builtin:$1\", \"render\": {$2}}"; }
     builtin glass '"samples_per_pixel": 25'
     builtin gloss '"width": 500, "height": 375'
     builtin lens '"lens_samples": 100'
-    builtin patterns '"samples_per_pixel": 16'
-    builtin room '"samples_per_pixel": 9'
+    builtin patterns '"samples_per_pixel": 49'
+    builtin room '"samples_per_pixel": 16'
     builtin room-soft '"width": 500, "height": 700, "samples_per_pixel": 2'
     builtin soft-shadow '"samples_per_pixel": 25'
     builtin spheres '"samples_per_pixel": 49'
-    builtin teapot '"samples_per_pixel": 9'
+    builtin teapot '"samples_per_pixel": 25'
     echo "cheap-sky {\"scene\": $(jq -c . "$root/tests/bench/scenes/cheap_sky.json")}"
     echo 'budget {"scene": "builtin:gloss", "budget_seconds": 8, "render": {"width": 300, "height": 200}}'
 } >"$work/all"
