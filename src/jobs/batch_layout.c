@@ -17,7 +17,7 @@
 #include "study/bill.h"
 
 /* Two threads do 8 to 50 million rays a second in a scene like the built-in room. */
-static const double batch_rays = 8e6;
+static const double batch_rays = 6e6;
 
 /* Bounds the rows of a job in the store. */
 enum { JOB_BATCHES_MAX = 16384 };
