@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEPT = 64, KEY_BYTES = 300, BUDGET_BYTES = 256 << 20 };
+enum { KEPT = 64, KEY_BYTES = 300 };
 
 struct kept {
     char key[KEY_BYTES];
@@ -15,17 +15,20 @@ struct kept {
 };
 
 struct pictures {
+    size_t budget_bytes;
     atomic_size_t bytes; /* of the answers. atomic: relaxed, a sum */
     pthread_mutex_t lock;
     int next;               /* guarded by lock: the place that is filled next, the oldest */
     struct kept kept[KEPT]; /* guarded by lock */
 };
 
-struct pictures *pen_http_pictures_new(void)
+struct pictures *pen_http_pictures_new(size_t budget_bytes)
 {
     struct pictures *pictures = calloc(1, sizeof *pictures);
-    if (pictures)
+    if (pictures) {
+        pictures->budget_bytes = budget_bytes;
         pthread_mutex_init(&pictures->lock, NULL);
+    }
     return pictures;
 }
 
@@ -84,7 +87,8 @@ bool pen_http_pictures_find(struct pictures *pictures, const char *job,
 static bool count(struct pictures *pictures, struct blob *blob, struct pen_status *st)
 {
     const size_t bytes = blob->content.bytes;
-    const size_t others = bytes < BUDGET_BYTES ? BUDGET_BYTES - bytes : 0; /* at most */
+    const size_t others =
+        bytes < pictures->budget_bytes ? pictures->budget_bytes - bytes : 0; /* at most */
     if (blob->sum || bytes < PEN_BLOB_FILE_BYTES)
         return true;
     for (int i = 0; i < KEPT && atomic_load(&pictures->bytes) > others; i++) {

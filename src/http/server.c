@@ -26,7 +26,7 @@
 #include "http/internal/watch.h"
 #include "jobs/jobs.h"
 
-enum { HEARTBEAT_MS = 10000 };
+enum { HEARTBEAT_MS = 10000, ANSWERS_BYTES = 256 << 20 };
 static const int64_t finish_max_ns = INT64_C(1500000000);
 
 /* Frees the server and those of its parts that exist. No connection may be open. */
@@ -50,7 +50,7 @@ static bool prepare(struct pen_http *http, const struct pen_http_options *option
     const int heartbeat_ms = options->heartbeat_ms > 0 ? options->heartbeat_ms : HEARTBEAT_MS;
     http->snapshot_cache = pen_http_snapshot_cache_new();
     http->heartbeat_ns = heartbeat_ms * INT64_C(1000000);
-    http->pictures = pen_http_pictures_new();
+    http->pictures = pen_http_pictures_new(ANSWERS_BYTES);
     http->cors = options->cors ? strdup(options->cors) : NULL;
     if (!http->snapshot_cache || !http->pictures || (options->cors && !http->cors))
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the HTTP server");

@@ -210,7 +210,7 @@ static void submit_packed(const struct server *server, int bytes, char path[100]
     pen_buf_release(&text);
 }
 
-enum { SCENES = 10, SCENE_READS = 60 };
+enum { SCENES = 5, SCENE_READS = 30 };
 
 /* Asks for scenes of new jobs, and then for a job. Returns how many scenes are answered when the
  * job is. */

@@ -7,7 +7,7 @@
 #include "http/internal/pictures.h"
 #include "support/suite.h"
 
-enum { MIB = 1 << 20 };
+enum { PART = 1 << 17 };
 
 static struct pen_image image_of(size_t bytes)
 {
@@ -31,17 +31,17 @@ static bool take(struct pictures *pictures, const char *job, size_t bytes, struc
 
 START_TEST(test_pictures__readers_share_one_copy)
 {
-    struct pictures *pictures = pen_http_pictures_new();
+    struct pictures *pictures = pen_http_pictures_new(256 * PART);
     struct picture a, b, c;
     const struct pen_image_query same = {.layer = "beauty", .format = "png"};
     const struct pen_image_query others[] = {
         {.view = ""}, {.view = "a"}, {.layer = "depth"}, {.format = "pfm"}};
-    ck_assert(take(pictures, "job", 10 * MIB, &a));
+    ck_assert(take(pictures, "job", 10 * PART, &a));
     ck_assert(pen_http_pictures_find(pictures, "job", &same, &b));
     ck_assert_ptr_eq(a.blob, b.blob);
     ck_assert_str_eq(b.type, "image/png");
     ck_assert_str_eq(b.etag, "\"x\"");
-    ck_assert(take(pictures, "job", 10 * MIB, &c));
+    ck_assert(take(pictures, "job", 10 * PART, &c));
     ck_assert_ptr_eq(a.blob, c.blob);
     ck_assert(!pen_http_pictures_find(pictures, "jo", &same, &b));
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
@@ -56,7 +56,7 @@ END_TEST
 START_TEST(test_pictures__the_last_ones_are_kept)
 {
     enum { MANY = 100 };
-    struct pictures *pictures = pen_http_pictures_new();
+    struct pictures *pictures = pen_http_pictures_new(256 * PART);
     const struct pen_image_query query = {0};
     struct picture picture;
     char job[20];
@@ -78,20 +78,20 @@ END_TEST
 START_TEST(test_pictures__have_a_budget)
 {
     enum { READ = 100 };
-    struct pictures *pictures = pen_http_pictures_new();
+    struct pictures *pictures = pen_http_pictures_new(256 * PART);
     struct picture read[READ], small;
     int count = 0;
     char job[20];
     while (count < READ) {
         snprintf(job, sizeof job, "job %d", count);
-        if (!take(pictures, job, 10 * MIB, &read[count]))
+        if (!take(pictures, job, 10 * PART, &read[count]))
             break;
         count++;
     }
     ck_assert_int_eq(count, 25);
-    ck_assert(!take(pictures, "another", 10 * MIB, &small));
+    ck_assert(!take(pictures, "another", 10 * PART, &small));
     pen_http_blob_unref(read[--count].blob);
-    ck_assert(take(pictures, "another", 10 * MIB, &small));
+    ck_assert(take(pictures, "another", 10 * PART, &small));
     pen_http_blob_unref(small.blob);
     while (count > 0)
         pen_http_blob_unref(read[--count].blob);
@@ -102,19 +102,19 @@ END_TEST
 /* A picture that is larger than the budget is sent if nothing else is. */
 START_TEST(test_pictures__beyond_the_budget_there_is_one_alone)
 {
-    enum { HUGE = 270 * MIB };
-    struct pictures *pictures = pen_http_pictures_new();
+    enum { HUGE = 270 * PART };
+    struct pictures *pictures = pen_http_pictures_new(256 * PART);
     struct picture usual, huge, other, small;
-    ck_assert(take(pictures, "usual", MIB, &usual));
+    ck_assert(take(pictures, "usual", PART, &usual));
     ck_assert(!take(pictures, "huge", HUGE, &huge));
     pen_http_blob_unref(usual.blob);
     ck_assert(take(pictures, "huge", HUGE, &huge)); /* nobody reads the kept one */
     ck_assert(!take(pictures, "another", HUGE, &other));
-    ck_assert(!take(pictures, "usual", MIB, &usual));
+    ck_assert(!take(pictures, "usual", PART, &usual));
     ck_assert(take(pictures, "small", 1000, &small)); /* only large answers are counted */
     pen_http_blob_unref(small.blob);
     pen_http_blob_unref(huge.blob);
-    ck_assert(take(pictures, "usual", MIB, &usual));
+    ck_assert(take(pictures, "usual", PART, &usual));
     pen_http_blob_unref(usual.blob);
     pen_http_pictures_free(pictures);
 }
@@ -123,12 +123,12 @@ END_TEST
 /* Other answers count, too, if they are large. */
 START_TEST(test_pictures__other_answers_are_counted)
 {
-    struct pictures *pictures = pen_http_pictures_new();
+    struct pictures *pictures = pen_http_pictures_new(256 * PART);
     struct picture most;
     struct pen_status st;
-    struct pen_buf text = image_of(MIB).bytes, small_text = image_of(1000).bytes;
+    struct pen_buf text = image_of(PART).bytes, small_text = image_of(1000).bytes;
     struct blob *large = pen_http_blob_take(&text), *small = pen_http_blob_take(&small_text);
-    ck_assert(take(pictures, "job", 256 * MIB - 1, &most));
+    ck_assert(take(pictures, "job", 256 * PART - 1, &most));
     ck_assert(pen_http_pictures_count(pictures, NULL, &st));
     ck_assert(pen_http_pictures_count(pictures, small, &st));
     ck_assert(!pen_http_pictures_count(pictures, large, &st));
@@ -136,11 +136,11 @@ START_TEST(test_pictures__other_answers_are_counted)
     pen_http_blob_unref(most.blob);
     for (int i = 0; i < 2; i++)
         ck_assert(pen_http_pictures_count(pictures, large, &st));
-    ck_assert(!take(pictures, "job", 256 * MIB, &most));
-    ck_assert(take(pictures, "job", 255 * MIB, &most)); /* it was counted once */
+    ck_assert(!take(pictures, "job", 256 * PART, &most));
+    ck_assert(take(pictures, "job", 255 * PART, &most)); /* it was counted once */
     pen_http_blob_unref(most.blob);
     pen_http_blob_unref(large);
-    ck_assert(take(pictures, "another", 256 * MIB, &most));
+    ck_assert(take(pictures, "another", 256 * PART, &most));
     pen_http_blob_unref(most.blob);
     pen_http_blob_unref(small);
     pen_http_pictures_free(pictures);

@@ -26,7 +26,7 @@ struct picture {
 };
 
 /* Fails: NULL when out of memory. */
-struct pictures *pen_http_pictures_new(void);
+struct pictures *pen_http_pictures_new(size_t budget_bytes);
 void pen_http_pictures_free(struct pictures *pictures); /* NULL is allowed */
 
 /* Gets a kept picture of a job. Owns: the caller has a reference to out->blob. */
