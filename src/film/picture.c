@@ -59,9 +59,9 @@ struct pen_picture *pen_picture_of_film(const struct pen_film *film, enum pen_tr
     return picture;
 }
 
-void pen_picture_set_display(struct pen_picture *picture)
+void pen_picture_set_linear(struct pen_picture *picture)
 {
-    picture->transfer = PEN_TRANSFER_DISPLAY;
+    picture->transfer = PEN_TRANSFER_LINEAR;
 }
 
 bool pen_picture_match(struct pen_picture *a, struct pen_picture *b)
@@ -71,7 +71,10 @@ bool pen_picture_match(struct pen_picture *a, struct pen_picture *b)
     const size_t bytes = (size_t)a->width * (size_t)a->height * 3 * sample_bytes[a->kind];
     const bool same = a->kind == b->kind && a->width == b->width && a->height == b->height &&
                       memcmp(a->samples, b->samples, bytes) == 0;
-    if (same || a->transfer == PEN_TRANSFER_DISPLAY || b->transfer == PEN_TRANSFER_DISPLAY)
+    const struct pen_picture *shown = a->transfer == PEN_TRANSFER_DISPLAY ? a : b,
+                             *other = shown == a ? b : a;
+    if (same || (shown->transfer == PEN_TRANSFER_DISPLAY &&
+                 (other->kind == PICTURE_FLOAT || other->transfer == PEN_TRANSFER_SRGB)))
         a->transfer = b->transfer = PEN_TRANSFER_DISPLAY;
     return same;
 }
@@ -130,7 +133,7 @@ void pen_picture_encoded_part(const struct pen_picture *picture, struct pen_pict
         out[i] = pen_encode_unit(out[i], linear ? PEN_TRANSFER_SRGB : PEN_TRANSFER_DISPLAY);
 }
 
-/* A part of a row of 8-bit sRGB, from the table. */
+/* A part of a row of 8-bit codes for a screen, from the table. */
 static void decoded_part(const struct pen_picture *picture, struct pen_picture_part part,
                          double *out)
 {
@@ -143,14 +146,15 @@ static void decoded_part(const struct pen_picture *picture, struct pen_picture_p
 void pen_picture_linear_part(const struct pen_picture *picture, struct pen_picture_part part,
                              double *out)
 {
-    const bool encoded = picture->transfer == PEN_TRANSFER_SRGB;
-    if (picture->kind == PICTURE_8 && encoded) {
+    if (picture->transfer == PEN_TRANSFER_LINEAR) {
+        stored_part(picture, part, out);
+        return;
+    }
+    if (picture->kind == PICTURE_8) {
         decoded_part(picture, part, out);
         return;
     }
-    stored_part(picture, part, out);
-    if (!encoded)
-        return;
+    pen_picture_encoded_part(picture, part, out);
     for (size_t i = 0; i < (size_t)part.count * 3; i++)
         out[i] = pen_decode_srgb(out[i]);
 }

@@ -27,12 +27,14 @@ bool pen_pfm_load(const void *data, size_t bytes, struct pen_film *film, struct 
 struct pen_picture *pen_picture_of_film(const struct pen_film *film, enum pen_transfer transfer,
                                         struct pen_status *st);
 
-/* Reads the samples as values for a screen, whatever the file says. */
-void pen_picture_set_display(struct pen_picture *picture);
+/* Reads the samples as they are, whatever the file says: as the values of the film, if the scene
+ * has transfer display or linear. */
+void pen_picture_set_linear(struct pen_picture *picture);
 
-/* Makes two pictures alike, so that they can be compared: if one has values for a screen, the
- * other's samples are read as such, too. Returns whether the files state different transfer
- * functions although their samples are equal; they are then read alike. */
+/* Makes two pictures alike, so that they can be compared: if one has values for a screen, those of
+ * an sRGB file, or of a PFM file, which does not say, are read as such, too. Returns whether the
+ * files state different transfer functions although their samples are equal; they are then read
+ * alike. */
 bool pen_picture_match(struct pen_picture *a, struct pen_picture *b);
 
 /* NULL is allowed. */
@@ -45,7 +47,8 @@ int pen_picture_height(const struct pen_picture *picture);
  * encoded as sRGB: PFM, and PNG whose gAMA chunk states gamma 1. Other PNG files are so already. */
 void pen_picture_encoded_row(const struct pen_picture *picture, int y, double *out);
 
-/* Row y as the values of the film: in [0, 1] from a PNG file, unchanged from a PFM file. */
+/* Row y as linear values: in [0, 1] from a PNG file, unchanged from a PFM file. Of values for a
+ * screen, the light that it shows. */
 void pen_picture_linear_row(const struct pen_picture *picture, int y, double *out);
 
 #endif

@@ -66,8 +66,9 @@ static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *
     (void)kind;
     struct fields *fields = cls;
     value = value ? value : "";
-    fields->malformed =
-        fields->malformed || !pen_text_is_plain(name, " \t") || !pen_text_is_plain(value, "");
+    fields->malformed = fields->malformed || !*name ||
+                        !pen_text_is_plain(name, " \t\"(),/:;<=>?@[\\]{}") ||
+                        !pen_text_is_plain(value, "");
     for (size_t i = 0; i < sizeof known_fields / sizeof known_fields[0]; i++) {
         if (strcasecmp(name, known_fields[i].name) != 0)
             continue;
@@ -240,7 +241,9 @@ static enum MHD_Result cut_short(struct request *request)
                    MHD_get_reason_phrase_for((unsigned)reply->status));
     for (int i = 0; i < reply->field_count; i++)
         pen_buf_printf(&text, "%s: %s\r\n", reply->field[i].name, reply->field[i].value);
-    pen_buf_printf(&text, "X-Request-Id: %s\r\nConnection: close\r\nContent-Length: %zu\r\n\r\n",
+    pen_buf_printf(&text,
+                   "X-Request-Id: %s\r\nX-Content-Type-Options: nosniff\r\nConnection: "
+                   "close\r\nContent-Length: %zu\r\n\r\n",
                    request->id, reply->bytes);
     if (reply->body)
         pen_buf_add(&text, reply->body->content.data, reply->bytes);

@@ -24,7 +24,8 @@ static void hint_at_lost_lines(const struct request *request, struct pen_errors 
     if (!request->fields.content_type || errors->count == 0 || !text ||
         pen_media_parse(request->fields.content_type) != PEN_MEDIA_NONE ||
         !pen_text_is_xml(text, bytes) || memchr(text, '\n', bytes) ||
-        (bytes <= LONG_LINE && !memmem(text, bytes, ">  ", 3) && !memmem(text, bytes, ">\t", 2)))
+        (bytes <= LONG_LINE && !pen_text_is_utf16(text, bytes) && !memmem(text, bytes, ">  ", 3) &&
+         !memmem(text, bytes, ">\t", 2)))
         return;
     char *message = errors->item[0].msg;
     const size_t used = strlen(message);
@@ -80,6 +81,8 @@ bool pen_http_quick_refusal(struct request *request)
         request->fields.idempotency_key)
         return false;
     const struct pen_submission in = read_submission(request);
+    if (!check_charset(request))
+        return true;
     if (!pen_jobs_refuses(&in, &request->http->limits, &errors))
         return false;
     answer_errors(request, &errors);

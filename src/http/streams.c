@@ -130,14 +130,19 @@ bool pen_http_stream_advance(struct request *request, struct pen_jobs *jobs, uin
 {
     struct stream *stream = request->stream;
     struct pen_tokens *tokens = request->http->tokens;
+    stream->over = tokens && !pen_tokens_holds(tokens, &request->holder);
+    if (stream->over)
+        return true;
     const struct stream_text *next = find_text(request, jobs, changes, texts);
-    stream->cursor = next->to;
     stream->changes = changes;
-    stream->over = next->over || (tokens && !pen_tokens_holds(tokens, &request->holder));
-    if (next->text)
+    stream->over = next->over;
+    if (next->text) {
+        stream->cursor = next->to;
         set_text(request, pen_http_blob_ref(next->text));
-    else if (request->deadline_ns <= pen_clock_ns())
+    } else if (request->deadline_ns <= pen_clock_ns()) {
+        stream->cursor.more = false; /* it could not be written now: the next change tries again */
         set_text(request, heartbeat());
+    }
     return stream->text || stream->over;
 }
 

@@ -263,8 +263,8 @@ static bool tree_make(struct box_tree *tree, const struct finder *f, uint32_t co
     return true;
 }
 
-/* Drops the solids with an index of 1 whose boxes meet no box of a solid with another index: where
- * nothing refracts they change nothing. */
+/* Drops the solids with an index of 1 that do not close, as exporters write the key everywhere, and
+ * those whose boxes meet no box of a solid with another index: they change nothing. */
 static bool drop_ones(struct finder *f)
 {
     uint32_t others = 0, kept = 0;
@@ -277,7 +277,8 @@ static bool drop_ones(struct finder *f)
         return false;
     for (uint32_t i = 0; i < f->count; i++) {
         const struct found found = f->found[i];
-        const bool keep = found.solid.ior != 1 || tree_meets(&tree, 0, others, &found.solid.box);
+        const bool keep = found.solid.ior != 1 ||
+                          (found.solid.closed && tree_meets(&tree, 0, others, &found.solid.box));
         f->number[i] = keep ? kept : PEN_NO_SOLID;
         f->found[kept] = found;
         kept += keep;

@@ -84,7 +84,7 @@ static bool read_film(struct audit *a, const char *path, struct pen_status *st)
                       s->height, pen_picture_width(picture), pen_picture_height(picture));
     ok = ok && (a->film = pen_film_new(s->width, s->height, st)) != NULL;
     if (ok && s->transfer == PEN_SETTING_DISPLAY)
-        pen_picture_set_display(picture); /* also where another program has dropped the text */
+        pen_picture_set_linear(picture);
     for (int y = 0; ok && y < s->height; y++) {
         float *to = a->film->rgb + 3 * (size_t)y * (size_t)s->width;
         pen_picture_linear_row(picture, y, row);

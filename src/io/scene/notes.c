@@ -27,19 +27,23 @@ struct scene_colour {
     struct pen_vec3 value;
 };
 
-static void note_bytes(struct pen_reader *r, const struct scene_colour *first, const char *others)
+/* `shown`: the values are a screen's already (transfer display). */
+static void note_bytes(struct pen_reader *r, const struct scene_colour *first, const char *others,
+                       bool shown)
 {
     struct pen_place at[4] = {{0}};
     int depth = 0;
     for (; depth < 3 && first->path[depth]; depth++)
         at[depth + 1] = pen_place_key(&at[depth], first->path[depth]);
-    const struct pen_vec3 c = first->value;
+    const struct pen_vec3 c = first->value, part = pen_vec3(c.x / 255, c.y / 255, c.z / 255);
+    const struct pen_vec3 light =
+        shown ? part
+              : pen_vec3(pen_decode_srgb(part.x), pen_decode_srgb(part.y), pen_decode_srgb(part.z));
     pen_reader_fail(r, &at[depth], PEN_OK,
                     "[%g, %g, %g] looks like a colour from 0 to 255, but 1 is display white here: "
                     "divided by 255 it is [%.3g, %.3g, %.3g]; to see just this colour in a "
                     "picture, write [%.3g, %.3g, %.3g]%s%s",
-                    c.x, c.y, c.z, c.x / 255, c.y / 255, c.z / 255, pen_decode_srgb(c.x / 255),
-                    pen_decode_srgb(c.y / 255), pen_decode_srgb(c.z / 255),
+                    c.x, c.y, c.z, part.x, part.y, part.z, light.x, light.y, light.z,
                     *others ? "; the same holds for" : "", others);
 }
 
@@ -66,7 +70,7 @@ static void note_colours(struct pen_reader *r, const struct pen_scene_desc *desc
             first = c;
     }
     if (first && !pen_reader_is_xml(r))
-        note_bytes(r, first, others);
+        note_bytes(r, first, others, desc->settings.transfer == PEN_SETTING_DISPLAY);
 }
 
 static void note_left_out(struct pen_reader *r, const struct pen_place *at)
