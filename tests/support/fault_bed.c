@@ -28,7 +28,7 @@ _Static_assert(sizeof fault_plans / sizeof fault_plans[0] == FAULT_PLANS, "the p
 
 long fault_next(long n, int k)
 {
-    enum { FIRST = 4, STEP = 5 };
+    enum { FIRST = 4, STEP = 7 };
     const bool each = random_all() || n < FIRST + k % STEP;
     return n + random_stride() * (each ? 1 : STEP);
 }
