@@ -55,6 +55,15 @@ until url=$(sed -n '1s/^listening on //p' "$work/first") && [ -n "$url" ]; do
 done
 echo "demo: the daemon listens on $url"
 
+# It listens before its store is open.
+tries=0
+until curl -sf --noproxy '*' -o /dev/null "$url/readyz"; do
+    kill -0 "$daemon" 2>/dev/null || fail "the daemon has ended"
+    tries=$((tries + 1))
+    [ "$tries" -lt 200 ] || fail "the daemon does not become ready: $(curl -s --noproxy '*' "$url/readyz")"
+    sleep 0.05
+done
+
 echo "demo: curl --data-binary @scenes/room.json $url/v1/jobs"
 answer=$(curl -sS --noproxy '*' -o "$work/job" -D "$work/head" -w '%{http_code}' \
     --data-binary @scenes/room.json "$url/v1/jobs") || fail "curl cannot reach the daemon"
