@@ -12,7 +12,7 @@
  * A suspended connection (PEER_WORK) is in no set of libmicrohttpd, which would not notice a
  * shutdown. The guard tells the request's owner that its client has gone; the owner resumes it.
  *
- * Locks: the guard's lock comes after those of the watcher and the streams.
+ * Locks: the guard's lock comes after the watcher's.
  * Threads: any, except start and stop. */
 #ifndef PEN_HTTP_INTERNAL_GUARD_H
 #define PEN_HTTP_INTERNAL_GUARD_H
