@@ -42,15 +42,17 @@ static json_t *descend(struct pen_xml_builder *b, json_t *object, const char **p
     return object;
 }
 
-/* Whether two values say the same; 1 and 1.0 do. */
+/* Whether two values say the same: 1 and 1.0 do, and a number and three of it. */
 static bool is_same(const json_t *a, const json_t *b)
 {
     if (json_is_number(a) && json_is_number(b))
         return json_number_value(a) == json_number_value(b);
-    if (!json_is_array(a) || !json_is_array(b) || json_array_size(a) != json_array_size(b))
+    if (json_is_number(a) && json_is_array(b))
+        return is_same(b, a);
+    if (!json_is_array(a) || (json_is_array(b) && json_array_size(a) != json_array_size(b)))
         return json_equal(a, b);
     for (size_t i = 0; i < json_array_size(a); i++)
-        if (!is_same(json_array_get(a, i), json_array_get(b, i)))
+        if (!is_same(json_array_get(a, i), json_is_array(b) ? json_array_get(b, i) : b))
             return false;
     return true;
 }
@@ -146,21 +148,47 @@ static void store(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
     json_decref(value);
 }
 
+/* The attribute's value; NULL if it has none, which *error says, or if parsing has stopped. */
+static json_t *parse_value(struct pen_xml_builder *b, const struct pen_xml_given *given,
+                           enum pen_xml_shape shape, struct pen_xml_value_error *error)
+{
+    json_t *value = pen_xml_value(shape, given->text, &b->numbers, &b->bytes_left, error);
+    if (error->over_limit)
+        pen_xml_reserve(b, SIZE_MAX);
+    if (value || error->no_memory)
+        return pen_xml_check_value(b, value);
+    return NULL;
+}
+
 /* The attribute's value; JSON null after an error has been reported. NULL only when parsing has
  * stopped. */
 static json_t *read_value(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                           const struct pen_xml_given *given, enum pen_xml_shape shape)
 {
     struct pen_xml_value_error error;
-    json_t *value = pen_xml_value(shape, given->text, &b->numbers, &b->bytes_left, &error);
-    if (error.over_limit && !pen_xml_reserve(b, SIZE_MAX))
-        return NULL;
-    if (value || error.no_memory)
-        return pen_xml_check_value(b, value);
+    json_t *value = parse_value(b, given, shape, &error);
+    if (value || b->stopped)
+        return value;
     const struct pen_xml_attribute_ref ref = {
         .frame = frame, .name = given->name, .value = given->text, .offset = error.offset};
     pen_xml_attribute_error(b, &ref, "%s", error.msg.text);
     return json_null();
+}
+
+/* Whether two attributes have the same text, or texts of the same value. What is wrong with a text
+ * is reported elsewhere. */
+static bool says_same(struct pen_xml_builder *b, const struct pen_xml_given *first,
+                      const struct pen_xml_given *again)
+{
+    struct pen_xml_value_error error;
+    if (strcmp(first->text, again->text) == 0)
+        return true;
+    json_t *x = parse_value(b, first, first->row.shape, &error);
+    json_t *y = parse_value(b, again, again->row.shape, &error);
+    const bool same = b->stopped || (x && y && is_same(x, y));
+    json_decref(x);
+    json_decref(y);
+    return same;
 }
 
 void pen_xml_attribute_read(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
@@ -172,7 +200,7 @@ void pen_xml_attribute_read(struct pen_xml_builder *b, const struct pen_xml_fram
         pen_xml_unknown_attribute(b, frame, given->name);
     } else if (path[0] == '\0' || path[0] == '@') {
         const struct pen_xml_given *first = pen_xml_given_at(attributes, path);
-        if (strcmp(first->text, given->text) != 0) {
+        if (!says_same(b, first, given)) {
             pen_xml_conflict(b, frame, given, path, NULL);
         } else if (first == given && strcmp(path, "@image") == 0) {
             b->image = read_value(b, frame, given, given->row.shape);

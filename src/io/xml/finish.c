@@ -45,13 +45,24 @@ static void finish_polygon(struct pen_xml_builder *b, const struct pen_xml_frame
 }
 
 /* Parts of the attenuation that are not given are those of [1, 0, 0]. */
-static void finish_light(struct pen_xml_builder *b, const struct pen_xml_frame *frame)
+static void finish_light(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
+                         const struct pen_xml_given_list *attributes)
 {
     json_t *attenuation = json_object_get(frame->object, "attenuation");
-    for (size_t i = 0; i < json_array_size(attenuation); i++)
+    bool all_zero = json_is_array(attenuation) && !pen_xml_given_at(attributes, "attenuation");
+    for (size_t i = 0; i < json_array_size(attenuation); i++) {
         if (json_is_null(json_array_get(attenuation, i)) &&
             pen_xml_reserve(b, PEN_JSON_NUMBER_BYTES))
             pen_xml_require(b, json_array_set_new(attenuation, i, json_integer(i == 0)) == 0);
+        const json_t *part = json_array_get(attenuation, i);
+        all_zero = all_zero && json_is_number(part) && json_number_value(part) == 0;
+    }
+    if (!all_zero)
+        return;
+    pen_xml_error(b, frame->tag, PEN_INVALID,
+                  "<%s>: kc, kl and kq must not be all 0; kl and kq are 0 where they are left out",
+                  pen_xml_tag_name(b->xml->text, b->xml->bytes, frame->tag).text);
+    pen_xml_require(b, json_object_set_new(frame->object, "attenuation", json_null()) == 0);
 }
 
 /* Reads a point as a vector; reports values that are not numbers of a scene. */
@@ -163,7 +174,7 @@ void pen_xml_finish(struct pen_xml_builder *b, struct pen_xml_frame *frame,
         finish_group(b, frame);
         break;
     case PEN_XML_LIGHT:
-        finish_light(b, frame);
+        finish_light(b, frame, attributes);
         break;
     }
 }
