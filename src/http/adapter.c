@@ -123,30 +123,42 @@ static struct MHD_Response *make_response(struct request *request)
     return response;
 }
 
+/* Adds a field to an answer: a response of libmicrohttpd, or a text. */
+typedef void field_adder(void *answer, const char *name, const char *value);
+
+static void add_to_response(void *answer, const char *name, const char *value)
+{
+    MHD_add_response_header(answer, name, value);
+}
+
+static void add_to_text(void *answer, const char *name, const char *value)
+{
+    pen_buf_printf(answer, "%s: %s\r\n", name, value);
+}
+
 /* A page of an origin that --cors names may read the answer. Whether it may depends on the field
  * Origin. */
-static void add_cors(struct MHD_Response *response, const struct request *request)
+static void add_cors(const struct request *request, field_adder *add, void *answer)
 {
     if (!request->http->cors)
         return;
-    MHD_add_response_header(response, "Vary", "Origin");
+    add(answer, "Vary", "Origin");
     if (!request->is_cross_origin)
         return;
-    MHD_add_response_header(response, "Access-Control-Allow-Origin", request->fields.origin);
-    MHD_add_response_header(response, "Access-Control-Expose-Headers",
-                            "ETag, Link, Location, Retry-After, X-Request-Id");
+    add(answer, "Access-Control-Allow-Origin", request->fields.origin);
+    add(answer, "Access-Control-Expose-Headers", "ETag, Link, Location, Retry-After, X-Request-Id");
 }
 
-static void add_fields(struct MHD_Response *response, const struct request *request)
+static void add_fields(const struct request *request, bool close, field_adder *add, void *answer)
 {
     const struct reply *reply = &request->reply;
     for (int i = 0; !reply->failed && i < reply->field_count; i++)
-        MHD_add_response_header(response, reply->field[i].name, reply->field[i].value);
-    MHD_add_response_header(response, "X-Request-Id", request->id);
-    MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
-    add_cors(response, request);
-    if (request->close || atomic_load_explicit(&request->http->stopping, memory_order_relaxed))
-        MHD_add_response_header(response, "Connection", "close");
+        add(answer, reply->field[i].name, reply->field[i].value);
+    add(answer, "X-Request-Id", request->id);
+    add(answer, "X-Content-Type-Options", "nosniff");
+    add_cors(request, add, answer);
+    if (close)
+        add(answer, "Connection", "close");
 }
 
 static enum MHD_Result send_reply(struct request *request)
@@ -162,7 +174,10 @@ static enum MHD_Result send_reply(struct request *request)
     struct MHD_Response *response = make_response(request);
     if (!response)
         return MHD_NO;
-    add_fields(response, request);
+    add_fields(request,
+               request->close ||
+                   atomic_load_explicit(&request->http->stopping, memory_order_relaxed),
+               add_to_response, response);
     /* A body that is still being sent makes the close linger (guard.c). */
     pen_guard_state(request->http->guard, request->fd,
                     request->refused_early ? PEER_BODY : PEER_SEND);
@@ -239,12 +254,8 @@ static enum MHD_Result cut_short(struct request *request)
         MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_GNUTLS_SESSION);
     pen_buf_printf(&text, "HTTP/1.1 %d %s\r\n", reply->status,
                    MHD_get_reason_phrase_for((unsigned)reply->status));
-    for (int i = 0; i < reply->field_count; i++)
-        pen_buf_printf(&text, "%s: %s\r\n", reply->field[i].name, reply->field[i].value);
-    pen_buf_printf(&text,
-                   "X-Request-Id: %s\r\nX-Content-Type-Options: nosniff\r\nConnection: "
-                   "close\r\nContent-Length: %zu\r\n\r\n",
-                   request->id, reply->bytes);
+    add_fields(request, true, add_to_text, &text);
+    pen_buf_printf(&text, "Content-Length: %zu\r\n\r\n", reply->bytes);
     if (reply->body)
         pen_buf_add(&text, reply->body->content.data, reply->bytes);
     if (!text.failed && info && info->tls_session)

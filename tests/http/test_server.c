@@ -364,17 +364,20 @@ END_TEST
 START_TEST(test_server__endless_chunks_are_dropped)
 {
     struct server server;
-    server_start(&server, &(struct server_options){.body_bytes = 100000});
-    char chunk[5010];
+    server_start(&server,
+                 &(struct server_options){.body_bytes = 100000, .cors = "https://a.example"});
+    char chunk[5010], field[200];
     snprintf(chunk, sizeof chunk, "1388\r\n%05000d\r\n", 0);
     int fd = server_connect(&server);
-    client_send(fd, "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
+    client_send(fd, "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nOrigin: https://a.example\r\n"
                     "Transfer-Encoding: chunked\r\n\r\n");
     for (int i = 0; i < 30; i++)
         client_send(fd, chunk);
     struct answer answer;
     client_read(fd, false, &answer);
     ck_assert_int_eq(answer.status, 413);
+    ck_assert_str_eq(answer_field(&answer, "Access-Control-Allow-Origin", field, sizeof field),
+                     "https://a.example");
     answer_release(&answer);
     bool open = true; /* for a minute what still comes is read and dropped */
     for (int i = 0; i < SUITE_HANG_S * 1000 && open; i++) {
