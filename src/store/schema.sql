@@ -46,7 +46,7 @@ CREATE TABLE job (
     cost_map {bytes},                  -- where its work lies, until it ends
     elapsed_us BIGINT NOT NULL,        -- since the submit, up to moment_*: its last change
     queue_us BIGINT NOT NULL,          -- elapsed_us at its first claim
-    moment_boot TEXT NOT NULL,
+    moment_boot BIGINT NOT NULL,
     moment_us BIGINT NOT NULL,
     moment_ms BIGINT NOT NULL,
     created_ms BIGINT NOT NULL,

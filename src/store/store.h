@@ -102,6 +102,10 @@ enum pen_failure {
                             recognises an effect that it had */
 };
 
+/* Whether the last call has failed by an I/O error or damage of the database itself, and not of one
+ * value. The process should end. */
+bool pen_store_is_broken(const struct pen_store *store);
+
 /* Classifies the failure of the last call on this handle; `st` is the status it has filled. */
 enum pen_failure pen_store_failure(const struct pen_store *store, const struct pen_status *st);
 
@@ -617,12 +621,17 @@ void pen_store_count(enum pen_counter counter, uint64_t count);
 bool pen_store_counters(struct pen_store *store, struct pen_counters *counters,
                         struct pen_status *st);
 
-/* Waits until a process may have changed something, or the time is up. Signals are hints: a caller
- * reads the store first and then waits, and reads it from time to time in any case. One thread of a
- * process waits at a time. Threads: beside others that use the handle; so may pen_store_wake. */
-void pen_store_wait(struct pen_store *store, int timeout_ms);
+/* A counter that grows when a process may have changed the store, as far as this process knows:
+ * with each change of its own, and with those of others that a thread in pen_store_wait has
+ * noticed. Threads: any. */
+uint32_t pen_store_changes(void);
 
-/* Ends the waits of all processes. */
+/* Waits until the counter differs from *seen or the time is up; sets *seen to its value. Signals
+ * are hints: a caller reads the store after it has read the counter, and from time to time in any
+ * case. Threads: beside others that use the handle; so may pen_store_wake. */
+void pen_store_wait(struct pen_store *store, uint32_t *seen, int timeout_ms);
+
+/* Lets the counters of all processes grow, which ends their waits. */
 void pen_store_wake(struct pen_store *store);
 
 /* Signals between processes. A supervisor calls pen_store_signals_make once, before its first
