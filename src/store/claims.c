@@ -25,10 +25,9 @@ static bool read_held(struct pen_store *store, const char *worker, int64_t *held
 static bool find_serial(struct pen_store *store, const struct pen_next *next, int64_t *batch,
                         struct pen_status *st)
 {
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "SELECT number FROM batch WHERE state = 1 AND worker = $1 AND serial = $2", "ti",
-                    next->worker, next->serial);
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st, "SELECT number FROM batch WHERE state = 1 AND worker = $1 AND serial = $2",
+        "ti", next->worker, next->serial);
     *batch = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
     return pen_db_done(rows);
 }
@@ -147,12 +146,12 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
 static bool look(struct pen_store *store, struct pen_claim *claim, bool *held, int64_t *left_ms,
                  struct pen_status *st)
 {
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "SELECT batch.lease_ms - (SELECT now_ms()), job.spent_us - batch.spent_us, "
-        "job.work - batch.work FROM batch JOIN job ON job.number = batch.job "
-        "WHERE batch.number = $1 AND batch.attempt = $2 AND batch.state = 1",
-        "ii", claim->batch, claim->attempt);
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT batch.lease_ms - (SELECT now_ms()), job.spent_us - batch.spent_us, "
+                    "job.work - batch.work FROM batch JOIN job ON job.number = batch.job "
+                    "WHERE batch.number = $1 AND batch.attempt = $2 AND batch.state = 1",
+                    "ii", claim->batch, claim->attempt);
     *held = pen_db_next(rows);
     if (*held) {
         *left_ms = pen_db_int(rows, 0);
@@ -195,12 +194,13 @@ bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, 
 {
     struct pen_batch batch;
     if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
-        !pen_db_end(store->db,
-                    pen_claim_hold(store, claim, "its progress was refused", &batch, st) &&
-                        pen_claim_tell(store, &batch, done,
-                                       (int64_t)(PEN_WORK_ALL * ((double)done / (double)batch.pixels)),
-                                       claim->estimate_ms, st),
-                    st))
+        !pen_db_end(
+            store->db,
+            pen_claim_hold(store, claim, "its progress was refused", &batch, st) &&
+                pen_claim_tell(store, &batch, done,
+                               (int64_t)(PEN_WORK_ALL * ((double)done / (double)batch.pixels)),
+                               claim->estimate_ms, st),
+            st))
         return false;
     pen_db_wake(store->db);
     return true;
@@ -211,14 +211,14 @@ bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, 
 {
     struct pen_batch batch;
     if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
-        !pen_db_end(store->db,
-                    pen_claim_hold(store, claim, "its estimate was refused", &batch, st) &&
-                        pen_claim_tell(store, &batch, 0, 0, estimate_ms, st) &&
-                        (!cost_map ||
-                         pen_db_run(store->db, st, NULL,
-                                    "UPDATE job SET cost_map = $2 WHERE number = $1", "ib",
-                                    batch.job, (const void *)cost_map->data, cost_map->bytes)),
-                    st))
+        !pen_db_end(
+            store->db,
+            pen_claim_hold(store, claim, "its estimate was refused", &batch, st) &&
+                pen_claim_tell(store, &batch, 0, 0, estimate_ms, st) &&
+                (!cost_map ||
+                 pen_db_run(store->db, st, NULL, "UPDATE job SET cost_map = $2 WHERE number = $1",
+                            "ib", batch.job, (const void *)cost_map->data, cost_map->bytes)),
+            st))
         return false;
     pen_db_wake(store->db);
     return true;

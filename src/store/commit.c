@@ -44,10 +44,13 @@ static bool load(struct pen_store *store, struct commit *commit, struct pen_stat
 {
     const struct pen_claim *claim = commit->claim;
     const struct pen_result *result = commit->result;
-    struct pen_object_owner owner = {
-        .view = claim->view, .batch = claim->batch, .attempt = claim->attempt, .layer = "", .format = "pixels"};
-    struct pen_rows *rows = pen_db_rows(store->db, st, "SELECT job FROM batch WHERE number = $1",
-                                        "i", claim->batch);
+    struct pen_object_owner owner = {.view = claim->view,
+                                     .batch = claim->batch,
+                                     .attempt = claim->attempt,
+                                     .layer = "",
+                                     .format = "pixels"};
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st, "SELECT job FROM batch WHERE number = $1", "i", claim->batch);
     owner.job = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
     if (!pen_db_done(rows))
         return false;
@@ -210,10 +213,10 @@ static bool write_commit(struct pen_store *store, struct commit *commit, bool *d
     *duplicate = commit->batch.done;
     if (!*duplicate && !commit->batch.held)
         return pen_fail(st, PEN_STALE, "the batch is no longer held; its result was refused");
-    return (*duplicate || (check_result(commit, st) && split(store, commit, st) &&
-                           tell(store, commit, st) && forgive(store, commit->batch.job, st) &&
-                           set_done(store, commit, st) && use_values(store, commit, st) &&
-                           count_off(store, commit, st))) &&
+    return (*duplicate ||
+            (check_result(commit, st) && split(store, commit, st) && tell(store, commit, st) &&
+             forgive(store, commit->batch.job, st) && set_done(store, commit, st) &&
+             use_values(store, commit, st) && count_off(store, commit, st))) &&
            (!commit->next || pen_claim_next(store, commit->next, st));
 }
 
@@ -224,10 +227,9 @@ bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
     bool duplicate = false;
     if (next)
         next->found = false;
-    const bool ok =
-        encode(store, &commit, st) && load(store, &commit, st) &&
-        pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-        pen_db_end(store->db, write_commit(store, &commit, &duplicate, st), st);
+    const bool ok = encode(store, &commit, st) && load(store, &commit, st) &&
+                    pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+                    pen_db_end(store->db, write_commit(store, &commit, &duplicate, st), st);
     if (!ok) {
         if (next)
             next->found = false;

@@ -58,8 +58,8 @@ static bool read_job(struct pen_store *store, const char *id, struct pen_job_rec
     int64_t number;
     if (!pen_job_number(store, id, false, &number, st))
         return false;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st, "SELECT " COLUMNS " FROM job WHERE number = $1", "i", number);
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st, "SELECT " COLUMNS " FROM job WHERE number = $1", "i", number);
     const bool filled = pen_db_next(rows) && fill(rows, job, st);
     return pen_db_done(rows) && filled;
 }
@@ -90,11 +90,11 @@ bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter
         return pen_fail(st, PEN_NO_MEMORY, "no memory for a list of jobs");
     if (filter->label_key)
         snprintf(label, sizeof label, "label:%s", filter->label_key);
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st, filter->state >= 0 ? LIST("state = $2") : LIST("state >= $2"), "iitttti",
-        filter->below, filter->state >= 0 ? (int64_t)filter->state : 0,
-        filter->kind ? filter->kind : "", filter->name ? filter->name : "", label,
-        filter->label_value ? filter->label_value : "", (int64_t)filter->limit);
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st, filter->state >= 0 ? LIST("state = $2") : LIST("state >= $2"),
+                    "iitttti", filter->below, filter->state >= 0 ? (int64_t)filter->state : 0,
+                    filter->kind ? filter->kind : "", filter->name ? filter->name : "", label,
+                    filter->label_value ? filter->label_value : "", (int64_t)filter->limit);
     while (ok && pen_db_next(rows)) {
         struct pen_job_record *job = &(*jobs)[*count];
         ok = fill(rows, job, st);
@@ -205,8 +205,8 @@ bool pen_store_cancel(struct pen_store *store, const char *id, const char *clien
     return ok;
 }
 
-static bool delete(struct pen_store *store, const char *id, const char *client, const char *stats,
-                   struct pen_status *st)
+static bool delete (struct pen_store *store, const char *id, const char *client, const char *stats,
+                    struct pen_status *st)
 {
     int64_t job, state;
     return check_client(store, id, client, st) && pen_job_number(store, id, true, &job, st) &&

@@ -20,10 +20,9 @@ static bool count_loss(struct pen_store *store, int64_t job, int64_t *wait_ms,
                        struct pen_status *st)
 {
     int64_t losses = 0;
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "UPDATE job SET losses = losses + 1 WHERE number = $1 RETURNING losses", "i",
-                    job);
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st, "UPDATE job SET losses = losses + 1 WHERE number = $1 RETURNING losses", "i",
+        job);
     if (pen_db_next(rows))
         losses = pen_db_int(rows, 0) - 1;
     const int64_t ms = (int64_t)FIRST_WAIT_MS << (losses < DOUBLINGS ? losses : DOUBLINGS);
@@ -71,11 +70,10 @@ bool pen_batches_open(struct pen_store *store, const struct pen_opening *opening
     if (!opening->lost || *opened == 0)
         return true;
     return count_loss(store, opening->job, &wait_ms, st) &&
-           (wait_ms == 0 ||
-            pen_db_run(store->db, st, NULL,
-                       "UPDATE batch SET not_before_ms = (SELECT now_ms()) + $2 "
-                       "WHERE job = $1 AND state = 0",
-                       "ii", opening->job, wait_ms));
+           (wait_ms == 0 || pen_db_run(store->db, st, NULL,
+                                       "UPDATE batch SET not_before_ms = (SELECT now_ms()) + $2 "
+                                       "WHERE job = $1 AND state = 0",
+                                       "ii", opening->job, wait_ms));
 }
 
 /* ---- Leases that have ended */
@@ -161,8 +159,8 @@ static bool read_held(struct pen_store *store, const char *worker, struct held *
 
 static bool charge(struct pen_store *store, int64_t job, const char *error, struct pen_status *st)
 {
-    return pen_db_run(store->db, st, NULL,
-                      "UPDATE job SET charges = charges + 1 WHERE number = $1", "i", job) &&
+    return pen_db_run(store->db, st, NULL, "UPDATE job SET charges = charges + 1 WHERE number = $1",
+                      "i", job) &&
            (error ? pen_job_end(store, job, PEN_JOB_FAILED, error, st)
                   : pen_job_changed(store, job, st));
 }

@@ -8,8 +8,8 @@
 #include "store/internal/handle.h"
 
 enum {
-    TURN_MS = 60000,       /* how long a batch keeps others of its priority waiting */
-    THERE_MS = 300000,     /* a worker that was seen so long ago is there */
+    TURN_MS = 60000,   /* how long a batch keeps others of its priority waiting */
+    THERE_MS = 300000, /* a worker that was seen so long ago is there */
     SLOTS = 4 * PEN_QUEUE_TOLD
 };
 
@@ -24,13 +24,13 @@ bool pen_turn_next(struct pen_store *store, const char *client, int64_t priority
         return false;
     /* A statement of its own, since its snapshot must be later than the lock. Batches that wait
      * after lost workers are passed by others and tell nothing. */
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "SELECT (SELECT turn FROM batch WHERE state = 0 AND priority = $2 "
-        "AND not_before_ms <= (SELECT now_ms()) ORDER BY turn LIMIT 1), "
-        "(SELECT turn FROM batch WHERE state = 0 AND client = $1 AND priority = $2 "
-        "ORDER BY turn DESC LIMIT 1)",
-        "ti", client, priority);
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT (SELECT turn FROM batch WHERE state = 0 AND priority = $2 "
+                    "AND not_before_ms <= (SELECT now_ms()) ORDER BY turn LIMIT 1), "
+                    "(SELECT turn FROM batch WHERE state = 0 AND client = $1 AND priority = $2 "
+                    "ORDER BY turn DESC LIMIT 1)",
+                    "ti", client, priority);
     if (pen_db_next(rows)) {
         least = pen_db_int(rows, 0);
         own = pen_db_int(rows, 1);
@@ -46,12 +46,12 @@ bool pen_claim_outranked(struct pen_store *store, const struct pen_claim *claim,
     if (!pen_db_now(store->db, &now_ms, st))
         return false;
     const bool had_turn = claim->claimed_ms > now_ms || now_ms - claim->claimed_ms >= TURN_MS;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "SELECT 1 FROM batch AS other WHERE other.state = 0 AND other.priority >= "
-        "(SELECT priority FROM batch WHERE number = $1) + CAST($2 AS BIGINT) "
-        "AND other.not_before_ms <= (SELECT now_ms()) LIMIT 1",
-        "ii", claim->batch, (int64_t)(had_turn ? 0 : 1));
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT 1 FROM batch AS other WHERE other.state = 0 AND other.priority >= "
+                    "(SELECT priority FROM batch WHERE number = $1) + CAST($2 AS BIGINT) "
+                    "AND other.not_before_ms <= (SELECT now_ms()) LIMIT 1",
+                    "ii", claim->batch, (int64_t)(had_turn ? 0 : 1));
     *outranked = pen_db_next(rows);
     return pen_db_done(rows);
 }
@@ -94,8 +94,8 @@ static bool read_ids(struct pen_store *store, struct pen_queue *queue, struct pe
     int64_t set[SLOTS] = {0};
     bool ok = true;
     struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "SELECT job FROM batch WHERE state = 0 ORDER BY priority DESC, turn, number", "");
+        store->db, st, "SELECT job FROM batch WHERE state = 0 ORDER BY priority DESC, turn, number",
+        "");
     while (ok && queue->ids.bytes < (size_t)PEN_QUEUE_TOLD * PEN_ID_BYTES && pen_db_next(rows)) {
         const int64_t job = pen_db_int(rows, 0);
         ok = !add_to_set(set, job) || add_id(store, queue, job, st);

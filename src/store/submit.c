@@ -28,10 +28,9 @@ static bool find_key(struct pen_store *store, struct submission *in, bool *found
     *found = false;
     if (!in->job->idempotency_key)
         return true;
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "SELECT body_sha256, answer FROM key WHERE client = $1 AND key = $2", "tt",
-                    in->client, in->job->idempotency_key);
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st, "SELECT body_sha256, answer FROM key WHERE client = $1 AND key = $2", "tt",
+        in->client, in->job->idempotency_key);
     if (pen_db_next(rows)) {
         const void *body = pen_db_bytes(rows, 0, &bytes);
         const bool same = bytes == 32 && memcmp(body, in->job->body_sha256, 32) == 0;
@@ -64,8 +63,8 @@ static bool find_job(struct pen_store *store, struct submission *in, bool *found
                memcmp(scene, job->scene_sha256, 32) == 0;
         *in->result = PEN_SUBMIT_KNOWN;
     }
-    return pen_db_done(rows) && (!*found || same ||
-                                 pen_fail(st, PEN_CONFLICT, "another job has the id %s", job->id));
+    return pen_db_done(rows) &&
+           (!*found || same || pen_fail(st, PEN_CONFLICT, "another job has the id %s", job->id));
 }
 
 static bool find_known(struct pen_store *store, struct submission *in, bool *known,
@@ -80,11 +79,11 @@ static bool check_queue(struct pen_store *store, const struct submission *in, st
     int64_t all = 0, own = 0;
     if (all_max == 0 && own_max == 0)
         return true;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "SELECT (SELECT count(*) FROM job WHERE state IN (0, 1) AND removed_ms = 0), "
-        "(SELECT count(*) FROM job WHERE client = $1 AND state < 2)",
-        "t", in->client);
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT (SELECT count(*) FROM job WHERE state IN (0, 1) AND removed_ms = 0), "
+                    "(SELECT count(*) FROM job WHERE client = $1 AND state < 2)",
+                    "t", in->client);
     if (pen_db_next(rows)) {
         all = pen_db_int(rows, 0);
         own = pen_db_int(rows, 1);
@@ -131,10 +130,9 @@ static bool add_attributes(struct pen_store *store, const struct submission *in,
     json_t *request = json_loads(in->job->request, JSON_DECODE_ANY, NULL);
     const char *key;
     json_t *value;
-    bool ok =
-        add_attribute(store, in->number, "", "name", json_object_get(request, "name"), st);
-    json_object_foreach (json_object_get(request, "labels"), key, value)
-        ok = ok && add_attribute(store, in->number, "label:", key, value, st);
+    bool ok = add_attribute(store, in->number, "", "name", json_object_get(request, "name"), st);
+    json_object_foreach(json_object_get(request, "labels"), key, value) ok =
+        ok && add_attribute(store, in->number, "label:", key, value, st);
     json_decref(request);
     return ok;
 }
@@ -163,7 +161,8 @@ static bool add_job(struct pen_store *store, struct submission *in, int64_t scen
         "max_attempts, charges, losses, timeout_ms, open_views, done_pixels, total_pixels, work, "
         "spent_us, told_us, told_elapsed_us, estimate_ms, elapsed_us, queue_us, moment_boot, "
         "moment_us, moment_ms, created_ms, started_ms, finished_ms, updated_ms, removed_ms, "
-        "results_bytes) VALUES ($1, $2, $3, $4, 0, 1, $5, $6, $7, 0, 0, $8, $9, 0, $10, 0, 0, 0, 0, "
+        "results_bytes) VALUES ($1, $2, $3, $4, 0, 1, $5, $6, $7, 0, 0, $8, $9, 0, $10, 0, 0, 0, "
+        "0, "
         "0, 0, 0, $11, $12, $13, $13, 0, 0, $13, 0, $14) RETURNING number",
         "tttiitiiiiiiii", job->id, in->client, job->kind, (int64_t)job->priority, scene,
         job->request, (int64_t)job->max_attempts, job->timeout_ms, (int64_t)job->view_count, pixels,
@@ -248,9 +247,8 @@ static bool prepare(struct pen_store *store, struct submission *in, bool *known,
         return false;
     bool ok = find_known(store, in, known, st);
     if (ok) {
-        struct pen_rows *rows =
-            pen_db_rows(store->db, st, "SELECT 1 FROM scene WHERE sha256 = $1", "b",
-                        (const void *)in->job->scene_sha256, (size_t)32);
+        struct pen_rows *rows = pen_db_rows(store->db, st, "SELECT 1 FROM scene WHERE sha256 = $1",
+                                            "b", (const void *)in->job->scene_sha256, (size_t)32);
         stored = pen_db_next(rows);
         ok = pen_db_done(rows);
     }
@@ -260,7 +258,8 @@ static bool prepare(struct pen_store *store, struct submission *in, bool *known,
         return true;
     if (!store->documents && !(store->documents = pen_compressor_new(LEVEL)))
         return pen_fail(st, PEN_NO_MEMORY, "no memory to compress a scene");
-    return pen_compress(store->documents, in->job->scene, in->job->scene_bytes, &in->document, st) &&
+    return pen_compress(store->documents, in->job->scene, in->job->scene_bytes, &in->document,
+                        st) &&
            pen_object_load(store, &owner, NULL, in->document.data, in->document.bytes, &in->loaded,
                            st);
 }

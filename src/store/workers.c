@@ -146,10 +146,9 @@ static bool remove_worker(struct pen_store *store, const char *id, struct pen_st
     this_process(&own);
     if (!add_gone(store, &sum, st))
         return false;
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "DELETE FROM worker WHERE id = $1 RETURNING counters, pid, start, host", "t",
-                    id);
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st, "DELETE FROM worker WHERE id = $1 RETURNING counters, pid, start, host", "t",
+        id);
     if (pen_db_next(rows)) {
         found = true;
         if (pen_db_int(rows, 1) != own.pid || pen_db_int(rows, 2) != own.start ||
@@ -160,12 +159,11 @@ static bool remove_worker(struct pen_store *store, const char *id, struct pen_st
     }
     if (!pen_db_done(rows))
         return false;
-    const bool ok =
-        !found || (write_counters(&sum, &text, st) &&
-                   pen_db_run(store->db, st, NULL,
-                              "INSERT INTO meta (name, value) VALUES ('counters', $1) "
-                              "ON CONFLICT (name) DO UPDATE SET value = excluded.value",
-                              "t", (const char *)text.data));
+    const bool ok = !found || (write_counters(&sum, &text, st) &&
+                               pen_db_run(store->db, st, NULL,
+                                          "INSERT INTO meta (name, value) VALUES ('counters', $1) "
+                                          "ON CONFLICT (name) DO UPDATE SET value = excluded.value",
+                                          "t", (const char *)text.data));
     pen_buf_release(&text);
     return ok;
 }

@@ -15,7 +15,8 @@ static void begin(int views, int batches)
     store_job_submit(bed.store, &job);
 }
 
-START_TEST(test_commit__the_last_batch_of_a_view_adds_the_assemble_batch_and_the_last_view_ends_the_job)
+START_TEST(
+    test_commit__the_last_batch_of_a_view_adds_the_assemble_batch_and_the_last_view_ends_the_job)
 {
     begin(2, 3);
     ck_assert_int_eq(store_job_state(bed.store, job.id), PEN_JOB_QUEUED);
@@ -96,8 +97,9 @@ START_TEST(test_commit__a_claim_repeated_with_its_serial_gets_the_same_batch)
 }
 END_TEST
 
-PEN_SUITE("store commit",
-          test_commit__the_last_batch_of_a_view_adds_the_assemble_batch_and_the_last_view_ends_the_job,
-          test_commit__repeated_changes_nothing_and_stale_is_refused,
-          test_commit__a_part_leaves_the_other_tiles_as_an_open_batch,
-          test_commit__a_claim_repeated_with_its_serial_gets_the_same_batch)
+PEN_SUITE(
+    "store commit",
+    test_commit__the_last_batch_of_a_view_adds_the_assemble_batch_and_the_last_view_ends_the_job,
+    test_commit__repeated_changes_nothing_and_stale_is_refused,
+    test_commit__a_part_leaves_the_other_tiles_as_an_open_batch,
+    test_commit__a_claim_repeated_with_its_serial_gets_the_same_batch)

@@ -139,7 +139,8 @@ struct pen_claim store_claim(struct pen_store *store, const char *worker)
     struct pen_status st;
     struct pen_claim claim = {0};
     bool found = false;
-    store_must(pen_store_claim(store, worker, STORE_LEASE_MS, next_serial(), &claim, &found, &st), &st, "claim");
+    store_must(pen_store_claim(store, worker, STORE_LEASE_MS, next_serial(), &claim, &found, &st),
+               &st, "claim");
     ck_assert(found);
     return claim;
 }
@@ -179,8 +180,9 @@ int store_work_off(struct pen_store *store, const char *worker)
     for (int count = 0;; count++) {
         struct pen_claim claim;
         bool found = false;
-        store_must(pen_store_claim(store, worker, STORE_LEASE_MS, next_serial(), &claim, &found, &st), &st,
-                   "claim");
+        store_must(
+            pen_store_claim(store, worker, STORE_LEASE_MS, next_serial(), &claim, &found, &st), &st,
+            "claim");
         if (!found)
             return count;
         ck_assert_int_eq(store_commit(store, &claim), PEN_OK);
@@ -199,8 +201,7 @@ int store_purge_slices(struct pen_store *store)
 void store_worker_seen(struct pen_store *store, const char *id)
 {
     struct pen_status st;
-    struct pen_worker_new worker = {
-        .id = id, .threads = 2, .lease_ms = STORE_LEASE_MS};
+    struct pen_worker_new worker = {.id = id, .threads = 2, .lease_ms = STORE_LEASE_MS};
     store_must(pen_store_worker_seen(store, &worker, &st), &st, "seen");
 }
 
