@@ -26,6 +26,7 @@ void pen_store_close(struct pen_store *store)
         return;
     pen_db_close(store->db);
     pen_compressor_free(store->documents);
+    pen_pixels_free(store->pixels);
     free(store);
 }
 

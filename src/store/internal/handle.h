@@ -10,6 +10,7 @@
 struct pen_store {
     struct pen_db *db;
     struct pen_compressor *documents; /* made when the first one is stored */
+    struct pen_pixels *pixels;        /* made when the first ones are encoded */
     int64_t tidied_ms;                /* when pen_store_tidy last did what it does seldom */
 };
 
@@ -60,7 +61,7 @@ bool pen_claim_tell(struct pen_store *store, const struct pen_batch *batch, int6
  * let them wait for a time that doubles. */
 struct pen_opening {
     int64_t job, batch; /* batch 0: any */
-    const char *worker; /* NULL: any */
+    const char *worker; /* "": any */
     int64_t before_ms;  /* leases that end before it; INT64_MAX: all */
     bool lost;
 };
@@ -70,6 +71,10 @@ bool pen_batches_open(struct pen_store *store, const struct pen_opening *opening
 /* The first turn that new batches of a client get at a priority, whose row is locked (order.c). */
 bool pen_turn_next(struct pen_store *store, const char *client, int64_t priority, int64_t *turn,
                    struct pen_status *st);
+
+/* A leased batch as a claim (claims.c); not found: there is no such batch. */
+bool pen_claim_read(struct pen_store *store, int64_t batch, struct pen_claim *claim, bool *found,
+                    struct pen_status *st);
 
 /* Claims within a transaction (claims.c). */
 bool pen_claim_next(struct pen_store *store, struct pen_next *next, struct pen_status *st);
