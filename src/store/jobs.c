@@ -72,7 +72,7 @@ bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_recor
 }
 
 #define LIST(which)                                                                                \
-    "SELECT " COLUMNS " FROM job WHERE removed_ms = 0 AND ($1 = 0 OR number < $1) AND " which      \
+    "SELECT " COLUMNS " FROM job WHERE removed_ms = 0 AND (number < $1 OR $1 = 0) AND " which      \
     " AND ($3 = '' OR kind = $3) AND ($4 = '' OR EXISTS (SELECT 1 FROM attribute "                 \
     "WHERE key = 'name' AND value = $4 AND job = number)) AND ($5 = '' OR EXISTS "                 \
     "(SELECT 1 FROM attribute WHERE key = $5 AND value = $6 AND job = number)) "                   \

@@ -38,7 +38,7 @@ static bool open_one(struct pen_store *store, const struct pen_opening *opening,
                     "UPDATE batch SET state = 0, worker = NULL, turn = $5, "
                     "alone = CASE WHEN $6 = 1 THEN 1 ELSE alone END "
                     "WHERE number = (SELECT number FROM batch WHERE state = 1 AND job = $1 "
-                    "AND ($2 = 0 OR number = $2) AND ($3 = '' OR worker = $3) AND lease_ms <= $4 "
+                    "AND (number = $2 OR $2 = 0) AND ($3 = '' OR worker = $3) AND lease_ms <= $4 "
                     "ORDER BY number LIMIT 1)",
                     "iitiii", opening->job, opening->batch, opening->worker, opening->before_ms,
                     turn, (int64_t)opening->lost))
