@@ -9,7 +9,7 @@
  *
  * Failures. A call that fails has filled the status. Within a transaction every later call fails at
  * once with the same status, so a chain of calls needs one check: pen_db_end rolls back and returns
- * false. pen_db_failure then tells what has happened.
+ * false. pen_db_trouble then tells what has happened.
  *
  * Threads: a connection is used by one thread at a time; pen_db_wait and pen_db_wake by any. */
 #ifndef PEN_STORE_DB_H
@@ -33,8 +33,9 @@ void pen_db_close(struct pen_db *db);
  */
 
 enum pen_db_access {
-    PEN_DB_READ, /* one snapshot for all statements */
-    PEN_DB_WRITE /* durable once it has ended well; SQLite: no other writer beside it */
+    PEN_DB_READ,  /* one snapshot for all statements */
+    PEN_DB_WRITE, /* durable once it has ended well; SQLite: no other writer beside it */
+    PEN_DB_PART   /* as a write, but its sync is left to a later write's */
 };
 
 /* Begins a transaction. Fails: PEN_UNAVAILABLE (busy for too long), PEN_STORAGE, PEN_STORAGE_FULL.
@@ -42,11 +43,17 @@ enum pen_db_access {
 bool pen_db_begin(struct pen_db *db, enum pen_db_access access, struct pen_status *st);
 
 /* Ends it: commits if `ok` and no call in it has failed, else rolls back. Returns whether it is
- * committed. `lasting` = false leaves the sync to a later commit. */
-bool pen_db_end(struct pen_db *db, bool ok, bool lasting, struct pen_status *st);
+ * committed. */
+bool pen_db_end(struct pen_db *db, bool ok, struct pen_status *st);
 
-/* What the last failed transaction has done. */
-enum pen_failure pen_db_failure(const struct pen_db *db);
+/* What the last failed call of the database has done: `code` is that of its status, PEN_OK if the
+ * last transaction had none; `broken`: it was an I/O error or damage. */
+struct pen_db_trouble {
+    enum pen_code code;
+    enum pen_failure failure;
+    bool broken;
+};
+struct pen_db_trouble pen_db_trouble(const struct pen_db *db);
 
 /* ---- Statements --------------------------------------------------------------------------------
  */
@@ -83,11 +90,8 @@ bool pen_db_is_null(struct pen_rows *rows, int column);
 bool pen_db_now(struct pen_db *db, int64_t *now_ms, struct pen_status *st);
 void pen_db_set_clock(struct pen_db *db, int64_t (*now_ms)(void *user), void *user);
 
-/* Waits for a signal of any process, or until the time is up. A signal that was given since this
- * process last waited ends it at once. Signals are hints: one may be lost, and then the wait takes
- * a quarter of a second (SQLite without eventfds) or as long as was asked for. One thread of a
- * process waits at a time. */
-void pen_db_wait(struct pen_db *db, int timeout_ms);
+/* As pen_store_wait and pen_store_wake. */
+void pen_db_wait(struct pen_db *db, uint32_t *seen, int timeout_ms);
 void pen_db_wake(struct pen_db *db);
 
 /* ---- The place where it is kept ----------------------------------------------------------------

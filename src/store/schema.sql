@@ -46,7 +46,7 @@ CREATE TABLE job (
     cost_map {bytes},                  -- where its work lies, until it ends
     elapsed_us BIGINT NOT NULL,        -- since the submit, up to moment_*: its last change
     queue_us BIGINT NOT NULL,          -- elapsed_us at its first claim
-    moment_boot TEXT NOT NULL,
+    moment_boot BIGINT NOT NULL,
     moment_us BIGINT NOT NULL,
     moment_ms BIGINT NOT NULL,
     created_ms BIGINT NOT NULL,
@@ -59,7 +59,7 @@ CREATE TABLE job (
 CREATE INDEX job_by_state ON job (state, number) WHERE removed_ms = 0;
 CREATE INDEX job_by_kind ON job (kind, number) WHERE removed_ms = 0;
 CREATE INDEX job_by_end ON job (finished_ms, number) WHERE finished_ms > 0 AND removed_ms = 0;
-CREATE INDEX job_by_client ON job (client, number) WHERE state < 2;
+CREATE INDEX job_by_client ON job (client, number, results_bytes) WHERE state < 2;
 CREATE INDEX job_by_scene ON job (scene);
 CREATE INDEX job_removed ON job (number) WHERE removed_ms > 0;
 

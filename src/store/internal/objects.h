@@ -8,7 +8,8 @@
 
 #include "store/internal/handle.h"
 
-/* Whose value it is. Of one job, view, batch, layer and format at most one object is used. */
+/* Whose value it is. Of one job, view, layer and format (and batch, of
+ * pixels) at most one object is used. */
 struct pen_object_owner {
     int64_t job; /* 0: a scene document */
     int view;
@@ -21,8 +22,8 @@ enum { PEN_PART_BYTES = 1 << 20 };
 
 /* Writes a value of more than one part, before the transaction that uses it: each part in a
  * transaction of its own that does not wait for the disk. A shorter value is written by
- * pen_object_use. *number is the loading object, 0 for a shorter value. `claim` (NULL: none) must
- * hold before each part: PEN_STALE. Fails: PEN_STORAGE_FULL. */
+ * pen_object_use, which also sets its job. *number is the loading object, 0 for a shorter value.
+ * `claim` (NULL: none) must hold before each part: PEN_STALE. Fails: PEN_STORAGE_FULL. */
 bool pen_object_load(struct pen_store *store, const struct pen_object_owner *owner,
                      const struct pen_claim *claim, const void *data, size_t bytes, int64_t *number,
                      struct pen_status *st);
@@ -40,6 +41,13 @@ bool pen_objects_drop(struct pen_store *store, int64_t job, int view, const char
  * transaction of its own. Fails: PEN_NOT_FOUND; PEN_STORAGE (damaged). */
 bool pen_object_read(struct pen_store *store, const struct pen_object_owner *owner,
                      struct pen_buf *out, struct pen_status *st);
+
+/* Within a transaction: the owner's object, 0: there is none; and appends the value of an object.
+ */
+bool pen_object_find(struct pen_store *store, const struct pen_object_owner *owner, int64_t *number,
+                     struct pen_status *st);
+bool pen_object_read_row(struct pen_store *store, int64_t number, struct pen_buf *out,
+                         struct pen_status *st);
 
 /* Within a write transaction: the scene with this SHA-256 if it is stored, and its `used_ms` is
  * renewed; 0: it is not. */

@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads what was committed: pixels, statistics, commits, artefacts, scenes. The caller's function
+ * is called outside any transaction. A committed row never changes, so reads of different moments
+ * fit together. If the job is removed meanwhile, the list ends. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "store/internal/objects.h"
+
+enum {
+    TOUCH_MS = 60000, /* a use of a cached artefact is noted once a minute */
+    LEVEL = 3         /* zstd's, of documents */
+};
+
+static bool prepare_documents(struct pen_store *store, struct pen_status *st)
+{
+    if (!store->documents)
+        store->documents = pen_compressor_new(LEVEL);
+    return store->documents || pen_fail(st, PEN_NO_MEMORY, "no memory for a value of the store");
+}
+
+/* A stored batch of pixels. */
+struct piece {
+    int64_t first_tile, tile_count, pixels;
+    struct pen_buf encoded;
+};
+
+static bool next_piece(struct pen_store *store, int64_t job, int view, struct piece *piece,
+                       bool *found, struct pen_status *st)
+{
+    int64_t object = 0;
+    piece->encoded.bytes = 0;
+    if (!pen_db_begin(store->db, PEN_DB_READ, st))
+        return false;
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st,
+        "SELECT batch.first_tile, batch.tile_count, batch.pixels, object.number FROM batch "
+        "JOIN object ON object.batch = batch.number AND object.layer = '' AND object.state = 1 "
+        "WHERE batch.job = $1 AND batch.view = $2 AND batch.first_tile > $3 AND batch.state = 2 "
+        "AND batch.kind = 0 AND object.batch > 0 ORDER BY batch.first_tile LIMIT 1",
+        "iii", job, (int64_t)view, piece->first_tile);
+    *found = pen_db_next(rows);
+    if (*found) {
+        piece->first_tile = pen_db_int(rows, 0);
+        piece->tile_count = pen_db_int(rows, 1);
+        piece->pixels = pen_db_int(rows, 2);
+        object = pen_db_int(rows, 3);
+    }
+    const bool ok =
+        pen_db_done(rows) && (!*found || pen_object_read_row(store, object, &piece->encoded, st));
+    return pen_db_end(store->db, ok, st);
+}
+
+static bool find_job(struct pen_store *store, const char *id, int64_t *job, struct pen_status *st)
+{
+    return pen_db_begin(store->db, PEN_DB_READ, st) &&
+           pen_db_end(store->db, pen_job_number(store, id, false, job, st), st);
+}
+
+bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
+                      void *user, struct pen_status *st)
+{
+    struct piece piece = {.first_tile = -1};
+    float *rgb = NULL;
+    int64_t job, room = 0;
+    bool found = true, ok = prepare_documents(store, st) && find_job(store, id, &job, st);
+    while (ok && found) {
+        ok = next_piece(store, job, view, &piece, &found, st);
+        if (!ok || !found)
+            break;
+        if (piece.pixels > room) {
+            free(rgb);
+            rgb = malloc((size_t)piece.pixels * 3 * sizeof *rgb);
+            room = piece.pixels;
+        }
+        const struct pen_bytes encoded = {piece.encoded.data, piece.encoded.bytes};
+        ok = rgb ? pen_pixels_decode(store->documents, &encoded, rgb, piece.pixels, st)
+                 : pen_fail(st, PEN_NO_MEMORY, "no memory for the pixels of a batch");
+        found = ok && each(user, (int)piece.first_tile, (int)piece.tile_count, rgb, piece.pixels);
+    }
+    free(rgb);
+    pen_buf_release(&piece.encoded);
+    return ok;
+}
+
+/* Each row is copied behind its text's length, and told once the transaction has ended. */
+struct stats_row {
+    struct pen_batch_stats batch;
+    size_t bytes; /* of the text behind it, its end included, to a multiple of 16 */
+};
+
+static bool read_stats(struct pen_store *store, const char *id, struct pen_buf *out,
+                       struct pen_status *st)
+{
+    static const char pad[16];
+    int64_t job;
+    bool room = true;
+    if (!pen_job_number(store, id, false, &job, st))
+        return false;
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st,
+        "SELECT kind, view, commit_us, stats FROM batch WHERE job = $1 AND state = 2 AND "
+        "stats IS NOT NULL ORDER BY number",
+        "i", job);
+    while (room && pen_db_next(rows)) {
+        const char *text = pen_db_text(rows, 3);
+        const size_t bytes = strlen(text) + 1, padding = -bytes % sizeof pad;
+        const struct stats_row row = {{.kind = (enum pen_batch_kind)pen_db_int(rows, 0),
+                                       .view = (int)pen_db_int(rows, 1),
+                                       .commit_us = pen_db_int(rows, 2)},
+                                      bytes + padding};
+        room = pen_buf_add(out, &row, sizeof row) && pen_buf_add(out, text, bytes) &&
+               pen_buf_add(out, pad, padding);
+    }
+    return pen_db_done(rows) &&
+           (room || pen_fail(st, PEN_NO_MEMORY, "no memory for the statistics of a job"));
+}
+
+bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
+                     struct pen_status *st)
+{
+    struct pen_buf all = {0};
+    bool ok = pen_db_begin(store->db, PEN_DB_READ, st) &&
+              pen_db_end(store->db, read_stats(store, id, &all, st), st),
+         more = ok;
+    for (size_t at = 0; more && at < all.bytes;) {
+        struct stats_row row;
+        memcpy(&row, all.data + at, sizeof row);
+        row.batch.stats = (const char *)all.data + at + sizeof row;
+        at += sizeof row + row.bytes;
+        more = each(user, &row.batch);
+    }
+    pen_buf_release(&all);
+    return ok;
+}
+
+static bool read_commits(struct pen_store *store, const char *id, int64_t after,
+                         struct pen_buf *out, struct pen_status *st)
+{
+    int64_t job;
+    bool room = true;
+    if (!pen_job_number(store, id, false, &job, st))
+        return false;
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st,
+        "SELECT revision, view, first_tile, tile_count FROM batch WHERE job = $1 AND state = 2 AND "
+        "kind = 0 AND revision > $2 ORDER BY revision",
+        "ii", job, after);
+    while (room && pen_db_next(rows)) {
+        const struct pen_commit_record commit = {pen_db_int(rows, 0), (int)pen_db_int(rows, 1),
+                                                 (int)pen_db_int(rows, 2),
+                                                 (int)pen_db_int(rows, 3)};
+        room = pen_buf_add(out, &commit, sizeof commit);
+    }
+    return pen_db_done(rows) &&
+           (room || pen_fail(st, PEN_NO_MEMORY, "no memory for the commits of a job"));
+}
+
+bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
+                       void *user, struct pen_status *st)
+{
+    struct pen_buf all = {0};
+    bool ok = pen_db_begin(store->db, PEN_DB_READ, st) &&
+              pen_db_end(store->db, read_commits(store, id, after, &all, st), st),
+         more = ok;
+    for (size_t at = 0; more && at < all.bytes; at += sizeof(struct pen_commit_record)) {
+        struct pen_commit_record commit;
+        memcpy(&commit, all.data + at, sizeof commit);
+        more = each(user, &commit);
+    }
+    pen_buf_release(&all);
+    return ok;
+}
+
+static bool read_artefact(struct pen_store *store, const char *id, struct pen_object_owner *owner,
+                          struct pen_buf *out, int64_t *used, struct pen_status *st)
+{
+    int64_t number;
+    *used = 0;
+    if (!pen_job_number(store, id, false, &owner->job, st) ||
+        !pen_object_find(store, owner, &number, st))
+        return false;
+    if (number == 0)
+        return pen_fail(st, PEN_NOT_FOUND, "job %s has no %s as %s of view %d", id, owner->layer,
+                        owner->format, owner->view);
+    struct pen_rows *rows = pen_db_rows(store->db, st,
+                                        "SELECT 1 FROM object WHERE number = $1 AND cached = 1 "
+                                        "AND used_ms < (SELECT now_ms()) - $2",
+                                        "ii", number, (int64_t)TOUCH_MS);
+    if (pen_db_next(rows))
+        *used = number;
+    return pen_db_done(rows) && pen_object_read_row(store, number, out, st);
+}
+
+/* A use that cannot be noted is no failure. */
+static void note_use(struct pen_store *store, int64_t number)
+{
+    struct pen_status ignored;
+    if (pen_db_begin(store->db, PEN_DB_PART, &ignored))
+        pen_db_end(store->db,
+                   pen_db_run(store->db, &ignored, NULL,
+                              "UPDATE object SET used_ms = (SELECT now_ms()) "
+                              "WHERE number = $1 AND state = 1",
+                              "i", number),
+                   &ignored);
+}
+
+bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
+                        const char *format, struct pen_buf *out, struct pen_status *st)
+{
+    struct pen_object_owner owner = {.view = view, .layer = layer, .format = format};
+    int64_t used;
+    if (!pen_db_begin(store->db, PEN_DB_READ, st) ||
+        !pen_db_end(store->db, read_artefact(store, id, &owner, out, &used, st), st))
+        return false;
+    if (used > 0)
+        note_use(store, used);
+    return true;
+}
+
+bool pen_store_artefact_put(struct pen_store *store, const struct pen_claim *claim,
+                            const char *layer, const char *format, const void *data, size_t bytes,
+                            struct pen_status *st)
+{
+    struct pen_object_owner owner = {.view = claim->view,
+                                     .batch = claim->batch,
+                                     .attempt = claim->attempt,
+                                     .layer = layer,
+                                     .format = format};
+    struct pen_batch batch;
+    int64_t number;
+    if (!pen_object_load(store, &owner, claim, data, bytes, &number, st) ||
+        !pen_db_begin(store->db, PEN_DB_WRITE, st))
+        return false;
+    bool ok = pen_claim_hold(store, claim, "its artefact is not stored", &batch, st);
+    owner.job = batch.job;
+    ok = ok && pen_object_use(store, &owner, number, data, bytes, st);
+    return pen_db_end(store->db, ok, st);
+}
+
+static bool read_scene(struct pen_store *store, const char *id, struct pen_buf *out,
+                       struct pen_status *st)
+{
+    int64_t job, object = 0;
+    if (!pen_job_number(store, id, false, &job, st))
+        return false;
+    struct pen_rows *rows = pen_db_rows(store->db, st,
+                                        "SELECT scene.object FROM job JOIN scene ON "
+                                        "scene.number = job.scene WHERE job.number = $1",
+                                        "i", job);
+    if (pen_db_next(rows))
+        object = pen_db_int(rows, 0);
+    return pen_db_done(rows) &&
+           (object > 0 || pen_fail(st, PEN_STORAGE, "the scene of job %s is missing", id)) &&
+           pen_object_read_row(store, object, out, st);
+}
+
+bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
+                     struct pen_status *st)
+{
+    struct pen_buf stored = {0};
+    struct pen_bytes plain;
+    bool ok = prepare_documents(store, st) && pen_db_begin(store->db, PEN_DB_READ, st) &&
+              pen_db_end(store->db, read_scene(store, id, &stored, st), st);
+    if (ok) {
+        const struct pen_bytes packed = {stored.data, stored.bytes};
+        ok = pen_decompress(store->documents, packed.data, packed.bytes, &plain, st) &&
+             (pen_buf_add(scene, plain.data, plain.bytes) ||
+              pen_fail(st, PEN_NO_MEMORY, "no memory for the scene of job %s", id));
+    }
+    pen_buf_release(&stored);
+    return ok;
+}

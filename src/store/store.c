@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: MIT */
+/* Handles: open, close, failures, the clock, signals. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "store/internal/handle.h"
+#include "store/internal/signals.h"
+
+struct pen_store *pen_store_open(const char *url, bool make, struct pen_status *st)
+{
+    struct pen_store *store = calloc(1, sizeof *store);
+    if (!store) {
+        pen_fail(st, PEN_NO_MEMORY, "no memory for a store");
+        return NULL;
+    }
+    store->db = pen_db_open(url, make, st);
+    if (store->db)
+        return store;
+    free(store);
+    return NULL;
+}
+
+void pen_store_close(struct pen_store *store)
+{
+    if (!store)
+        return;
+    pen_db_close(store->db);
+    pen_compressor_free(store->documents);
+    pen_pixels_free(store->pixels);
+    free(store);
+}
+
+bool pen_store_check(struct pen_store *store, int limit_ms, bool *finished, struct pen_status *st)
+{
+    return pen_db_check(store->db, limit_ms, finished, st);
+}
+
+void pen_store_set_clock(struct pen_store *store, int64_t (*now_ms)(void *user), void *user)
+{
+    pen_db_set_clock(store->db, now_ms, user);
+}
+
+bool pen_store_now(struct pen_store *store, int64_t *now_ms, struct pen_status *st)
+{
+    return pen_db_now(store->db, now_ms, st);
+}
+
+bool pen_store_is_broken(const struct pen_store *store)
+{
+    return pen_db_trouble(store->db).broken;
+}
+
+/* What a rule refuses has changed nothing; a disk without space and a store too busy may pass. */
+enum pen_failure pen_store_failure(const struct pen_store *store, const struct pen_status *st)
+{
+    const struct pen_db_trouble trouble = pen_db_trouble(store->db);
+    if (trouble.code == st->code)
+        return trouble.failure;
+    return st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL || st->code == PEN_NO_MEMORY
+               ? PEN_FAILURE_RETRY
+               : PEN_FAILURE_REFUSED;
+}
+
+uint32_t pen_store_changes(void)
+{
+    return pen_signals_count();
+}
+
+void pen_store_wait(struct pen_store *store, uint32_t *seen, int timeout_ms)
+{
+    pen_db_wait(store->db, seen, timeout_ms);
+}
+
+void pen_store_wake(struct pen_store *store)
+{
+    pen_db_wake(store->db);
+}

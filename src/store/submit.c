@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT */
+/* Submit: the key, the scene document, the job, its views and batches in one transaction. The
+ * document is compressed, and a large one loaded, before it. */
+#include <jansson.h>
+#include <string.h>
+
+#include "store/internal/objects.h"
+
+enum { LEVEL = 3, TRIES = 2 }; /* zstd's level; a document may be removed between look and submit */
+
+struct submission {
+    const struct pen_job_new *job;
+    const char *client;
+    enum pen_submit_result *result;
+    struct pen_buf *first_answer;
+    struct pen_bytes document; /* compressed; no data: the scene is stored already */
+    int64_t loaded;            /* its object, 0: none */
+    int64_t number;
+    bool missing; /* out: the scene is not stored, and there is no document */
+};
+
+/* Where the key was used before: the answer given then, unless it came with another body. */
+static bool find_key(struct pen_store *store, struct submission *in, bool *found,
+                     struct pen_status *st)
+{
+    size_t bytes;
+    bool ok = true;
+    *found = false;
+    if (!in->job->idempotency_key)
+        return true;
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st, "SELECT body_sha256, answer FROM key WHERE client = $1 AND key = $2", "tt",
+        in->client, in->job->idempotency_key);
+    if (pen_db_next(rows)) {
+        const void *body = pen_db_bytes(rows, 0, &bytes);
+        const bool same = bytes == 32 && memcmp(body, in->job->body_sha256, 32) == 0;
+        *found = true;
+        *in->result = same ? PEN_SUBMIT_REPEATED : PEN_SUBMIT_REUSED;
+        ok = !same || pen_buf_puts(in->first_answer, pen_db_text(rows, 1)) ||
+             pen_fail(st, PEN_NO_MEMORY, "no memory for the answer of a key");
+    }
+    return pen_db_done(rows) && ok;
+}
+
+/* Where the job is stored already: the same job, or another one. */
+static bool find_job(struct pen_store *store, struct submission *in, bool *found,
+                     struct pen_status *st)
+{
+    const struct pen_job_new *job = in->job;
+    size_t bytes;
+    bool same = false;
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT job.client, job.kind, job.request, scene.sha256 FROM job "
+                    "LEFT JOIN scene ON scene.number = job.scene WHERE job.id = $1",
+                    "t", job->id);
+    *found = pen_db_next(rows);
+    if (*found) {
+        const void *scene = pen_db_bytes(rows, 3, &bytes);
+        same = strcmp(pen_db_text(rows, 0), in->client) == 0 &&
+               strcmp(pen_db_text(rows, 1), job->kind) == 0 &&
+               strcmp(pen_db_text(rows, 2), job->request) == 0 && bytes == 32 &&
+               memcmp(scene, job->scene_sha256, 32) == 0;
+        *in->result = PEN_SUBMIT_KNOWN;
+    }
+    return pen_db_done(rows) &&
+           (!*found || same || pen_fail(st, PEN_CONFLICT, "another job has the id %s", job->id));
+}
+
+static bool find_known(struct pen_store *store, struct submission *in, bool *known,
+                       struct pen_status *st)
+{
+    return find_key(store, in, known, st) && (*known || find_job(store, in, known, st));
+}
+
+static bool check_queue(struct pen_store *store, const struct submission *in, struct pen_status *st)
+{
+    const int64_t all_max = in->job->queue_max, own_max = in->job->client_queue_max;
+    int64_t all = 0, own = 0;
+    if (all_max == 0 && own_max == 0)
+        return true;
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT (SELECT count(*) FROM job WHERE state IN (0, 1) AND removed_ms = 0), "
+                    "(SELECT count(*) FROM job WHERE client = $1 AND state < 2)",
+                    "t", in->client);
+    if (pen_db_next(rows)) {
+        all = pen_db_int(rows, 0);
+        own = pen_db_int(rows, 1);
+    }
+    if (!pen_db_done(rows))
+        return false;
+    const bool of_all = all_max > 0 && all >= all_max;
+    const int64_t jobs = of_all ? all : own, most = of_all ? all_max : own_max;
+    if (!of_all && (own_max == 0 || own < own_max))
+        return true;
+    return pen_fail(st, PEN_QUOTA, "%lld job%s%s%s %s, at most %lld %s allowed; try again later",
+                    (long long)jobs, jobs == 1 ? "" : "s", of_all ? "" : " of client ",
+                    of_all ? "" : in->client, jobs == 1 ? "waits or runs" : "wait or run",
+                    (long long)most, most == 1 ? "is" : "are");
+}
+
+static bool add_key(struct pen_store *store, const struct submission *in, struct pen_status *st)
+{
+    return !in->job->idempotency_key ||
+           pen_db_run(store->db, st, NULL,
+                      "INSERT INTO key (client, key, body_sha256, answer, created_ms) "
+                      "VALUES ($1, $2, $3, $4, (SELECT now_ms()))",
+                      "ttbt", in->client, in->job->idempotency_key,
+                      (const void *)in->job->body_sha256, (size_t)32, in->job->answer);
+}
+
+static bool add_attribute(struct pen_store *store, int64_t job, const char *prefix, const char *key,
+                          const json_t *value, struct pen_status *st)
+{
+    char name[512];
+    if (!json_is_string(value))
+        return true;
+    snprintf(name, sizeof name, "%s%s", prefix, key);
+    return pen_db_run(store->db, st, NULL,
+                      "INSERT INTO attribute (key, value, job) VALUES ($1, $2, $3) "
+                      "ON CONFLICT DO NOTHING",
+                      "tti", name, json_string_value(value), job);
+}
+
+/* What lists are filtered by: the request's name and labels, if it is a JSON object. */
+static bool add_attributes(struct pen_store *store, const struct submission *in,
+                           struct pen_status *st)
+{
+    json_t *request = json_loads(in->job->request, JSON_DECODE_ANY, NULL);
+    const char *key;
+    json_t *value;
+    bool ok = add_attribute(store, in->number, "", "name", json_object_get(request, "name"), st);
+    json_object_foreach(json_object_get(request, "labels"), key, value) ok =
+        ok && add_attribute(store, in->number, "label:", key, value, st);
+    json_decref(request);
+    return ok;
+}
+
+static bool add_scene(struct pen_store *store, struct submission *in, int64_t *scene,
+                      struct pen_status *st)
+{
+    if (!pen_scene_find(store, in->job->scene_sha256, scene, st))
+        return false;
+    in->missing = *scene == 0 && !in->document.data;
+    return *scene > 0 || in->missing ||
+           pen_scene_add(store, in->job->scene_sha256, in->loaded, in->document.data,
+                         in->document.bytes, scene, st);
+}
+
+static bool add_job(struct pen_store *store, struct submission *in, int64_t scene, int64_t bytes,
+                    struct pen_status *st)
+{
+    const struct pen_job_new *job = in->job;
+    int64_t pixels = 0;
+    for (int i = 0; i < job->batch_count; i++)
+        pixels += job->batches[i].pixels;
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st,
+        "INSERT INTO job (id, client, kind, priority, state, revision, scene, request, "
+        "max_attempts, charges, losses, timeout_ms, open_views, done_pixels, total_pixels, work, "
+        "spent_us, told_us, told_elapsed_us, estimate_ms, elapsed_us, queue_us, moment_boot, "
+        "moment_us, moment_ms, created_ms, started_ms, finished_ms, updated_ms, removed_ms, "
+        "results_bytes) VALUES ($1, $2, $3, $4, 0, 1, $5, $6, $7, 0, 0, $8, $9, 0, $10, 0, 0, 0, "
+        "0, "
+        "0, 0, 0, $11, $12, $13, $13, 0, 0, $13, 0, $14) RETURNING number",
+        "tttiitiiiiiiii", job->id, in->client, job->kind, (int64_t)job->priority, scene,
+        job->request, (int64_t)job->max_attempts, job->timeout_ms, (int64_t)job->view_count, pixels,
+        job->created.boot, job->created.us, job->created_ms, bytes);
+    if (pen_db_next(rows))
+        in->number = pen_db_int(rows, 0);
+    return pen_db_done(rows);
+}
+
+static bool add_views(struct pen_store *store, const struct submission *in, struct pen_status *st)
+{
+    const struct pen_job_new *job = in->job;
+    bool ok = true;
+    for (int view = 0; ok && view < job->view_count; view++) {
+        int64_t batches = 0;
+        for (int i = 0; i < job->batch_count; i++)
+            batches += job->batches[i].view == view;
+        if (batches == 0)
+            return pen_fail(st, PEN_INTERNAL, "view %d of a new job has no batch", view);
+        ok = pen_db_run(store->db, st, NULL,
+                        "INSERT INTO view (job, view, name, width, height, batches, open_batches) "
+                        "VALUES ($1, $2, $3, $4, $5, $6, $6)",
+                        "iitiii", in->number, (int64_t)view, job->views[view].name,
+                        (int64_t)job->views[view].width, (int64_t)job->views[view].height, batches);
+    }
+    return ok;
+}
+
+static bool add_batches(struct pen_store *store, const struct submission *in, struct pen_status *st)
+{
+    const struct pen_job_new *job = in->job;
+    int64_t turn;
+    bool ok = pen_turn_next(store, in->client, job->priority, &turn, st);
+    for (int i = 0; ok && i < job->batch_count; i++) {
+        const struct pen_batch_new *batch = &job->batches[i];
+        ok = pen_db_run(store->db, st, NULL,
+                        "INSERT INTO batch (job, view, kind, first_tile, tile_count, pixels, "
+                        "told_pixels, work, state, priority, client, turn, not_before_ms, alone, "
+                        "attempt, serial, claimed_ms, lease_ms, spent_us, revision, commit_us) "
+                        "VALUES ($1, $2, $3, $4, $5, $6, 0, 0, 0, $7, $8, $9, 0, 0, 0, 0, 0, 0, 0, "
+                        "0, 0)",
+                        "iiiiiiiti", in->number, (int64_t)batch->view, (int64_t)batch->kind,
+                        (int64_t)batch->first_tile, (int64_t)batch->tile_count, batch->pixels,
+                        (int64_t)job->priority, in->client, turn + i);
+    }
+    return ok;
+}
+
+static int64_t results_bytes(const struct pen_job_new *job)
+{
+    int64_t pixels = 0;
+    for (int i = 0; i < job->view_count; i++)
+        pixels += (int64_t)job->views[i].width * job->views[i].height;
+    return pen_results_bytes(pixels);
+}
+
+static bool write_submission(struct pen_store *store, struct submission *in, struct pen_status *st)
+{
+    const int64_t bytes = results_bytes(in->job);
+    int64_t scene;
+    bool known;
+    if (!find_known(store, in, &known, st))
+        return false;
+    if (known)
+        return true;
+    *in->result = PEN_SUBMIT_CREATED;
+    if (!check_queue(store, in, st) || !pen_intake(store, bytes, st) ||
+        !add_scene(store, in, &scene, st))
+        return false;
+    return in->missing || (add_key(store, in, st) && add_job(store, in, scene, bytes, st) &&
+                           add_attributes(store, in, st) && add_views(store, in, st) &&
+                           add_batches(store, in, st));
+}
+
+/* Reads whether the submit, or its scene, is known; else makes the document ready to be stored. */
+static bool prepare(struct pen_store *store, struct submission *in, bool *known,
+                    struct pen_status *st)
+{
+    const struct pen_object_owner owner = {.layer = "", .format = "scene"};
+    bool stored = false;
+    if (!pen_db_begin(store->db, PEN_DB_READ, st))
+        return false;
+    bool ok = find_known(store, in, known, st);
+    if (ok) {
+        struct pen_rows *rows = pen_db_rows(store->db, st, "SELECT 1 FROM scene WHERE sha256 = $1",
+                                            "b", (const void *)in->job->scene_sha256, (size_t)32);
+        stored = pen_db_next(rows);
+        ok = pen_db_done(rows);
+    }
+    if (!pen_db_end(store->db, ok, st))
+        return false;
+    if (*known || (stored && !in->missing))
+        return true;
+    if (!store->documents && !(store->documents = pen_compressor_new(LEVEL)))
+        return pen_fail(st, PEN_NO_MEMORY, "no memory to compress a scene");
+    return pen_compress(store->documents, in->job->scene, in->job->scene_bytes, &in->document,
+                        st) &&
+           pen_object_load(store, &owner, NULL, in->document.data, in->document.bytes, &in->loaded,
+                           st);
+}
+
+bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
+                      enum pen_submit_result *result, struct pen_buf *first_answer,
+                      struct pen_status *st)
+{
+    struct submission in = {.job = job,
+                            .client = job->client ? job->client : "",
+                            .result = result,
+                            .first_answer = first_answer};
+    for (int i = 0; i < TRIES; i++) {
+        bool known;
+        if (!prepare(store, &in, &known, st))
+            return false;
+        if (known)
+            return true;
+        if (!pen_db_begin(store->db, PEN_DB_WRITE, st))
+            return false;
+        const bool ok = write_submission(store, &in, st);
+        if (!pen_db_end(store->db, ok && !in.missing, st) && !(ok && in.missing))
+            return false;
+        if (!in.missing) {
+            if (*result == PEN_SUBMIT_CREATED)
+                pen_db_wake(store->db);
+            return true;
+        }
+    }
+    return pen_fail(st, PEN_UNAVAILABLE, "the job's scene was removed meanwhile");
+}
