@@ -128,7 +128,7 @@ static void print_text(const struct figures *f, const struct values *values)
     printf("\ndiffering     %" PRId64 " of %" PRId64 " pixels\n", d->differing,
            (int64_t)f->width * f->height);
     if (d->alpha > 0)
-        printf("alpha         differs in %" PRId64 " pixels\n", d->alpha);
+        printf("alpha         differs in %" PRId64 " pixel%s\n", d->alpha, d->alpha > 1 ? "s" : "");
     if (f->tags_differ)
         printf("tags          differ, and the values are equal\n");
     if (values->tolerance >= 0)
@@ -141,7 +141,8 @@ static bool within(const struct figures *f, const struct values *values, struct 
     const struct pen_difference *d = &f->difference;
     if (d->alpha > 0)
         return pen_fail(st, PEN_DIFFERENT,
-                        "the pictures differ: in the alpha of %" PRId64 " pixels", d->alpha);
+                        "the pictures differ: in the alpha of %" PRId64 " pixel%s", d->alpha,
+                        d->alpha > 1 ? "s" : "");
     if (values->max_rmse >= 0 && !(d->rmse <= values->max_rmse))
         return pen_fail(st, PEN_DIFFERENT, "the pictures differ: rmse %.6g, allowed is %g", d->rmse,
                         values->max_rmse);
