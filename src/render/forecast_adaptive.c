@@ -21,10 +21,11 @@ static const double SMALL_PIXELS = 4096;
  * what is expected. */
 static const double LARGEST_POWER = 1.5, UPWARDS = 2, DOWNWARDS = 0.75, PILOT_OFF = 0.05;
 
-/* A smaller picture of the view: its camera rays for each pixel, the time of a ray, and whether
+/* A smaller picture of the view: its camera rays for each pixel, what a ray takes, and whether
  * time has ended its rounds. */
 struct small {
-    double mean, ray_ms;
+    double mean;
+    struct pen_forecast_ray ray;
     bool timed_out;
 };
 
@@ -60,8 +61,10 @@ static bool render_small(struct pen_thread_pool *pool, const struct pen_forecast
         return false;
     const struct pen_ray_counts *r = &stats.rays;
     out->mean = stats.adaptive.samples.mean;
-    out->ray_ms =
-        stats.render_ms / (double)(r->primary + r->shadow + r->reflection + r->transmission);
+    const double rays = (double)(r->primary + r->shadow + r->reflection + r->transmission);
+    /* While threads wait for a processor, the clock goes on. */
+    const double used = stats.cpu_ms < stats.thread_ms ? stats.cpu_ms / stats.thread_ms : 1;
+    out->ray = (struct pen_forecast_ray){stats.cpu_ms / rays, used * stats.render_ms / rays};
     /* A round for which too little time is left is not begun. */
     out->timed_out = timed && !stats.adaptive.met &&
                      (double)(stats.done_ns - begun_ns) > 0.5 * part * (double)left_ns;
@@ -87,7 +90,8 @@ static void widen(struct pen_estimate *growth, double most)
 }
 
 bool pen_forecast_growth(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
-                         struct pen_estimate *growth, double *ray_ms, struct pen_status *st)
+                         struct pen_estimate *growth, struct pen_forecast_ray *ray,
+                         struct pen_status *st)
 {
     const double pixels = (double)task->settings->width * task->settings->height;
     const double shrink = pixels > SMALL_PIXELS ? sqrt(SMALL_PIXELS / pixels) : 1;
@@ -95,7 +99,7 @@ bool pen_forecast_growth(struct pen_thread_pool *pool, const struct pen_forecast
     if (!render_small(pool, task, shrink / 2, 0.25, &small, st) ||
         !render_small(pool, task, shrink, 1, &large, st))
         return false;
-    *ray_ms = large.ray_ms;
+    *ray = large.ray;
     const double pilot = pen_settings_pilot(task->settings);
     const double more = large.mean / pilot - 1,
                  ratio = more > 0 ? (small.mean / pilot - 1) / more : 1;
