@@ -357,11 +357,6 @@ static void pre_render(struct pen_thread_pool *pool, struct forecast *f)
     pen_thread_pool_run(pool, f->threads, time_blocks, f);
 }
 
-static struct pen_estimate scaled(struct pen_estimate e, double times)
-{
-    return (struct pen_estimate){e.expected * times, e.low * times, e.high * times};
-}
-
 static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_forecast *out)
 {
     const double film = 3.0 * sizeof(float) * f->settings->width * f->settings->height;
@@ -374,7 +369,7 @@ static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_for
     for (int kind = 1; kind < KINDS; kind++)
         out->total.high += of_kind[kind]->expected == 0 ? of_kind[kind]->high : 0;
     out->cpu_ms = estimate_time(f, &out->total);
-    out->time_ms = scaled(out->cpu_ms, 1.0 / f->threads);
+    out->time_ms = pen_estimate_scaled(out->cpu_ms, 1.0 / f->threads);
     const double had = (double)atomic_load(&f->cpu_ns), took = (double)atomic_load(&f->thread_ns);
     out->used = had < took && had > 0 ? had / took : 1;
     out->memory_bytes = film + (double)pen_arena_used(f->input.scene->arena) +
@@ -384,46 +379,6 @@ static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_for
     out->effects = f->input.effects;
     out->seen = f->seen;
     f->seen = NULL;
-}
-
-static double both_off(double a, double b)
-{
-    return sqrt(a * a + b * b);
-}
-
-/* The product of two estimates that are off independently. */
-static struct pen_estimate product(struct pen_estimate a, struct pen_estimate b)
-{
-    const double expected = a.expected * b.expected;
-    if (!(expected > 0))
-        return (struct pen_estimate){0, 0, a.high * b.high};
-    const double down = both_off(1 - a.low / a.expected, 1 - b.low / b.expected);
-    const double up = both_off(a.high / a.expected - 1, b.high / b.expected - 1);
-    return (struct pen_estimate){expected, down < 1 ? expected * (1 - down) : 0,
-                                 expected * (1 + up)};
-}
-
-/* Extends a forecast of the pilot to all rounds. */
-static bool add_rounds(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
-                       struct pen_forecast *out, struct pen_status *st)
-{
-    struct pen_estimate growth, ray = out->cpu_ms;
-    struct pen_forecast_ray took;
-    if (!pen_settings_adaptive(task->settings))
-        return true;
-    if (!pen_forecast_growth(pool, task, &growth, &took, st))
-        return false;
-    struct pen_estimate *const all[] = {&out->primary, &out->shadow, &out->reflection,
-                                        &out->transmission, &out->total};
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
-        *all[i] = product(*all[i], growth);
-    ray = scaled(ray, ray.expected > 0 ? took.cpu_ms / ray.expected : 0);
-    out->cpu_ms = product(out->total, ray);
-    out->time_ms = scaled(out->cpu_ms, took.cpu_ms > 0 ? took.ms / took.cpu_ms : 0);
-    const double pixels = (double)task->settings->width * task->settings->height;
-    out->memory_bytes += pixels * (double)(sizeof(struct pen_pixel_sums) +
-                                           sizeof(struct pen_pixel_estimate) + sizeof(float) + 1);
-    return true;
 }
 
 bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
@@ -450,7 +405,7 @@ bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_t
     if (!ok)
         return pen_fail(st, PEN_NO_MEMORY, "out of memory for the light paths of a forecast");
     if (is_cancelled(&f) ? pen_fail(st, PEN_CANCELLED, "the forecast was cancelled")
-                         : add_rounds(pool, task, out, st)) {
+                         : pen_forecast_add_rounds(pool, task, out, st)) {
         out->spent_ms = (double)(pen_clock_ns() - begun) * 1e-6;
         return true;
     }
