@@ -35,6 +35,11 @@ struct small {
     bool timed_out;
 };
 
+static double within(double low, double x, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
 enum { TIMED_TILE = 8 }; /* the time is asked for between tiles */
 
 /* Renders a smaller picture, in `part` of the time that is left. */
@@ -73,16 +78,11 @@ static bool render_small(struct pen_thread_pool *pool, const struct pen_forecast
     const double cpu_ms = stats.cpu_ms,
                  used = cpu_ms < stats.thread_ms ? cpu_ms / stats.thread_ms : 1;
     out->ray.cpu_ms = cpu_ms / rays;
-    out->ray.ms = fmax(cpu_ms / stats.threads, used * stats.render_ms) / rays;
+    out->ray.ms = within(cpu_ms / stats.threads, used * stats.render_ms, HUGE_VAL) / rays;
     /* A round for which too little time is left is not begun. */
     out->timed_out = timed && !stats.adaptive.met &&
                      (double)(stats.done_ns - begun_ns) > 0.5 * part * (double)left_ns;
     return true;
-}
-
-static double within(double low, double x, double high)
-{
-    return x < low ? low : x > high ? high : x;
 }
 
 static double log2_of(double x)
