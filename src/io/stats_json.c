@@ -82,14 +82,27 @@ static json_t *with_adaptive(json_t *json, const struct pen_stats_input *in)
     return pen_json_with(json, "scene_sha256", json_string(in->scene_sha256));
 }
 
+static json_t *clusters_json(const struct pen_audit *audit)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < audit->clusters; i++) {
+        const struct pen_audit_cluster *c = &audit->cluster[i];
+        json_array_append_new(list, json_pack("{s:i, s:i, s:i, s:i, s:I, s:I}", "x", c->rect.x, "y",
+                                              c->rect.y, "width", c->rect.width, "height",
+                                              c->rect.height, "wrong", (json_int_t)c->wrong,
+                                              "pixels", (json_int_t)c->pixels));
+    }
+    return pen_json_all(list, (size_t)audit->clusters);
+}
+
 json_t *pen_stats_audit(const struct pen_audit *audit)
 {
     char seed[17];
     snprintf(seed, sizeof seed, "%016llx", (unsigned long long)audit->seed);
-    return json_pack("{s:I, s:f, s:I, s:I, s:o, s:s}", "pixels", (json_int_t)audit->pixels,
+    return json_pack("{s:I, s:f, s:I, s:I, s:o, s:s, s:o}", "pixels", (json_int_t)audit->pixels,
                      "threshold", audit->threshold, "wrong", (json_int_t)audit->wrong, "undecided",
                      (json_int_t)audit->undecided, "bound", pen_figure_error(audit->bound), "seed",
-                     seed);
+                     seed, "clusters", clusters_json(audit));
 }
 
 json_t *pen_stats_json(const struct pen_stats_input *in)

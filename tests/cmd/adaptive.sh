@@ -101,7 +101,7 @@ submit '{"scene": "builtin:lens", "budget_seconds": 0}'
 expect_problem "a budget of 0" 422 '*must be a number above 0*'
 
 # Audits
-audit="pixels threshold wrong undecided bound seed"
+audit="pixels threshold wrong undecided bound seed clusters"
 exits "a render with an audit" 0 "$penumbra" render builtin:lens $small --view middle --set target_error=0.02 -q -o a.pfm --stats a.json \
     --audit 0.05 --audit-pixels 200
 expect "has what it found" "$(jq -r '.audit | keys_unsorted | join(" ")' a.json)" "$audit"
@@ -128,6 +128,9 @@ expect_problem "an audit that is a number" 422 '*must be an object of pixels and
 exits "the audit of a file" 0 "$penumbra" audit builtin:lens a.pfm $small --threshold 0.05 --audit-pixels 200 --json
 expect "draws the same pixels" "$(jq -r .seed stdout)" "$(jq -r .audit.seed a.json)"
 exits "with --max-wrong" 7 "$penumbra" audit builtin:lens a.pfm $small --threshold 0.001 --audit-pixels 20 --max-wrong 0.1
+exits "a picture of one sample" 0 "$penumbra" render builtin:lens $small --view middle --set samples_per_pixel=1 -q -o one.pfm
+exits "its audit" 0 "$penumbra" audit builtin:lens one.pfm $small --threshold 0.05 --audit-pixels 200 --view middle
+prints "tells where pixels are wrong" stdout "audited pixels are wrong in columns"
 exits "a picture of another size" 3 "$penumbra" audit builtin:lens a.pfm
 prints "is told both sizes" stderr "has 80 x 60 pixels, the scene is rendered with 800 x 600"
 exits "no picture" 4 "$penumbra" audit builtin:lens none.png $small
