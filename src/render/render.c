@@ -274,8 +274,9 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
         .threads = threads_for(pool, settings, first, first + count),
         .done_lock = PTHREAD_MUTEX_INITIALIZER,
     };
-    run.kernel = pen_kernel_choose(&run.input, (int64_t)count * settings->tile * settings->tile,
-                                   pen_cpu_isa());
+    const int64_t whole = (int64_t)settings->width * settings->height,
+                  tiles = (int64_t)count * settings->tile * settings->tile;
+    run.kernel = pen_kernel_choose(&run.input, tiles < whole ? tiles : whole, pen_cpu_isa());
     bool ok = run_tiles(pool, &run, stats, st);
     free_work(&run);
     if (!ok)
