@@ -81,13 +81,6 @@ static ALWAYS_INLINE void block_end_path(struct pen_block_scratch *b, const stru
         stack_push(&b->unused, b, at);
 }
 
-/* Whether the scene has an effect that this kernel leaves out: what meets it is deferred. */
-static ALWAYS_INLINE bool leaves_out(const struct pen_kernel_input *input, unsigned effect,
-                                     const unsigned fx)
-{
-    return !(fx & effect) && input->full && (input->effects & effect);
-}
-
 /* Traces the wave, whose packet is made. The paths that meet a surface remain in it. */
 static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
                                       struct pen_block_scratch *b, const unsigned fx)
