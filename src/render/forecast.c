@@ -46,7 +46,7 @@ struct forecast {
     const struct pen_forecast_task *task;
     const struct pen_settings *settings;
     struct pen_kernel_input input;
-    const struct pen_kernel *kernel;
+    struct pen_kernel kernel;
     struct pen_kernel_scratch **scratch; /* by thread */
     int threads, columns, rows;          /* of cells */
     int cell_step, block_step;           /* from one cell or block to the one that comes next */
@@ -108,7 +108,7 @@ static void count_cell(struct forecast *f, int thread, int cell)
     struct pen_ray_counts rays = {.primary = 0};
     double rgb[3];
     begin_pixel(f, thread, x, y);
-    f->kernel->pixel(&f->input, f->scratch[thread], x, y, rgb, &rays);
+    f->kernel.pixel(&f->input, f->scratch[thread], x, y, rgb, &rays);
     note_seen(f, x, y);
     f->rays[cell][0] = (double)rays.primary;
     f->rays[cell][1] = (double)rays.shadow;
@@ -159,7 +159,7 @@ static void time_block(struct forecast *f, int thread, int n)
     struct pen_ray_counts rays = {.primary = 0};
     begin_pixel(f, thread, rect.x, rect.y);
     const int64_t begun = pen_clock_thread_ns();
-    pen_render_block(f->kernel, &f->input, f->scratch[thread], rect, rgb, &rays);
+    pen_render_block(&f->kernel, &f->input, f->scratch[thread], rect, rgb, &rays);
     f->block_ns[n] = (double)(pen_clock_thread_ns() - begun);
     f->block_rays[n] = (double)(rays.primary + rays.shadow + rays.reflection + rays.transmission);
 }
@@ -373,9 +373,9 @@ static void run(struct pen_thread_pool *pool, struct forecast *f, struct pen_for
     const double had = (double)atomic_load(&f->cpu_ns), took = (double)atomic_load(&f->thread_ns);
     out->used = had < took && had > 0 ? had / took : 1;
     out->memory_bytes = film + (double)pen_arena_used(f->input.scene->arena) +
-                        (double)f->threads * (double)f->kernel->block_bytes;
+                        (double)f->threads * (double)f->kernel.block_bytes;
     out->pixels = done_cells(f);
-    out->kernel = f->kernel->name;
+    out->kernel = f->kernel.name;
     out->effects = f->input.effects;
     out->seen = f->seen;
     f->seen = NULL;
@@ -397,7 +397,8 @@ bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_t
     if (task->deadline_ns != 0)
         bound(&f, &sampling);
     f.input = pen_kernel_input_of(task->scene, task->view, &sampling);
-    f.kernel = pen_kernel_select(f.input.effects, pen_cpu_isa());
+    f.kernel =
+        pen_kernel_choose(&f.input, (int64_t)sampling.width * sampling.height, pen_cpu_isa());
     const bool ok = make_scratch(&f);
     if (ok)
         run(pool, &f, out);

@@ -31,7 +31,7 @@ struct thread_work {
 struct run {
     const struct pen_render_task *task;
     struct pen_kernel_input input;
-    const struct pen_kernel *kernel;
+    struct pen_kernel kernel;
     int end_tile; /* the first tile after the task's */
     struct pen_tile_queue *queue;
     struct pen_row_order *rows; /* NULL if the task does not request it */
@@ -92,10 +92,10 @@ static void render_block(const struct run *run, int thread, struct pen_rect bloc
         if (task->pixel_begins)
             task->pixel_begins(task->pixel_user, thread, x, y);
         if (!together)
-            run->kernel->pixel(work->input, work->scratch, x, y, rgb[i], &work->rays);
+            run->kernel.pixel(work->input, work->scratch, x, y, rgb[i], &work->rays);
     }
     if (together)
-        run->kernel->block(work->input, work->scratch, block, rgb, &work->rays);
+        run->kernel.block(work->input, work->scratch, block, rgb, &work->rays);
     for (int i = 0; i < pixels; i++) {
         const int x = block.x + i % block.width, y = block.y + i / block.width;
         float *out = task->rgb + 3 * ((size_t)y * (size_t)task->settings->width + (size_t)x);
@@ -131,7 +131,7 @@ static void render_blocks(void *user, int index)
     while (!cancelled(run->task) && pen_tile_queue_take(run->queue, index, &block)) {
         int64_t begun = pen_clock_ns();
         if (run->task->adaptive)
-            pen_refine_block(run->task, run->kernel, work->input, work->scratch, block.rect, index,
+            pen_refine_block(run->task, &run->kernel, work->input, work->scratch, block.rect, index,
                              &work->rays);
         else
             render_block(run, index, block.rect);
@@ -169,7 +169,7 @@ static int sum_work(const struct run *run, struct pen_render_stats *stats)
     stats->cpu_ms = (double)cpu * 1e-6;
     stats->thread_ms = (double)present * 1e-6;
     stats->threads = run->threads;
-    stats->kernel = run->kernel->name;
+    stats->kernel = run->kernel.name;
     stats->effects = run->input.effects;
     return tiles;
 }
@@ -274,7 +274,9 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
         .threads = threads_for(pool, settings, first, first + count),
         .done_lock = PTHREAD_MUTEX_INITIALIZER,
     };
-    run.kernel = pen_kernel_select(run.input.effects, pen_cpu_isa());
+    const int64_t whole = (int64_t)settings->width * settings->height,
+                  tiles = (int64_t)count * settings->tile * settings->tile;
+    run.kernel = pen_kernel_choose(&run.input, tiles < whole ? tiles : whole, pen_cpu_isa());
     bool ok = run_tiles(pool, &run, stats, st);
     free_work(&run);
     if (!ok)

@@ -36,7 +36,7 @@ static bool shows(const struct pen_material *m, enum pen_effect effect)
     case PEN_FX_SPECULAR:
         return is_lit(m->ks);
     case PEN_FX_PATTERNS:
-        return m->patterns != NULL;
+        return pen_material_is_patterned(m);
     case PEN_FX_HARD_SHADOWS:
     case PEN_FX_SOFT_SHADOWS:
     case PEN_FX_ANTI_ALIASING:
