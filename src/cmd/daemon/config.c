@@ -28,7 +28,7 @@ static const struct pen_option options[] = {
      .env = "PENUMBRA_LISTEN",
      .help = "where to serve HTTP, 127.0.0.1:8080 by default; port 0 takes a free one. Any address "
              "but 127.0.0.1, localhost and [::1] needs --tokens, and also --tls-cert, "
-             "--trusted-proxy or --plain-http"},
+             "--trusted-proxy or --plain-http. Not with --role worker"},
     {.name = "store",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, store),
@@ -43,7 +43,18 @@ static const struct pen_option options[] = {
      .value = "all|api|worker",
      .choices = roles,
      .env = "PENUMBRA_ROLE",
-     .help = "all, the default, runs and supervises one api and one worker process"},
+     .help =
+         "which processes to run and supervise: an api process, which serves and never renders, "
+         "a worker process, which renders and serves nothing, or, by default, one of each"},
+    {.name = "until-idle",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, until_idle),
+     .value = "SECONDS",
+     .max = 1000000000,
+     .env = "PENUMBRA_UNTIL_IDLE",
+     .help =
+         "with --role worker: end, with exit code 0, once the worker has found nothing to render "
+         "for so long; 0, the default, never"},
     {.name = "threads",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, threads),
@@ -226,11 +237,6 @@ static const struct pen_option options[] = {
      .value = "FD",
      .max = 1 << 20,
      .hidden = true},
-    {.name = "internal-store-identity",
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct pen_config, store_identity),
-     .value = "DIGITS",
-     .hidden = true},
     {.name = "internal-worker-name",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, worker_name),
@@ -270,7 +276,8 @@ const struct pen_command pen_command_daemon = {
     .arguments = "",
     .summary = "The render daemon: takes scenes over HTTP, queues them durably, renders them.",
     .details =
-        "The first line on standard output is `listening on http://HOST:PORT`, or https. "
+        "The first line on standard output is `listening on http://HOST:PORT`, or https; with "
+        "--role worker there is none. "
         "SIGTERM drains the daemon and ends it within 10 s; SIGHUP reads the configuration again "
         "and opens the log file anew. Every option is also an environment variable and a "
         "key of the configuration file. The command line overrides the environment, the "
@@ -419,29 +426,46 @@ static bool read_size(const char *text, int64_t *bytes, struct pen_status *st)
                     text);
 }
 
+bool pen_config_serves(const struct pen_config *config)
+{
+    return strcmp(config->role, "worker") != 0;
+}
+
+bool pen_config_renders(const struct pen_config *config)
+{
+    return strcmp(config->role, "api") != 0;
+}
+
+/* Checks what depends on the role, and sets the address. A worker that was told where to listen, or
+ * a service that was told to end, would silently do something else than was asked for. */
+static bool check_role(struct pen_config *config, struct pen_status *st)
+{
+    if (!pen_config_serves(config))
+        return !config->listen ||
+               pen_fail(st, PEN_USAGE,
+                        "listen: found \"%s\" with --role worker, which serves nothing: write "
+                        "--role worker alone, or --role api with --listen, or --listen alone to "
+                        "serve and render",
+                        config->listen);
+    if (config->until_idle)
+        return pen_fail(
+            st, PEN_USAGE,
+            "until-idle: found %d with --role %s; only --role worker ends without work, "
+            "since clients may come at any time to one that serves",
+            config->until_idle, config->role);
+    if (!config->listen)
+        config->listen = "127.0.0.1:8080";
+    return pen_address_parse(config->listen, &config->address, st);
+}
+
 static bool check(struct pen_config *config, struct pen_status *st)
 {
     config->keep_bytes_max = 0;
     if (config->keep_bytes && !read_size(config->keep_bytes, &config->keep_bytes_max, st))
         return false;
-    if (!pen_address_parse(config->listen, &config->address, st) ||
-        !pen_access_check(&config->access, &config->address, st))
-        return false;
-    if (!(config->store && *config->store) && !make_default_store(config, st))
-        return false;
-    config->store_url = config->store;
-    return !config->store_identity || pen_config_know_store(config, config->store_identity, st);
-}
-
-bool pen_config_know_store(struct pen_config *config, const char *identity, struct pen_status *st)
-{
-    char *url;
-    const char *path = config->store_path ? config->store_path : config->store;
-    if (asprintf(&url, "store:%s:%s", identity, path) < 0)
-        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
-    free(config->known_store);
-    config->store_url = config->known_store = url;
-    return true;
+    return check_role(config, st) &&
+           pen_access_check(&config->access, config->listen ? &config->address : NULL, st) &&
+           ((config->store && *config->store) || make_default_store(config, st));
 }
 
 int pen_config_load(struct pen_config *config, int argc, char **argv)
@@ -451,8 +475,7 @@ int pen_config_load(struct pen_config *config, int argc, char **argv)
     struct pen_status st;
     struct pen_errors errors = {0};
     *config =
-        (struct pen_config){.listen = "127.0.0.1:8080",
-                            .role = "all",
+        (struct pen_config){.role = "all",
                             .log_format = "text",
                             .log_level = "info",
                             .max = {.seconds = 24 * 60 * 60, .priority = 100, .queue = 100000},
@@ -470,12 +493,10 @@ int pen_config_load(struct pen_config *config, int argc, char **argv)
         pen_report_version(program);
         return 0;
     }
-    if (config->control_fd < 0) {
-        if (!pen_options_from_env(&pen_command_daemon, config, &parsed, &st))
-            return pen_report(program, NULL, &st);
-        if (config->file && !read_file(config, &parsed, &errors))
-            return pen_report_errors(program, config->file, &errors);
-    }
+    if (!pen_options_from_env(&pen_command_daemon, config, &parsed, &st))
+        return pen_report(program, NULL, &st);
+    if (config->file && !read_file(config, &parsed, &errors))
+        return pen_report_errors(program, config->file, &errors);
     return check(config, &st) ? -1 : pen_report(program, NULL, &st);
 }
 
@@ -483,7 +504,6 @@ void pen_config_release(struct pen_config *config)
 {
     json_decref(config->document);
     free(config->default_store);
-    free(config->known_store);
     pen_access_release(&config->access);
     *config = (struct pen_config){.listen_fd = -1, .control_fd = -1};
 }
