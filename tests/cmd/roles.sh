@@ -10,6 +10,8 @@ worker_start() { # ARGUMENT…: adds to $workers, the supervisors
 }
 workers_end() { # NAME: all of them end by themselves, with exit code 0
     codes=
+    # shellcheck disable=SC2086 # process ids
+    within gone $workers
     for one in $workers; do
         wait "$one"
         codes="$codes $?"
@@ -51,6 +53,7 @@ kill -KILL "$api"
 within gone "$api"
 expect "no connection is refused while it is replaced" \
     "$(curl -s -m 20 -o /dev/null -w '%{http_code}' "$url/healthz")" 200
+within curl -sf "$url/readyz"
 
 # A scene that crashes its worker fails alone, whichever supervisor's worker it meets
 export PENUMBRA_TEST_FAULT=segv@3,5@bad
