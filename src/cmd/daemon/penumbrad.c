@@ -99,7 +99,6 @@ static int start_listening(const struct pen_config *config, struct pen_status *s
     if (fd < 0)
         return fd;
     const char *scheme = config->access.tls_cert ? "https" : "http";
-    pen_signals_hold();
     printf("listening on %s://%s:%d\n", scheme, config->address.host, port);
     pen_log(PEN_LOG_INFO, "listening on %s://%s:%d, store %s", scheme, config->address.host, port,
             config->store);
@@ -114,6 +113,7 @@ static int supervise_store(const struct pen_config *config, struct pen_store *st
 {
     struct pen_status st;
     int fd = -1;
+    pen_signals_hold();
     if (pen_config_serves(config) && (fd = start_listening(config, &st)) < 0)
         return pen_report(program, NULL, &st);
     int code = pen_report_finish(program, 0);

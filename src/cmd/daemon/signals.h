@@ -4,8 +4,8 @@
 #ifndef PEN_CMD_DAEMON_SIGNALS_H
 #define PEN_CMD_DAEMON_SIGNALS_H
 
-/* Keeps these signals pending until pen_signals_open, so that a SIGTERM drains the daemon as soon
- * as it has said that it listens. */
+/* Keeps these signals pending until pen_signals_open, so that a SIGTERM drains the daemon from the
+ * moment on when it begins to change anything. */
 void pen_signals_hold(void);
 
 /* The same, and blocks no other signals any more: so the supervisor starts its children, for whom
