@@ -17,8 +17,8 @@
 
 static const char program[] = "penumbrad";
 
-/* Whether this supervisor both serves and renders. Only such a one makes a store, and sets what is
- * kept. */
+/* Whether this supervisor both serves and renders. Only such a one makes a store, sets what is
+ * kept, and releases the leases of dead workers. */
 static bool is_whole(const struct pen_config *config)
 {
     return pen_config_serves(config) && pen_config_renders(config);
@@ -61,7 +61,9 @@ static struct pen_store *open_store(const struct pen_config *config, char **url,
     return NULL;
 }
 
-/* Opens the batches of workers of this host that have ended without a supervisor to report it. */
+/* Opens the batches of workers of this host that have ended without a supervisor to report it. One
+ * whose supervisor is about to report it may be among them, and is then not charged. So this is not
+ * done at the start of each supervisor, since those of workers may come and go all the time. */
 static void release_dead(struct pen_store *store)
 {
     struct pen_status st;
@@ -74,7 +76,8 @@ static void release_dead(struct pen_store *store)
                 opened == 1 ? "" : "es");
 }
 
-/* What only a whole daemon does with the store: it sets what is kept, and makes the reserve. */
+/* What only a whole daemon does with the store: it releases leases, sets what is kept, and makes
+ * the reserve. */
 static bool equip_store(const struct pen_config *config, struct pen_store *store,
                         struct pen_status *st)
 {
@@ -82,6 +85,7 @@ static bool equip_store(const struct pen_config *config, struct pen_store *store
                                        .keep_bytes = config->keep_bytes_max,
                                        .keep_jobs = config->keep_jobs};
     struct pen_status why;
+    release_dead(store);
     if (!pen_store_reserve(store, &why))
         pen_log(PEN_LOG_WARN, "%s", why.msg);
     if (pen_store_set_retention(store, &keep, st))
@@ -117,7 +121,6 @@ static int supervise_store(const struct pen_config *config, struct pen_store *st
     if (pen_config_serves(config) && (fd = start_listening(config, &st)) < 0)
         return pen_report(program, NULL, &st);
     int code = pen_report_finish(program, 0);
-    release_dead(store);
     if (code == 0 && is_whole(config) && !equip_store(config, store, &st))
         code = pen_report(program, config->store, &st);
     if (code == 0)
