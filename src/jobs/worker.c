@@ -51,6 +51,7 @@ struct worker {
     struct pen_batch_context context;
     struct pen_housekeeper *housekeeper;
     int64_t expired_ns, seen_ns; /* when each was last done, see maintain */
+    int64_t worked_ns;           /* when there was last work, or none was looked for */
     int memory_tries;            /* in a row */
     bool lacks_space;            /* the batch failed because a result of it found no space */
     int64_t logged_ns;           /* when a failure of the store was last logged */
@@ -336,12 +337,21 @@ static bool maintain(struct worker *w, struct pen_status *st)
     return true;
 }
 
-/* Claims a batch. If there is none, waits for a wake-up, at most IDLE_MS. */
+/* Whether the worker is to end since it has had nothing to do. */
+static bool idled(const struct worker *w)
+{
+    return w->options->idle_ms && pen_clock_ns() - w->worked_ns >= w->options->idle_ms * 1000000;
+}
+
+/* Claims a batch. If there is none, waits for a wake-up, at most IDLE_MS. A store that cannot be
+ * asked is no lack of work. */
 static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_status *st)
 {
     next->found = false;
-    if (!pen_store_claim(w->store, next->worker, next->lease_ms, &next->claim, &next->found, st))
+    if (!pen_store_claim(w->store, next->worker, next->lease_ms, &next->claim, &next->found, st)) {
+        w->worked_ns = pen_clock_ns();
         return wait_to_retry(w, "claiming a batch", st) || is_temporary(st);
+    }
     if (!next->found && !stopped(w))
         pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->wakeups, IDLE_MS);
     return true;
@@ -352,7 +362,8 @@ static bool run(struct worker *w, struct pen_status *st)
     struct pen_next next = {.worker = w->options->id, .lease_ms = w->lease_ms};
     pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->wakeups, 0);
     pen_store_tally_add(w->store, PEN_TALLY_WORKER_STARTS, 1);
-    while (!stopped(w)) {
+    w->worked_ns = pen_clock_ns();
+    while (!stopped(w) && !idled(w)) {
         if (!maintain(w, st) || !claim_or_wait(w, &next, st))
             return false;
         while (next.found && !stopped(w)) {
@@ -360,6 +371,7 @@ static bool run(struct worker *w, struct pen_status *st)
             next.found = false;
             if (!work_on(w, &claim, &next, st) || !maintain(w, st))
                 return false;
+            w->worked_ns = pen_clock_ns();
         }
         if (next.found && !release(w, &next.claim, st))
             return false;
