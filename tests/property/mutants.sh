@@ -771,6 +771,10 @@ mutant verdict_effect study/test_verdict 0 "half of the least effect is enough"
 edit src/study/verdict.c 1 's/above = 1 \+ least_effect,/above = 1 + least_effect \/ 2,/'
 judge_test
 
+mutant equal_volumes h147_equal_solids 4000 "volumes are compared to the last bit"
+edit src/scene/freeze_solids.c 1 's/SAME_VOLUME = 1e-12/SAME_VOLUME = 0/'
+judge
+
 mutant verdict_quotient study/test_verdict 0 "a quotient of intervals is that of their ends"
 edit src/study/verdict.c 1 's/out\.low = a->low \/ b->high;/out.low = a->low \/ b->low;/'
 judge_test
