@@ -13,7 +13,8 @@ static const double PI = 3.14159265358979323846;
 /* The part of a beam's samples that is drawn from the bounds of things. */
 static const double PART = 0.5;
 
-/* Bounds of bright things that take a larger share of a beam are met by samples of the whole beam as well. */
+/* Bounds of bright things that take a larger share of a beam are met by samples of the whole beam
+ * as well. */
 static const double LARGE = 0.25;
 
 /* Own light from which on a primitive is bright. */
@@ -21,10 +22,6 @@ static const double BRIGHT = 4;
 
 /* The most small things of a beam that is no texture, and the most bounds that are sampled. */
 enum { SMALL_MOST = 4, BOUNDS_MOST = 16 };
-
-/* Samples of the bounds of small things that halve the probability of missing one: a convex thing
- * takes half of the least rectangle around it or more, unless others hide it. */
-static const double BOUNDS_SMALL = 2;
 
 /* Bounds of a thing in one beam. With a lens: a rectangle, which moves with the point of the lens,
  * and the part of the lens from which it can be in the pixel. */
@@ -519,8 +516,11 @@ double pen_beam_unseen(const struct pen_beams *beams, size_t pixel, const double
     double small = 0;
     if (met->small_share > 0 && view->agree)
         small = fmin(1, part / (double)met->small_share);
+    /* A convex thing takes half of the least rectangle around it or more: so each sample of its
+     * bounds halves the probability that it is unseen, unless others hide it. */
+    const double bounds = beams->first[pixel + 1] - beams->first[pixel];
     if (met->small_share > 0 && view->looks)
-        small = fmin(1, view->times * pen_pow(2, -PART * view->samples / BOUNDS_SMALL));
+        small = fmin(1, view->times * pen_pow(2, -PART * view->samples / bounds));
     if (met->share == 0 && small == 0)
         return 0;
     double light[3];
