@@ -1,17 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/internal/beams.h"
+#include "render/internal/beam_bounds.h"
 
 #include "math/fn.h"
 #include <math.h>
 #include <stdlib.h>
-
-#include "render/internal/projection.h"
-#include "render/transfer.h"
-
-static const double PI = 3.14159265358979323846;
-
-/* The part of a beam's samples that is drawn from the bounds of things. */
-static const double PART = 0.5;
 
 /* Bounds of bright things that take a larger share of a beam are met by samples of the whole beam
  * as well. */
@@ -22,35 +14,6 @@ static const double BRIGHT = 4;
 
 /* The most small things of a beam that is no texture, and the most bounds that are sampled. */
 enum { SMALL_MOST = 4, BOUNDS_MOST = 16 };
-
-/* Bounds of a thing in one beam. With a lens: a rectangle, which moves with the point of the lens,
- * and the part of the lens from which it can be in the pixel. */
-struct bounds {
-    size_t pixel;
-    struct pen_point2 corner, a, b; /* of a parallelogram, from the pixel's corner on: its edges */
-    struct pen_shear shear;
-    struct pen_point2 lens_lo, lens_hi;
-    double share; /* of the beam */
-    float light[3];
-    bool small;
-};
-
-/* The things of a beam. */
-struct met {
-    float light[3], share; /* of bright ones: with n samples 1 / n of the sums is unseen */
-    float small_light[3], small_share; /* of small ones, as their bounds have them */
-};
-
-struct pen_beams {
-    int width, height;
-    bool lens, any;
-    uint64_t seed;
-    enum pen_transfer transfer;
-    struct met *met;       /* by pixel */
-    struct bounds *bounds; /* sorted by pixel */
-    size_t count, room;
-    uint32_t *first; /* bounds of pixel i are first[i] to first[i + 1] - 1 */
-};
 
 /* A thing, while its beams are found. */
 struct thing {
@@ -96,6 +59,11 @@ static struct pen_vec3 light_of(const struct pen_scene *scene, uint32_t prim)
     return pen_add(sum, pen_mul(on, scene->background));
 }
 
+static bool is_bright(const struct pen_scene *scene, uint32_t prim)
+{
+    return largest(own_light(scene, &scene->materials[scene->prim_material[prim]])) > BRIGHT;
+}
+
 static bool add_bounds(struct pen_beams *beams, const struct bounds *bounds)
 {
     if (beams->count == beams->room) {
@@ -122,6 +90,15 @@ static void add_met(struct pen_beams *beams, const struct bounds *b, double part
 
 static bool add_beam(struct pen_beams *beams, const struct bounds *b)
 {
+    if (b->most > 0) {
+        struct met *met = &beams->met[b->pixel];
+        for (int c = 0; c < 3; c++) {
+            met->blurred[c] += b->light[c];
+            met->most[c] += b->light[c] * b->most;
+        }
+        beams->any = true;
+        return true;
+    }
     if (b->small || b->share <= LARGE)
         return add_bounds(beams, b);
     add_met(beams, b, 1);
@@ -220,7 +197,7 @@ static bool add_lens_pixel(struct pen_beams *beams, const struct thing *thing, s
     b.b = (struct pen_point2){0, hi.y - lo.y};
     b.shear = thing->shear;
     b.share = fmin(1, b.a.x) * fmin(1, b.b.y) *
-              fmin(1, (b.lens_hi.x - b.lens_lo.x) * (b.lens_hi.y - b.lens_lo.y) / PI);
+              fmin(1, (b.lens_hi.x - b.lens_lo.x) * (b.lens_hi.y - b.lens_lo.y) / PEN_BEAM_PI);
     b.pixel = (size_t)y * (size_t)beams->width + (size_t)x;
     return add_beam(beams, &b);
 }
@@ -283,9 +260,8 @@ static bool is_wide(const struct pen_kernel_input *input, uint32_t prim)
 static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *input, uint32_t prim)
 {
     const struct pen_scene *scene = input->scene;
-    const struct pen_material *m = &scene->materials[scene->prim_material[prim]];
     const uint32_t kind = scene->prims.ref[prim].kind;
-    const bool bright = largest(own_light(scene, m)) > BRIGHT;
+    const bool bright = is_bright(scene, prim);
     struct thing thing;
     if (pen_prim_infinite(kind) || (!bright && is_wide(input, prim)) ||
         (pen_prim_flat(kind) && !bright))
@@ -298,6 +274,77 @@ static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *inp
     thing.bounds = (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
                                    .small = !bright};
     return add_thing(beams, &thing);
+}
+
+/* A flat mirror, and how wide the cone of its rays is. */
+struct mirror {
+    struct pen_vec3 point, normal, kr;
+    double blur; /* the tangent of the cone's half-angle */
+};
+
+static bool mirror_of(const struct pen_kernel_input *input, uint32_t prim, struct mirror *mirror)
+{
+    const struct pen_scene *scene = input->scene;
+    const uint32_t material = scene->prim_material[prim];
+    const struct pen_material *m = &scene->materials[material];
+    const struct pen_prim_ref ref = scene->prims.ref[prim];
+    if (!pen_prim_flat(ref.kind) || !(largest(m->kr) > input->settings->min_contribution))
+        return false;
+    const struct pen_outline outline = pen_prim_outline(&scene->prims, prim);
+    const double cosine = 1 - scene->blurs[material].reflection;
+    mirror->kr = m->patterns ? pen_scale(m->kr, 2) : m->kr;
+    mirror->blur = sqrt(1 - cosine * cosine) / fmax(cosine, 1e-3);
+    mirror->point = outline.count > 0 ? outline.v[0] : scene->prims.plane[ref.index].q;
+    mirror->normal = pen_prim_normal(&scene->prims, (struct pen_hit){.prim = prim}, mirror->point);
+    return true;
+}
+
+/* Adds the picture of a bright thing in a mirror: that of a sphere around it, as far behind the
+ * mirror. A blurred one is seen in a wider sphere. There a ray meets the thing with a probability
+ * of at most its share of the cone, from as near as the mirror can be. */
+static bool add_mirrored(struct pen_beams *beams, const struct pen_kernel_input *input,
+                         uint32_t prim, const struct mirror *mirror)
+{
+    const struct pen_box box = pen_prim_bounds(&input->scene->prims, prim);
+    const struct pen_vec3 center = pen_box_center(box);
+    const double away = pen_dot(pen_sub(center, mirror->point), mirror->normal),
+                 eye = pen_dot(pen_sub(input->pinhole.eye, mirror->point), mirror->normal);
+    double radius = input->scene->prims.ref[prim].kind == PEN_PRIM_SPHERE
+                        ? 0.5 * (box.hi.x - box.lo.x)
+                        : 0.5 * pen_length(pen_sub(box.hi, box.lo));
+    struct pen_sphere picture;
+    struct thing thing;
+    if (away * eye <= 0)
+        return true;
+    const struct pen_vec3 c = pen_along(center, mirror->normal, -2 * away);
+    const double ratio = radius / (fmax(fabs(away) - radius, 1e-9) * mirror->blur);
+    radius += mirror->blur * pen_length(pen_sub(c, input->pinhole.eye));
+    if (!pen_sphere_make(&picture, c, radius) ||
+        !pen_project_sphere(input, &picture, &thing.hull, &thing.shear))
+        return true;
+    const struct pen_vec3 light = pen_mul(light_of(input->scene, prim), mirror->kr);
+    thing.bounds = (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
+                                   .most = mirror->blur > 0 ? (float)fmin(1, ratio * ratio) : 0};
+    return add_thing(beams, &thing);
+}
+
+/* Adds what mirrors show of bright things. */
+static bool add_mirrors(struct pen_beams *beams, const struct pen_kernel_input *input)
+{
+    enum { MIRRORS_MOST = 16 };
+    const struct pen_scene *scene = input->scene;
+    struct mirror mirror[MIRRORS_MOST];
+    int count = 0;
+    for (uint32_t i = 0; i < scene->prims.count && count < MIRRORS_MOST; i++)
+        count += mirror_of(input, i, &mirror[count]);
+    for (uint32_t i = 0; count > 0 && i < scene->prims.count; i++) {
+        if (pen_prim_infinite(scene->prims.ref[i].kind) || !is_bright(scene, i))
+            continue;
+        for (int k = 0; k < count; k++)
+            if (!add_mirrored(beams, input, i, &mirror[k]))
+                return false;
+    }
+    return true;
 }
 
 /* Sorts the bounds by pixel, and leaves out those of beams that have too many. */
@@ -328,14 +375,14 @@ static bool sort_bounds(struct pen_beams *beams)
             if (sorted[i].small && small > SMALL_MOST)
                 continue;
             if (kept == BOUNDS_MOST) {
-                add_met(beams, &sorted[i], 1 - PART);
+                add_met(beams, &sorted[i], 1 - PEN_BEAM_PART);
                 continue;
             }
             beams->bounds[count++] = sorted[i];
             kept++;
         }
         for (int i = 0; i < kept; i++)
-            add_met(beams, &beams->bounds[count - 1 - (size_t)i], PART / kept);
+            add_met(beams, &beams->bounds[count - 1 - (size_t)i], PEN_BEAM_PART / kept);
         from = end;
     }
     beams->first[pixels] = (uint32_t)count;
@@ -353,7 +400,7 @@ static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input)
     for (uint32_t i = 0; i < input->scene->prims.count; i++)
         if (!add_prim(beams, input, i))
             return false;
-    return sort_bounds(beams);
+    return add_mirrors(beams, input) && sort_bounds(beams);
 }
 
 bool pen_beams_new(const struct pen_kernel_input *input, struct pen_beams **out,
@@ -387,145 +434,4 @@ void pen_beams_free(struct pen_beams *beams)
     free(beams->bounds);
     free(beams->first);
     free(beams);
-}
-
-static size_t pixel_at(const struct pen_beams *beams, int x, int y)
-{
-    return (size_t)y * (size_t)beams->width + (size_t)x;
-}
-
-enum pen_beam_things pen_beam_things(const struct pen_beams *beams, size_t pixel)
-{
-    if (!beams || beams->first[pixel + 1] == beams->first[pixel])
-        return PEN_BEAM_NONE;
-    for (uint32_t i = beams->first[pixel]; i < beams->first[pixel + 1]; i++)
-        if (!beams->bounds[i].small)
-            return PEN_BEAM_BRIGHT;
-    return PEN_BEAM_SMALL;
-}
-
-/* Bounds as seen from a point of the lens: those of a lens are cut to the pixel. Returns the
- * density of their points, for which the whole beam has 1; 0: nothing of them is seen from there.
- */
-static double bounds_from(const struct pen_beams *beams, const struct bounds *b,
-                          struct pen_point2 lens, struct bounds *seen)
-{
-    *seen = *b;
-    if (!beams->lens)
-        return 1 / b->share;
-    if (lens.x < b->lens_lo.x || lens.x > b->lens_hi.x || lens.y < b->lens_lo.y ||
-        lens.y > b->lens_hi.y)
-        return 0;
-    const double x = b->corner.x + b->shear.x * lens.x, y = b->corner.y + b->shear.y * lens.y;
-    seen->corner = (struct pen_point2){fmax(0, x), fmax(0, y)};
-    seen->a.x = fmin(1, x + b->a.x) - seen->corner.x;
-    seen->b.y = fmin(1, y + b->b.y) - seen->corner.y;
-    if (!(seen->a.x > 0) || !(seen->b.y > 0))
-        return 0;
-    const double lens_share = (b->lens_hi.x - b->lens_lo.x) * (b->lens_hi.y - b->lens_lo.y) / PI;
-    return 1 / (seen->a.x * seen->b.y * lens_share);
-}
-
-/* The density with which bounds give a point of the beam. */
-static double density_at(const struct pen_beams *beams, const struct bounds *b, struct pen_point2 p,
-                         struct pen_point2 lens)
-{
-    struct bounds seen;
-    const double density = bounds_from(beams, b, lens, &seen);
-    if (density == 0)
-        return 0;
-    const double x = p.x - seen.corner.x, y = p.y - seen.corner.y;
-    const double area = seen.a.x * seen.b.y - seen.a.y * seen.b.x;
-    const double i = (x * seen.b.y - y * seen.b.x) / area, k = (seen.a.x * y - seen.a.y * x) / area;
-    return i >= 0 && i <= 1 && k >= 0 && k <= 1 ? density : 0;
-}
-
-/* A point of bounds, by a point of the unit square for the image and one for the lens. */
-static void point_in(const struct pen_beams *beams, const struct bounds *b, struct pen_point2 s,
-                     struct pen_point2 *p, struct pen_point2 *lens)
-{
-    struct bounds seen;
-    if (beams->lens)
-        *lens = (struct pen_point2){b->lens_lo.x + (b->lens_hi.x - b->lens_lo.x) * lens->x,
-                                    b->lens_lo.y + (b->lens_hi.y - b->lens_lo.y) * lens->y};
-    bounds_from(beams, b, *lens, &seen);
-    p->x = seen.corner.x + s.x * seen.a.x + s.y * seen.b.x;
-    p->y = seen.corner.y + s.x * seen.a.y + s.y * seen.b.y;
-}
-
-static bool in_beam(struct pen_point2 p, struct pen_point2 lens)
-{
-    return p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1 && lens.x * lens.x + lens.y * lens.y <= 1;
-}
-
-double pen_beam_sample(const struct pen_beams *beams, const struct pen_camera_sample *sample,
-                       struct pen_camera_point *at)
-{
-    const size_t pixel = pixel_at(beams, sample->x, sample->y);
-    const struct bounds *bounds = &beams->bounds[beams->first[pixel]];
-    const int count = (int)(beams->first[pixel + 1] - beams->first[pixel]);
-    struct pen_sample_key key = {.seed = beams->seed,
-                                 .x = (uint32_t)sample->x,
-                                 .y = (uint32_t)sample->y,
-                                 .purpose = PEN_PURPOSE_PIXEL};
-    struct pen_point2 p, s = pen_sobol2(pen_sample_hash(&key), sample->index), lens = {0, 0};
-    if (beams->lens) {
-        key.purpose = PEN_PURPOSE_LENS;
-        lens = pen_sobol2(pen_sample_hash(&key), sample->index);
-    }
-    if (s.x < PART) {
-        const double place = s.x / PART * count;
-        const int i = (int)place;
-        s.x = place - i;
-        point_in(beams, &bounds[i], s, &p, &lens);
-    } else {
-        p = (struct pen_point2){(s.x - PART) / (1 - PART), s.y};
-        lens = beams->lens ? pen_disk_of_square(lens) : lens;
-    }
-    const bool within = in_beam(p, lens);
-    if (!within)
-        p = lens = (struct pen_point2){0, 0};
-    *at = (struct pen_camera_point){sample->x + p.x, sample->y + p.y, lens};
-    double density = 1 - PART;
-    for (int i = 0; i < count; i++)
-        density += PART / count * density_at(beams, &bounds[i], p, lens);
-    return within ? 1 / density : 0;
-}
-
-/* The mean square of what values change if a share of so much light is added, or lost. */
-static double change(const struct pen_beams *beams, const double linear[3], const double light[3],
-                     double share, double lost)
-{
-    double sum = 0;
-    for (int c = 0; c < 3; c++) {
-        const double value = pen_encode_unit_near(linear[c], beams->transfer);
-        const double more = fmax(0, light[c] - share * linear[c]);
-        const double up = pen_encode_unit_near(linear[c] + more, beams->transfer) - value,
-                     down = value - pen_encode_unit_near(linear[c] * (1 - lost), beams->transfer);
-        const double off = fmax(up, down);
-        sum += off * off / 3;
-    }
-    return sum;
-}
-
-double pen_beam_unseen(const struct pen_beams *beams, size_t pixel, const double linear[3],
-                       const struct pen_beam_view *view)
-{
-    const struct met *met = &beams->met[pixel];
-    const double part = view->times / view->samples;
-    double small = 0;
-    if (met->small_share > 0 && view->agree)
-        small = fmin(1, part / (double)met->small_share);
-    /* A convex thing takes half of the least rectangle around it or more: so each sample of its
-     * bounds halves the probability that it is unseen, unless others hide it. */
-    const double bounds = beams->first[pixel + 1] - beams->first[pixel];
-    if (met->small_share > 0 && view->looks)
-        small = fmin(1, view->times * pen_pow(2, -PART * view->samples / bounds));
-    if (met->share == 0 && small == 0)
-        return 0;
-    double light[3];
-    for (int c = 0; c < 3; c++)
-        light[c] = part * (double)met->light[c] + small * (double)met->small_light[c];
-    const double lost = fmin(1, small * (double)met->small_share);
-    return change(beams, linear, light, part * (double)met->share + lost, lost);
 }

@@ -84,6 +84,15 @@ static void add_camera_box(const struct pen_kernel_input *input, struct points *
     }
 }
 
+static bool add_around_sphere(const struct pen_kernel_input *input, struct points *points,
+                              const struct pen_sphere *s)
+{
+    if (!input->lens.open)
+        return add_sphere(input, points, s);
+    add_camera_box(input, points, s);
+    return true;
+}
+
 static void add_bounds(struct points *points, struct pen_box b)
 {
     for (int i = 0; i < 8; i++)
@@ -98,11 +107,9 @@ static bool points_around(const struct pen_kernel_input *input, uint32_t prim,
     const struct pen_prim_ref ref = prims->ref[prim];
     const struct pen_outline outline = pen_prim_outline(prims, prim);
     points->count = 0;
-    if (ref.kind == PEN_PRIM_SPHERE && input->lens.open)
-        add_camera_box(input, points, &prims->sphere[ref.index]);
-    else if (ref.kind == PEN_PRIM_SPHERE)
-        return add_sphere(input, points, &prims->sphere[ref.index]);
-    else if (ref.kind == PEN_PRIM_CYLINDER)
+    if (ref.kind == PEN_PRIM_SPHERE)
+        return add_around_sphere(input, points, &prims->sphere[ref.index]);
+    if (ref.kind == PEN_PRIM_CYLINDER)
         add_rims(points, &prims->cylinder[ref.index], prims->cylinder[ref.index].round.r,
                  prims->cylinder[ref.index].round.r);
     else if (ref.kind == PEN_PRIM_CONE)
@@ -181,18 +188,15 @@ static struct pen_shear shear_at(const struct pen_kernel_input *input, double t)
                               -off * pen_dot(input->lens.up, p->dy) / pen_dot(p->dy, p->dy)};
 }
 
-bool pen_project(const struct pen_kernel_input *input, uint32_t prim, struct pen_hull *hull,
-                 struct pen_shear *shear)
+static bool project(const struct pen_kernel_input *input, const struct points *points,
+                    struct pen_hull *hull, struct pen_shear *shear)
 {
     const struct pen_pinhole *pinhole = &input->pinhole;
     const double mm = pen_dot(pinhole->middle, pinhole->middle);
-    struct points points;
     struct pen_point2 at[PEN_HULL_MAX];
     double nearest = INFINITY, farthest = 0;
-    if (!points_around(input, prim, &points))
-        return false;
-    for (int i = 0; i < points.count; i++) {
-        const struct pen_vec3 q = pen_sub(points.p[i], pinhole->eye);
+    for (int i = 0; i < points->count; i++) {
+        const struct pen_vec3 q = pen_sub(points->p[i], pinhole->eye);
         const double t = pen_dot(q, pinhole->middle) / mm;
         if (!(t > 1e-9))
             return false;
@@ -203,7 +207,7 @@ bool pen_project(const struct pen_kernel_input *input, uint32_t prim, struct pen
         at[i].y =
             pinhole->half_height + pen_dot(q, pinhole->dy) / pen_dot(pinhole->dy, pinhole->dy) / t;
     }
-    hull_of(at, points.count, hull);
+    hull_of(at, points->count, hull);
     widen(hull);
     *shear = (struct pen_shear){0, 0};
     if (!input->lens.open)
@@ -212,6 +216,20 @@ bool pen_project(const struct pen_kernel_input *input, uint32_t prim, struct pen
     *shear = (struct pen_shear){0.5 * (a.x + b.x), 0.5 * (a.y + b.y)};
     to_rectangle(hull, 0.5 * fabs(a.x - b.x), 0.5 * fabs(a.y - b.y));
     return true;
+}
+
+bool pen_project(const struct pen_kernel_input *input, uint32_t prim, struct pen_hull *hull,
+                 struct pen_shear *shear)
+{
+    struct points points;
+    return points_around(input, prim, &points) && project(input, &points, hull, shear);
+}
+
+bool pen_project_sphere(const struct pen_kernel_input *input, const struct pen_sphere *sphere,
+                        struct pen_hull *hull, struct pen_shear *shear)
+{
+    struct points points = {.count = 0};
+    return add_around_sphere(input, &points, sphere) && project(input, &points, hull, shear);
 }
 
 /* The part of a polygon on one side of a line across x or y: where sign (coordinate - at) >= 0. */

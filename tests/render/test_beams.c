@@ -150,6 +150,24 @@ START_TEST(test_beams__a_light_out_of_focus_keeps_its_light)
 }
 END_TEST
 
+/* A mirror at x = -1 and a lamp that only it shows: the picture is that of a lamp behind it. */
+START_TEST(test_beams__a_lamp_in_a_mirror_is_seen)
+{
+    static float want[SIDE * SIDE];
+    begin(0.005);
+    kit_sphere(&kit, pen_vec3(-3.2, 0.03, 1), 0.02, kit_material(&kit, kit_glow(24, 24, 24)));
+    want_spheres(want);
+    begin(0.005);
+    struct pen_material mirror = kit_matte(0);
+    mirror.kr = pen_vec3(0.5, 0.5, 0.5);
+    kit_sphere(&kit, pen_vec3(1.2, 0.03, 1), 0.02, kit_material(&kit, kit_glow(48, 48, 48)));
+    kit_plane(&kit, pen_vec3(-1, 0, 0), pen_vec3(1, 0, 0), kit_material(&kit, mirror));
+    for (int i = 0; i < SIDE * SIDE; i++) /* the lamp itself is seen, too */
+        want[i] += (float)(48 * covered(&kit.objects[0], i % SIDE, i / SIDE));
+    ck_assert_int_eq(pictures_beyond(want), 0);
+}
+END_TEST
+
 PEN_SUITE("beams", test_beams__the_rim_of_a_lamp_is_seen,
           test_beams__dots_smaller_than_a_pixel_are_seen, test_beams__a_wire_is_seen_in_every_pixel,
-          test_beams__a_light_out_of_focus_keeps_its_light)
+          test_beams__a_light_out_of_focus_keeps_its_light, test_beams__a_lamp_in_a_mirror_is_seen)

@@ -2,7 +2,7 @@
 /* Small and bright things, and the beams that may meet them. A beam is all that a pixel's samples
  * can be: the points of the pixel, with a lens each with a point of the lens.
  *
- * A thing is a primitive whose own light is above white, or one that is round and less than a pixel
+ * A thing is a primitive whose own light is well above white, or one that is round and less than a pixel
  * wide. Samples of a whole beam miss it: four samples miss what covers a tenth of a pixel two times
  * in three, and then all agree. But where it is is known: bounds of its projection. So in beams
  * that it may take a part of,
@@ -11,7 +11,9 @@
  *    SIGGRAPH 95, the balance heuristic): so their weighted mean is that of the beam.
  *  - it remains unseen with a share of at most about 1 / n of its bounds, where n samples of these
  *    were taken: pen_beam_unseen.
- * Beams with many small things are textures, which pixels and their neighbours tell. */
+ * Beams with many small things are textures, which pixels and their neighbours tell. A flat mirror
+ * shows a bright thing as if it were behind it; where the mirror is blurred, samples do not look
+ * for it, but what they may not have seen counts. */
 #ifndef PEN_RENDER_INTERNAL_BEAMS_H
 #define PEN_RENDER_INTERNAL_BEAMS_H
 

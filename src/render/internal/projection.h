@@ -25,6 +25,10 @@ struct pen_shear {
 bool pen_project(const struct pen_kernel_input *input, uint32_t prim, struct pen_hull *hull,
                  struct pen_shear *shear);
 
+/* The same of a sphere. */
+bool pen_project_sphere(const struct pen_kernel_input *input, const struct pen_sphere *sphere,
+                        struct pen_hull *hull, struct pen_shear *shear);
+
 /* The part of a polygon between lo and hi along x, or y. */
 void pen_hull_clip(const struct pen_hull *hull, bool along_y, double lo, double hi,
                    struct pen_hull *part);
