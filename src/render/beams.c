@@ -347,6 +347,61 @@ static bool add_mirrors(struct pen_beams *beams, const struct pen_kernel_input *
     return true;
 }
 
+/* The point of a sphere where a light is mirrored to the eye: the normal there is between the
+ * directions to both. Each step brings it nearer. */
+static struct pen_vec3 highlight_at(const struct pen_kernel_input *input,
+                                    const struct pen_sphere *sphere, const struct pen_light *light)
+{
+    enum { STEPS = 50 };
+    struct pen_vec3 p = sphere->c;
+    for (int i = 0; i < STEPS; i++) {
+        const struct pen_vec3 to_eye = pen_normalize(pen_sub(input->pinhole.eye, p)),
+                              to_light = light->positional
+                                             ? pen_normalize(pen_sub(light->position, p))
+                                             : pen_scale(light->direction, -1);
+        p = pen_along(sphere->c, pen_normalize(pen_add(to_eye, to_light)), sphere->r);
+    }
+    return p;
+}
+
+/* Adds the highlight of a light on a sphere if it is less than some pixels wide: it is a small
+ * thing. Where the normal is off by an angle, the mirrored ray is off by twice that. */
+static bool add_highlight(struct pen_beams *beams, const struct pen_kernel_input *input,
+                          const struct pen_sphere *sphere, const struct pen_material *m,
+                          const struct pen_light *light)
+{
+    static const double dark = 4.6 /* -ln 0.01 */, wide = 8;
+    const double angle = sqrt(2 * dark / m->shininess) / 2;
+    struct pen_sphere around;
+    struct thing thing;
+    const struct pen_vec3 p = highlight_at(input, sphere, light);
+    if (!(angle < 0.1) || !pen_sphere_make(&around, p, sphere->r * angle) ||
+        !pen_project_sphere(input, &around, &thing.hull, &thing.shear) || thing.hull.count < 3 ||
+        pen_hull_area(&thing.hull) > wide)
+        return true;
+    const struct pen_vec3 brought =
+        pen_mul(m->ks, light_within(light, (struct pen_box){around.c, around.c}));
+    thing.bounds = (struct bounds){.light = {(float)brought.x, (float)brought.y, (float)brought.z},
+                                   .small = true};
+    return add_thing(beams, &thing);
+}
+
+/* Adds the highlights of all spheres. */
+static bool add_highlights(struct pen_beams *beams, const struct pen_kernel_input *input)
+{
+    const struct pen_scene *scene = input->scene;
+    for (uint32_t i = 0; i < scene->prims.count; i++) {
+        const struct pen_prim_ref ref = scene->prims.ref[i];
+        const struct pen_material *m = &scene->materials[scene->prim_material[i]];
+        if (ref.kind != PEN_PRIM_SPHERE || !(largest(m->ks) > 0) || m->shininess < 100)
+            continue;
+        for (uint32_t k = 0; k < scene->light_count; k++)
+            if (!add_highlight(beams, input, &scene->prims.sphere[ref.index], m, &scene->lights[k]))
+                return false;
+    }
+    return true;
+}
+
 /* Sorts the bounds by pixel, and leaves out those of beams that have too many. */
 static bool sort_bounds(struct pen_beams *beams)
 {
@@ -400,7 +455,7 @@ static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input)
     for (uint32_t i = 0; i < input->scene->prims.count; i++)
         if (!add_prim(beams, input, i))
             return false;
-    return add_mirrors(beams, input) && sort_bounds(beams);
+    return add_mirrors(beams, input) && add_highlights(beams, input) && sort_bounds(beams);
 }
 
 bool pen_beams_new(const struct pen_kernel_input *input, struct pen_beams **out,
