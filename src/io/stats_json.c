@@ -51,20 +51,21 @@ static json_t *rounds_json(const struct pen_adaptive_stats *adaptive)
     return pen_json_all(rounds, (size_t)adaptive->rounds);
 }
 
-/* {target_error, met, interval, confidence, samples_per_pixel: {mean, min, p50, p95, max},
- * capped_pixels, rounds}. */
+/* {rule, target_error, met, interval, confidence, samples_per_pixel: {mean, min, p50, p95, max},
+ * capped_pixels, unproven, rounds}. */
 static json_t *adaptive_json(const struct pen_adaptive_stats *adaptive)
 {
     const struct pen_round *last = &adaptive->round[adaptive->rounds - 1];
     const struct pen_sample_spread *s = &adaptive->samples;
     json_t *target = adaptive->target > PEN_TARGET_NONE ? json_real(adaptive->target) : json_null();
-    return json_pack("{s:o, s:b, s:[o, o], s:f, s:{s:o, s:I, s:I, s:I, s:I}, s:I, s:o}",
-                     "target_error", target, "met", adaptive->met, "interval",
-                     pen_figure_error(last->low), pen_figure_error(last->high), "confidence",
-                     PEN_ADAPTIVE_CONFIDENCE, "samples_per_pixel", "mean", pen_figure(s->mean),
-                     "min", (json_int_t)s->least, "p50", (json_int_t)s->median, "p95",
-                     (json_int_t)s->p95, "max", (json_int_t)s->most, "capped_pixels",
-                     (json_int_t)adaptive->capped, "rounds", rounds_json(adaptive));
+    return json_pack("{s:i, s:o, s:b, s:[o, o], s:f, s:{s:o, s:I, s:I, s:I, s:I}, s:I, s:f, s:o}",
+                     "rule", PEN_ADAPTIVE_RULE, "target_error", target, "met", adaptive->met,
+                     "interval", pen_figure_error(last->low), pen_figure_error(last->high),
+                     "confidence", PEN_ADAPTIVE_CONFIDENCE, "samples_per_pixel", "mean",
+                     pen_figure(s->mean), "min", (json_int_t)s->least, "p50", (json_int_t)s->median,
+                     "p95", (json_int_t)s->p95, "max", (json_int_t)s->most, "capped_pixels",
+                     (json_int_t)adaptive->capped, "unproven", adaptive->unproven, "rounds",
+                     rounds_json(adaptive));
 }
 
 /* Adds what is known of an adaptive render; and of one that a time has ended, what repeats it. */

@@ -128,7 +128,7 @@ static enum verdict audit_pixel(const struct job *job, int thread, size_t at)
     for (int c = 0; c < 3; c++) {
         double replicate[PEN_AUDIT_REPLICATES];
         for (int i = 0; i < PEN_AUDIT_REPLICATES; i++) {
-            const uint32_t kept = again[i].kept[0];
+            const double kept = again[i].kept[0];
             const double linear = kept > 0 ? again[i].sum[0][c] / kept : mean[c];
             replicate[i] = pen_encode_unit(linear, transfer);
         }

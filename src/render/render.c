@@ -288,8 +288,8 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
 /* Renders a pixel; with `refined` above 0, with so many samples, in the rounds that lead to them
  * from the pilot's: the order in which samples are added has a part in the last bits. */
 static bool render_pixel(const struct pen_kernel_input *input, int x, int y, uint32_t pilot,
-                         uint32_t refined, double rgb[3], struct pen_ray_counts *rays,
-                         struct pen_status *st)
+                         uint32_t refined, const struct pen_beams *beams, double rgb[3],
+                         struct pen_ray_counts *rays, struct pen_status *st)
 {
     struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(input);
     const struct pen_kernel *kernel = pen_kernel_select(input->effects, pen_cpu_isa());
@@ -305,7 +305,7 @@ static bool render_pixel(const struct pen_kernel_input *input, int x, int y, uin
         struct pen_pixel_sums sums = {.samples = 0};
         for (uint32_t end = pilot; end <= refined; end *= 2) {
             const struct pen_sample_range range = {
-                .x = x, .y = y, .first = sums.samples, .end = end, .sums = &sums};
+                .x = x, .y = y, .first = sums.samples, .end = end, .sums = &sums, .beams = beams};
             pen_trace_samples(kernel, input, scratch, &range, 1, rays);
         }
         pen_pixel_mean(&sums, rgb);
@@ -320,7 +320,7 @@ bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_
                       struct pen_status *st)
 {
     const struct pen_kernel_input input = pen_kernel_input_of(scene, view, settings);
-    return render_pixel(&input, x, y, 0, 0, rgb, rays, st);
+    return render_pixel(&input, x, y, 0, 0, NULL, rgb, rays, st);
 }
 
 bool pen_render_refined_pixel(const struct pen_scene *scene, int view,
@@ -329,8 +329,10 @@ bool pen_render_refined_pixel(const struct pen_scene *scene, int view,
 {
     const struct pen_kernel_input input = pen_kernel_input_of(scene, view, &adaptive->sampling);
     const size_t at = (size_t)y * (size_t)adaptive->settings->width + (size_t)x;
-    return render_pixel(&input, x, y, pen_settings_pilot(adaptive->settings),
-                        adaptive->sums[at].samples, rgb, rays, st);
+    const uint32_t pilot = pen_settings_pilot(adaptive->settings);
+    const uint32_t first = adaptive->sums[at].looks == PEN_LOOKS ? 2 * pilot : pilot;
+    return render_pixel(&input, x, y, first, adaptive->sums[at].samples,
+                        pen_adaptive_beams(adaptive, at), rgb, rays, st);
 }
 
 bool pen_dropped_warning(const struct pen_ray_counts *rays, char *text, size_t bytes)

@@ -70,9 +70,10 @@ struct pen_camera_point {
 /* A sample of a replicate: a replicate of a pixel is a sequence of camera rays with scramblings of
  * its own, of which any beginning may be averaged (math/sample.h: struct pen_sample_key). */
 struct pen_camera_sample {
-    int x, y;           /* the pixel */
-    uint32_t replicate; /* from 0 on; audits alone have several */
-    uint32_t index;     /* in the replicate, from 0 on */
+    int x, y;                          /* the pixel */
+    uint32_t replicate;                /* from 0 on; audits alone have several */
+    uint32_t index;                    /* in the replicate, from 0 on */
+    const struct pen_camera_point *at; /* instead of its point of the sequence; NULL: that */
 };
 
 /* One sample of a pixel: its radiance. The pixel is that of the scratch memory's sampling key. */

@@ -66,6 +66,15 @@ exits "a render with a budget" 0 budget 100 140 0.3 -q -o t.pfm --stats t.json -
 expect "has no target" "$(jq '.adaptive | .target_error == null and (.met | not)' t.json)" true
 exits "its rounds repeated by one thread" 0 "$penumbra" render builtin:room-soft --repeat t.json -q -o r.pfm --threads 1
 check "give the same bytes" cmp t.pfm r.pfm
+jq '.adaptive.rule = 7' t.json >rule.json
+exits "rounds of another rule" 4 "$penumbra" render builtin:room-soft --repeat rule.json -q -o w.pfm
+prints "are refused by its number" stderr "has the rounds of rule 7 for a target error; this version has rule 2"
+jq 'del(.adaptive.rule)' t.json >rule.json
+exits "rounds without a rule" 4 "$penumbra" render builtin:room-soft --repeat rule.json -q -o w.pfm
+prints "are of the first one" stderr "rule 1"
+exits "lights out of focus with few samples" 0 "$penumbra" render "$root/tests/cmd/bokeh.json" --set max_samples=16 -q -o w.pfm --stats w.json
+prints "are told of" stderr "of the pixels may show small or bright objects"
+expect "by a share" "$(jq '.adaptive | .unproven > 0.01 and .unproven < 0.5 and (.met | not)' w.json)" true
 exits "a budget that is too small" 0 budget 100 140 0 -q -o u.pfm --stats u.json
 expect "gives the first round" "$(jq -c '.adaptive.rounds | map([.pixels, .tiles])' u.json)" "[[14000,20]]"
 exits "a budget with a target" 0 budget 50 70 1000 --set target_error=0.01 -q -o t.pfm --stats t.json

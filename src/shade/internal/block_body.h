@@ -191,6 +191,15 @@ static ALWAYS_INLINE int block_order(struct pen_block_scratch *b, struct pen_rec
     return pixels;
 }
 
+static ALWAYS_INLINE void block_set_point(struct block_points *points, int i,
+                                          const struct pen_camera_point *at)
+{
+    points->x[i] = at->x;
+    points->y[i] = at->y;
+    points->lens_x[i] = at->lens.x;
+    points->lens_y[i] = at->lens.y;
+}
+
 /* Samples of replicates, as the block's pixels: their radiances. */
 static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
                                          struct pen_kernel_scratch *scratch,
@@ -212,6 +221,9 @@ static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
     block_begin_sequences(input, b, b->pixel_sample, count, &sequences, fx);
     memcpy(sequences.index, b->ray, (size_t)count * sizeof *b->ray);
     block_set_points(input, &sequences, count, SEVERAL_SAMPLES, &at, fx);
+    for (int i = 0; i < count; i++)
+        if (samples[i].at)
+            block_set_point(&at, i, samples[i].at);
     if (fx & FX_SAMPLED)
         scratch->key = replicate_key(input, &samples[0]);
     if (input->trace->nearest_packet &&
