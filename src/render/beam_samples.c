@@ -33,9 +33,9 @@ static double bounds_from(const struct pen_beams *beams, const struct bounds *b,
         lens.y > b->lens_hi.y)
         return 0;
     const double x = b->corner.x + b->shear.x * lens.x, y = b->corner.y + b->shear.y * lens.y;
-    seen->corner = (struct pen_point2){fmax(0, x), fmax(0, y)};
-    seen->a.x = fmin(1, x + b->a.x) - seen->corner.x;
-    seen->b.y = fmin(1, y + b->b.y) - seen->corner.y;
+    seen->corner = (struct pen_point2){pen_larger(0, x), pen_larger(0, y)};
+    seen->a.x = pen_smaller(1, x + b->a.x) - seen->corner.x;
+    seen->b.y = pen_smaller(1, y + b->b.y) - seen->corner.y;
     if (!(seen->a.x > 0) || !(seen->b.y > 0))
         return 0;
     const double lens_share =
@@ -119,10 +119,10 @@ static double change(const struct pen_beams *beams, const double linear[3], cons
     double sum = 0;
     for (int c = 0; c < 3; c++) {
         const double value = pen_encode_unit_near(linear[c], beams->transfer);
-        const double more = fmax(0, light[c] - share * linear[c]);
+        const double more = pen_larger(0, light[c] - share * linear[c]);
         const double up = pen_encode_unit_near(linear[c] + more, beams->transfer) - value,
                      down = value - pen_encode_unit_near(linear[c] * (1 - lost), beams->transfer);
-        const double off = fmax(up, down);
+        const double off = pen_larger(up, down);
         sum += off * off / 3;
     }
     return sum;
@@ -135,18 +135,18 @@ double pen_beam_unseen(const struct pen_beams *beams, size_t pixel, const double
     const double part = view->times / view->samples;
     double small = 0;
     if (met->small_share > 0 && view->agree)
-        small = fmin(1, part / (double)met->small_share);
+        small = pen_smaller(1, part / (double)met->small_share);
     /* A convex thing takes half of the least rectangle around it or more: so each sample of its
      * bounds halves the probability that it is unseen, unless others hide it. */
     const double bounds = beams->first[pixel + 1] - beams->first[pixel];
     if (met->small_share > 0 && view->looks)
-        small = fmin(1, view->times * pen_pow(2, -PEN_BEAM_PART * view->samples / bounds));
+        small = pen_smaller(1, view->times * pen_pow(2, -PEN_BEAM_PART * view->samples / bounds));
     if (met->share == 0 && small == 0 && met->most[0] + met->most[1] + met->most[2] == 0)
         return 0;
     double light[3];
     for (int c = 0; c < 3; c++)
         light[c] = part * (double)met->light[c] + small * (double)met->small_light[c] +
-                   fmin(part / BLURRED_RAYS * (double)met->blurred[c], (double)met->most[c]);
-    const double lost = fmin(1, small * (double)met->small_share);
+                   pen_smaller(part / BLURRED_RAYS * (double)met->blurred[c], (double)met->most[c]);
+    const double lost = pen_smaller(1, small * (double)met->small_share);
     return change(beams, linear, light, part * (double)met->share + lost, lost);
 }

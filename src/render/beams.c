@@ -24,7 +24,7 @@ struct thing {
 
 static double largest(struct pen_vec3 c)
 {
-    return fmax(c.x, fmax(c.y, c.z));
+    return pen_larger(c.x, pen_larger(c.y, c.z));
 }
 
 /* What a material shines by itself; of a pattern, more than either of its two colours. */
@@ -40,11 +40,12 @@ static struct pen_vec3 light_within(const struct pen_light *light, struct pen_bo
     if (!light->positional)
         return light->intensity;
     const struct pen_vec3 p = light->position;
-    const double x = fmax(0, fmax(box.lo.x - p.x, p.x - box.hi.x)),
-                 y = fmax(0, fmax(box.lo.y - p.y, p.y - box.hi.y)),
-                 z = fmax(0, fmax(box.lo.z - p.z, p.z - box.hi.z));
+    const double x = pen_larger(0, pen_larger(box.lo.x - p.x, p.x - box.hi.x)),
+                 y = pen_larger(0, pen_larger(box.lo.y - p.y, p.y - box.hi.y)),
+                 z = pen_larger(0, pen_larger(box.lo.z - p.z, p.z - box.hi.z));
     const double dd = x * x + y * y + z * z, d = sqrt(dd);
-    return pen_scale(light->intensity, 1 / fmax(light->kc + light->kl * d + light->kq * dd, 1e-6));
+    return pen_scale(light->intensity,
+                     1 / pen_larger(light->kc + light->kl * d + light->kq * dd, 1e-6));
 }
 
 /* The most light of a primitive that is seen. */
@@ -114,10 +115,10 @@ static double around(const struct pen_hull *part, struct pen_point2 along, struc
     for (int i = 0; i < part->count; i++) {
         const struct pen_point2 p = part->p[i];
         const double u = p.x * along.x + p.y * along.y, v = p.y * along.x - p.x * along.y;
-        lo_i = fmin(lo_i, u);
-        hi_i = fmax(hi_i, u);
-        lo_k = fmin(lo_k, v);
-        hi_k = fmax(hi_k, v);
+        lo_i = pen_smaller(lo_i, u);
+        hi_i = pen_larger(hi_i, u);
+        lo_k = pen_smaller(lo_k, v);
+        hi_k = pen_larger(hi_k, v);
     }
     b->corner =
         (struct pen_point2){lo_i * along.x - lo_k * along.y, lo_i * along.y + lo_k * along.x};
@@ -172,8 +173,8 @@ static bool lens_range(double lo, double hi, double shear, double *from, double 
     if (fabs(shear) < 1e-12)
         return hi > 0 && lo < 1;
     const double a = -hi / shear, b = (1 - lo) / shear;
-    *from = fmax(-1, fmin(a, b));
-    *to = fmin(1, fmax(a, b));
+    *from = pen_larger(-1, pen_smaller(a, b));
+    *to = pen_smaller(1, pen_larger(a, b));
     return *from < *to;
 }
 
@@ -188,16 +189,17 @@ static bool add_lens_pixel(struct pen_beams *beams, const struct thing *thing, s
         !lens_range(lo.y, hi.y, thing->shear.y, &b.lens_lo.y, &b.lens_hi.y))
         return true;
     /* The place of the rectangle of the lens that is nearest its middle. */
-    const double u = fmax(0, fmax(b.lens_lo.x, -b.lens_hi.x)),
-                 v = fmax(0, fmax(b.lens_lo.y, -b.lens_hi.y));
+    const double u = pen_larger(0, pen_larger(b.lens_lo.x, -b.lens_hi.x)),
+                 v = pen_larger(0, pen_larger(b.lens_lo.y, -b.lens_hi.y));
     if (u * u + v * v >= 1)
         return true;
     b.corner = lo;
     b.a = (struct pen_point2){hi.x - lo.x, 0};
     b.b = (struct pen_point2){0, hi.y - lo.y};
     b.shear = thing->shear;
-    b.share = fmin(1, b.a.x) * fmin(1, b.b.y) *
-              fmin(1, (b.lens_hi.x - b.lens_lo.x) * (b.lens_hi.y - b.lens_lo.y) / PEN_BEAM_PI);
+    b.share =
+        pen_smaller(1, b.a.x) * pen_smaller(1, b.b.y) *
+        pen_smaller(1, (b.lens_hi.x - b.lens_lo.x) * (b.lens_hi.y - b.lens_lo.y) / PEN_BEAM_PI);
     b.pixel = (size_t)y * (size_t)beams->width + (size_t)x;
     return add_beam(beams, &b);
 }
@@ -241,7 +243,7 @@ static bool is_thin(const struct pen_hull *hull)
 {
     const struct pen_point2 lo = pen_hull_least(hull), hi = pen_hull_largest(hull);
     const double x = hi.x - lo.x, y = hi.y - lo.y;
-    return pen_hull_area(hull) < fmax(1, sqrt(x * x + y * y));
+    return pen_hull_area(hull) < pen_larger(1, sqrt(x * x + y * y));
 }
 
 /* Whether a sphere certainly is no thing unless it is bright: the usual case, told quickly. */
@@ -293,7 +295,7 @@ static bool mirror_of(const struct pen_kernel_input *input, uint32_t prim, struc
     const struct pen_outline outline = pen_prim_outline(&scene->prims, prim);
     const double cosine = 1 - scene->blurs[material].reflection;
     mirror->kr = m->patterns ? pen_scale(m->kr, 2) : m->kr;
-    mirror->blur = sqrt(1 - cosine * cosine) / fmax(cosine, 1e-3);
+    mirror->blur = sqrt(1 - cosine * cosine) / pen_larger(cosine, 1e-3);
     mirror->point = outline.count > 0 ? outline.v[0] : scene->prims.plane[ref.index].q;
     mirror->normal = pen_prim_normal(&scene->prims, (struct pen_hit){.prim = prim}, mirror->point);
     return true;
@@ -317,14 +319,15 @@ static bool add_mirrored(struct pen_beams *beams, const struct pen_kernel_input 
     if (away * eye <= 0)
         return true;
     const struct pen_vec3 c = pen_along(center, mirror->normal, -2 * away);
-    const double ratio = radius / (fmax(fabs(away) - radius, 1e-9) * mirror->blur);
+    const double ratio = radius / (pen_larger(fabs(away) - radius, 1e-9) * mirror->blur);
     radius += mirror->blur * pen_length(pen_sub(c, input->pinhole.eye));
     if (!pen_sphere_make(&picture, c, radius) ||
         !pen_project_sphere(input, &picture, &thing.hull, &thing.shear))
         return true;
     const struct pen_vec3 light = pen_mul(light_of(input->scene, prim), mirror->kr);
-    thing.bounds = (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
-                                   .most = mirror->blur > 0 ? (float)fmin(1, ratio * ratio) : 0};
+    thing.bounds =
+        (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
+                        .most = mirror->blur > 0 ? (float)pen_smaller(1, ratio * ratio) : 0};
     return add_thing(beams, &thing);
 }
 

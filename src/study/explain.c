@@ -404,7 +404,7 @@ static void write_clock(const json_t *explanation, struct pen_buf *out)
     const struct unit *unit = time_units;
     while (ms < unit->from)
         unit++;
-    pen_buf_printf(out, "  %-20s %8.3g %s now, as threads wait %.0f %% of the time; %.3g alone",
+    pen_buf_printf(out, "  %-20s %8.3g %s now (threads wait %.0f %%), %.3g alone",
                    "time by the clock", ms / unit->one, unit->name, 100 * load,
                    ms * (1 - load) / unit->one);
     if (actual)

@@ -4,9 +4,16 @@
 #ifndef PEN_RENDER_INTERNAL_BEAM_BOUNDS_H
 #define PEN_RENDER_INTERNAL_BEAM_BOUNDS_H
 
+#include "math/scale.h"
 #include "render/internal/beams.h"
 #include "render/internal/projection.h"
 #include "render/transfer.h"
+
+/* The smaller of two numbers, none of which is NaN. */
+static inline double pen_smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
 
 #define PEN_BEAM_PI 3.14159265358979323846
 

@@ -2,10 +2,10 @@
 /* Small and bright things, and the beams that may meet them. A beam is all that a pixel's samples
  * can be: the points of the pixel, with a lens each with a point of the lens.
  *
- * A thing is a primitive whose own light is well above white, or one that is round and less than a pixel
- * wide. Samples of a whole beam miss it: four samples miss what covers a tenth of a pixel two times
- * in three, and then all agree. But where it is is known: bounds of its projection. So in beams
- * that it may take a part of,
+ * A thing is a primitive whose own light is well above white, or one that is round and less than a
+ * pixel wide. Samples of a whole beam miss it: four samples miss what covers a tenth of a pixel two
+ * times in three, and then all agree. But where it is is known: bounds of its projection. So in
+ * beams that it may take a part of,
  *  - half the samples are drawn from the bounds of the beam's things, each thing the same number.
  *    A sample counts by the inverse of the density with which it was drawn (Veach and Guibas,
  *    SIGGRAPH 95, the balance heuristic): so their weighted mean is that of the beam.
