@@ -39,7 +39,7 @@ done
 command -v curl >/dev/null || fail "there is no curl: run sh deploy/install-deps.sh"
 unset PENUMBRA_URL PENUMBRA_TOKEN PENUMBRA_LISTEN PENUMBRA_STORE PENUMBRA_ROLE PENUMBRA_THREADS \
     PENUMBRA_MAX_TIMEOUT PENUMBRA_TOKENS PENUMBRA_CONFIG PENUMBRA_LOG_FILE PENUMBRA_LOG_FORMAT \
-    PENUMBRA_LOG_LEVEL
+    PENUMBRA_LOG_LEVEL PENUMBRA_UNTIL_IDLE
 mkdir -p "$demo"
 rm -f "$demo/room.png" "$demo/stats.json"
 

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "film/encode.h"
+#include "film/internal/picture.h"
 #include "math/fn.h"
 
 /* Added to the tolerance: 8-bit codes that are 2 apart differ by 2/255 only up to rounding. */
@@ -28,19 +30,48 @@ struct squares {
     double all, within;
 };
 
-static struct squares compare_row(const double *a, const double *b, int width, int y,
-                                  struct pen_difference *d)
+/* A row of a picture, and how many values it has for each pixel. */
+struct row {
+    double *encoded, *linear, *alpha;
+};
+enum { ROW_VALUES = 7 };
+
+static struct row row_of(double *memory, int width)
+{
+    return (struct row){memory, memory + 3 * (size_t)width, memory + 6 * (size_t)width};
+}
+
+static void read_row(const struct pen_picture *picture, int y, struct row *row)
+{
+    pen_picture_encoded_row(picture, y, row->encoded);
+    pen_picture_linear_row(picture, y, row->linear);
+    pen_picture_alpha_row(picture, y, row->alpha);
+}
+
+/* The encoded value i of a row, not clamped. */
+static double unclamped(const struct row *row, size_t i)
+{
+    const double linear = row->linear[i];
+    return linear < 0 || linear > 1 ? pen_encode_srgb(linear) : row->encoded[i];
+}
+
+static struct squares compare_row(const struct row *a, const struct row *b, bool clamped, int width,
+                                  int y, struct pen_difference *d)
 {
     struct squares sum = {0, 0};
     for (int x = 0; x < width; x++) {
         double square = 0, largest = 0;
-        for (int c = 0; c < 3; c++) {
-            double error = fabs(a[3 * x + c] - b[3 * x + c]);
+        for (size_t i = 3 * (size_t)x; i < 3 * (size_t)x + 3; i++) {
+            double error = fabs(a->encoded[i] - b->encoded[i]);
             square += error * error;
+            if (!clamped)
+                error = fabs(unclamped(a, i) - unclamped(b, i));
             largest = error > largest ? error : largest;
         }
+        const bool other_alpha = a->alpha[x] != b->alpha[x];
         update_largest(d, largest, x, y);
-        d->differing += largest > 0;
+        d->differing += largest > 0 || other_alpha;
+        d->alpha += other_alpha;
         sum.all += square;
         if (largest > d->tolerance + rounding_slack)
             d->over++;
@@ -77,23 +108,24 @@ bool pen_picture_compare(const struct pen_picture *a, const struct pen_picture *
     const int width = pen_picture_width(a), height = pen_picture_height(a);
     if (!pen_picture_same_size(a, b, st))
         return false;
-    double *row_a = malloc((size_t)width * 6 * sizeof *row_a);
-    if (!row_a)
+    double *memory = malloc((size_t)width * 2 * ROW_VALUES * sizeof *memory);
+    if (!memory)
         return pen_fail(st, PEN_NO_MEMORY, "no memory to compare pictures");
     struct pen_difference d = {.tolerance = tolerance};
     struct squares sum = {0, 0};
-    double *row_b = row_a + 3 * (size_t)width, relative = 0;
+    const bool clamped = !pen_picture_is_pfm(a) || !pen_picture_is_pfm(b);
+    struct row row_a = row_of(memory, width),
+               row_b = row_of(memory + ROW_VALUES * (size_t)width, width);
+    double relative = 0;
     for (int y = 0; y < height; y++) {
-        pen_picture_encoded_row(a, y, row_a);
-        pen_picture_encoded_row(b, y, row_b);
-        const struct squares row = compare_row(row_a, row_b, width, y, &d);
+        read_row(a, y, &row_a);
+        read_row(b, y, &row_b);
+        const struct squares row = compare_row(&row_a, &row_b, clamped, width, y, &d);
         sum.all += row.all;
         sum.within += row.within;
-        pen_picture_linear_row(a, y, row_a);
-        pen_picture_linear_row(b, y, row_b);
-        relative += relative_row(row_a, row_b, width);
+        relative += relative_row(row_a.linear, row_b.linear, width);
     }
-    free(row_a);
+    free(memory);
     const double pixels = (double)width * height, within = pixels - (double)d.over;
     d.rmse = sqrt(sum.all / (3 * pixels));
     d.relative_mse = relative / (3 * pixels);

@@ -11,6 +11,8 @@
 #include "base/status.h"
 #include "film/picture.h"
 
+/* Of two PFM files, max_error, differing and over are of values that are not clamped to [0, 1]: the
+ * encoding is continued by its formula. */
 struct pen_difference {
     double rmse;
     /* The mean of (a - b)^2 / (b^2 + 0.01) over all values, linear and not clamped: b is the
@@ -20,6 +22,7 @@ struct pen_difference {
     double max_error;  /* the largest difference of one value */
     int max_x, max_y;  /* the first pixel with that difference */
     int64_t differing; /* pixels that differ at all */
+    int64_t alpha;     /* of these, pixels that differ in alpha */
     double tolerance;
     int64_t over;       /* pixels with a value that differs by more than the tolerance */
     double rmse_within; /* rmse of the other pixels; 0 if there are none */

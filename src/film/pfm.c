@@ -195,7 +195,7 @@ struct pen_picture *pen_pfm_read(const unsigned char *bytes, size_t count, struc
     struct pfm pfm;
     if (!read_head(bytes, count, &pfm, st))
         return NULL;
-    struct pen_picture *picture = pen_picture_new(pfm.width, pfm.height, PICTURE_FLOAT, st);
+    struct pen_picture *picture = pen_picture_new(pfm.width, pfm.height, 3, PICTURE_FLOAT, st);
     if (!picture || fill(&pfm, picture->owned, st))
         return picture;
     pen_picture_free(picture);

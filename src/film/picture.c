@@ -10,8 +10,8 @@
 static const size_t sample_bytes[] = {
     [PICTURE_8] = 1, [PICTURE_16] = sizeof(uint16_t), [PICTURE_FLOAT] = sizeof(float)};
 
-struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_kind kind,
-                                    struct pen_status *st)
+struct pen_picture *pen_picture_new(int64_t width, int64_t height, int channels,
+                                    enum picture_kind kind, struct pen_status *st)
 {
     if (width < 1 || height < 1) {
         pen_fail(st, PEN_SYNTAX, "the picture has no pixels");
@@ -23,7 +23,7 @@ struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_
         return NULL;
     }
     struct pen_picture *picture = calloc(1, sizeof *picture);
-    void *samples = calloc((size_t)(width * height), 3 * sample_bytes[kind]);
+    void *samples = calloc((size_t)(width * height), (size_t)channels * sample_bytes[kind]);
     if (!picture || !samples) {
         free(picture);
         free(samples);
@@ -32,6 +32,7 @@ struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_
     }
     *picture = (struct pen_picture){.width = (int)width,
                                     .height = (int)height,
+                                    .channels = channels,
                                     .kind = kind,
                                     .transfer = kind == PICTURE_FLOAT ? PEN_TRANSFER_LINEAR
                                                                       : PEN_TRANSFER_SRGB,
@@ -53,6 +54,7 @@ struct pen_picture *pen_picture_of_film(const struct pen_film *film, enum pen_tr
     *picture = (struct pen_picture){
         .width = film->width,
         .height = film->height,
+        .channels = 3,
         .kind = PICTURE_FLOAT,
         .transfer = transfer == PEN_TRANSFER_DISPLAY ? transfer : PEN_TRANSFER_LINEAR,
         .samples = film->rgb};
@@ -68,9 +70,10 @@ bool pen_picture_match(struct pen_picture *a, struct pen_picture *b)
 {
     if (a->transfer == b->transfer)
         return false;
-    const size_t bytes = (size_t)a->width * (size_t)a->height * 3 * sample_bytes[a->kind];
-    const bool same = a->kind == b->kind && a->width == b->width && a->height == b->height &&
-                      memcmp(a->samples, b->samples, bytes) == 0;
+    const size_t bytes =
+        (size_t)a->width * (size_t)a->height * (size_t)a->channels * sample_bytes[a->kind];
+    const bool same = a->kind == b->kind && a->channels == b->channels && a->width == b->width &&
+                      a->height == b->height && memcmp(a->samples, b->samples, bytes) == 0;
     const struct pen_picture *shown = a->transfer == PEN_TRANSFER_DISPLAY ? a : b,
                              *other = shown == a ? b : a;
     if (same || (shown->transfer == PEN_TRANSFER_DISPLAY &&
@@ -97,27 +100,39 @@ int pen_picture_height(const struct pen_picture *picture)
     return picture->height;
 }
 
+/* Where the samples of a pixel begin. */
+static size_t first_sample(const struct pen_picture *picture, int x, int y)
+{
+    return ((size_t)y * (size_t)picture->width + (size_t)x) * (size_t)picture->channels;
+}
+
+/* The number of the sample after this one that is not alpha. */
+static size_t next_colour(const struct pen_picture *picture, size_t sample)
+{
+    return sample + 1 + (picture->channels == 4 && sample % 4 == 2);
+}
+
 /* A part of a row as the file had it: integers divided by their maximum, floats unchanged. */
 static void stored_part(const struct pen_picture *picture, struct pen_picture_part part,
                         double *out)
 {
-    const size_t count = (size_t)part.count * 3,
-                 first = ((size_t)part.y * (size_t)picture->width + (size_t)part.x) * 3;
+    const size_t count = (size_t)part.count * 3;
+    size_t at = first_sample(picture, part.x, part.y);
     const unsigned char *codes = picture->samples;
     const uint16_t *wide = picture->samples;
     const float *values = picture->samples;
     switch (picture->kind) {
     case PICTURE_8:
-        for (size_t i = 0; i < count; i++)
-            out[i] = codes[first + i] / 255.0;
+        for (size_t i = 0; i < count; i++, at = next_colour(picture, at))
+            out[i] = codes[at] / 255.0;
         break;
     case PICTURE_16:
-        for (size_t i = 0; i < count; i++)
-            out[i] = wide[first + i] / 65535.0;
+        for (size_t i = 0; i < count; i++, at = next_colour(picture, at))
+            out[i] = wide[at] / 65535.0;
         break;
     case PICTURE_FLOAT:
         for (size_t i = 0; i < count; i++)
-            out[i] = (double)values[first + i];
+            out[i] = (double)values[at + i];
         break;
     }
 }
@@ -138,9 +153,27 @@ static void decoded_part(const struct pen_picture *picture, struct pen_picture_p
                          double *out)
 {
     const unsigned char *codes = picture->samples;
-    codes += ((size_t)part.y * (size_t)picture->width + (size_t)part.x) * 3;
-    for (size_t i = 0; i < (size_t)part.count * 3; i++)
-        out[i] = picture->decoded[codes[i]];
+    size_t at = first_sample(picture, part.x, part.y);
+    for (size_t i = 0; i < (size_t)part.count * 3; i++, at = next_colour(picture, at))
+        out[i] = picture->decoded[codes[at]];
+}
+
+void pen_picture_alpha_row(const struct pen_picture *picture, int y, double *out)
+{
+    const unsigned char *codes = picture->samples;
+    const uint16_t *wide = picture->samples;
+    size_t at = first_sample(picture, 0, y) + 3;
+    for (int x = 0; x < picture->width; x++, at += 4) {
+        if (picture->channels == 3)
+            out[x] = 1;
+        else
+            out[x] = picture->kind == PICTURE_16 ? wide[at] / 65535.0 : codes[at] / 255.0;
+    }
+}
+
+bool pen_picture_is_pfm(const struct pen_picture *picture)
+{
+    return picture->kind == PICTURE_FLOAT && picture->owned;
 }
 
 void pen_picture_linear_part(const struct pen_picture *picture, struct pen_picture_part part,

@@ -13,7 +13,7 @@
 
 struct pen_picture;
 
-/* Reads a PNG (any kind; alpha is ignored, grey and palettes become colours) or a PFM file.
+/* Reads a PNG (any kind; grey and palettes become colours, and transparency alpha) or a PFM file.
  * Owns: free with pen_picture_free. Fails: PEN_MEDIA_TYPE (neither PNG nor PFM), PEN_SYNTAX
  * (damaged), PEN_TOO_LARGE (more than PEN_FILM_PIXELS_MAX), PEN_NO_MEMORY. */
 struct pen_picture *pen_picture_read(const void *bytes, size_t count, struct pen_status *st);
@@ -50,5 +50,8 @@ void pen_picture_encoded_row(const struct pen_picture *picture, int y, double *o
 /* Row y as linear values: in [0, 1] from a PNG file, unchanged from a PFM file. Of values for a
  * screen, the light that it shows. */
 void pen_picture_linear_row(const struct pen_picture *picture, int y, double *out);
+
+/* Row y as width values of alpha, from 0 to 1; 1 if the file has no alpha. */
+void pen_picture_alpha_row(const struct pen_picture *picture, int y, double *out);
 
 #endif

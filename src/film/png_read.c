@@ -47,14 +47,14 @@ static void on_bytes(png_structp png, png_bytep out, size_t count)
     r->left -= count;
 }
 
-/* Has libpng convert every kind of pixel to RGB of 8 or 16 bits. */
+/* Has libpng convert every kind of pixel to RGB or RGBA of 8 or 16 bits. */
 static void convert_to_rgb(struct reader *r)
 {
     png_set_palette_to_rgb(r->png);
     if (png_get_color_type(r->png, r->info) == PNG_COLOR_TYPE_GRAY)
         png_set_expand_gray_1_2_4_to_8(r->png);
     png_set_gray_to_rgb(r->png);
-    png_set_strip_alpha(r->png);
+    png_set_tRNS_to_alpha(r->png);
     const uint16_t one = 1;
     if (*(const unsigned char *)&one == 1)
         png_set_swap(r->png); /* PNG is big-endian; samples have the machine's byte order */
@@ -85,7 +85,10 @@ static bool make_picture(struct reader *r)
     bool wide = png_get_bit_depth(r->png, r->info) == 16;
     int64_t width = png_get_image_width(r->png, r->info);
     int64_t height = png_get_image_height(r->png, r->info);
-    r->picture = pen_picture_new(width, height, wide ? PICTURE_16 : PICTURE_8, r->st);
+    const bool alpha = png_get_color_type(r->png, r->info) & PNG_COLOR_MASK_ALPHA ||
+                       png_get_valid(r->png, r->info, PNG_INFO_tRNS);
+    r->picture =
+        pen_picture_new(width, height, alpha ? 4 : 3, wide ? PICTURE_16 : PICTURE_8, r->st);
     if (!r->picture)
         return false;
     r->picture->transfer = read_transfer(r);
@@ -96,7 +99,9 @@ static bool make_picture(struct reader *r)
  * pixels of a narrow picture. */
 static void read_rows(struct reader *r)
 {
-    size_t row_bytes = (size_t)r->picture->width * (r->picture->kind == PICTURE_16 ? 6 : 3);
+    const int sample_bytes = r->picture->kind == PICTURE_16 ? 2 : 1;
+    const size_t row_bytes =
+        (size_t)r->picture->width * (size_t)(r->picture->channels * sample_bytes);
     if (png_get_rowbytes(r->png, r->info) != row_bytes)
         png_error(r->png, "unexpected size of a row");
     for (int pass = 0; pass < r->passes; pass++) {

@@ -91,15 +91,17 @@ static void sum_rows(struct strip *s, int y)
     }
 }
 
-/* The index of one window: equation 13. */
+/* The index of one window: equation 13. Exactly it is at most 1, as 2 ab <= a2 + b2, also for
+ * deviations. Moments of values that hardly vary cancel, so rounding could carry it beyond. */
 static double similarity(const struct strip *s, int i)
 {
     const double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
     const double a = s->moment[A][i], b = s->moment[B][i], a2 = a * a, b2 = b * b, ab = a * b;
     const double variance_a = s->moment[AA][i] - a2, variance_b = s->moment[BB][i] - b2,
                  covariance = s->moment[AB][i] - ab;
-    return (2 * ab + c1) * (2 * covariance + c2) /
-           ((a2 + b2 + c1) * (variance_a + variance_b + c2));
+    const double index =
+        (2 * ab + c1) * (2 * covariance + c2) / ((a2 + b2 + c1) * (variance_a + variance_b + c2));
+    return index < 1 ? index : 1;
 }
 
 /* The sum over the windows of the strip. */

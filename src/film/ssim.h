@@ -16,7 +16,7 @@
 #include "base/status.h"
 #include "film/picture.h"
 
-/* From -1 to 1; 1 if and only if the lumas are equal, up to rounding.
+/* From -1 to 1, never beyond; 1 if and only if the lumas are equal, up to rounding.
  * Fails: PEN_INVALID (different sizes), PEN_NO_MEMORY.
  * Cost: about 0.1 us per pixel, and 0.3 MB. */
 bool pen_picture_ssim(const struct pen_picture *a, const struct pen_picture *b, double *out,

@@ -51,20 +51,21 @@ static json_t *rounds_json(const struct pen_adaptive_stats *adaptive)
     return pen_json_all(rounds, (size_t)adaptive->rounds);
 }
 
-/* {target_error, met, interval, confidence, samples_per_pixel: {mean, min, p50, p95, max},
- * capped_pixels, rounds}. */
+/* {rule, target_error, met, interval, confidence, samples_per_pixel: {mean, min, p50, p95, max},
+ * capped_pixels, unproven, rounds}. */
 static json_t *adaptive_json(const struct pen_adaptive_stats *adaptive)
 {
     const struct pen_round *last = &adaptive->round[adaptive->rounds - 1];
     const struct pen_sample_spread *s = &adaptive->samples;
     json_t *target = adaptive->target > PEN_TARGET_NONE ? json_real(adaptive->target) : json_null();
-    return json_pack("{s:o, s:b, s:[o, o], s:f, s:{s:o, s:I, s:I, s:I, s:I}, s:I, s:o}",
-                     "target_error", target, "met", adaptive->met, "interval",
-                     pen_figure_error(last->low), pen_figure_error(last->high), "confidence",
-                     PEN_ADAPTIVE_CONFIDENCE, "samples_per_pixel", "mean", pen_figure(s->mean),
-                     "min", (json_int_t)s->least, "p50", (json_int_t)s->median, "p95",
-                     (json_int_t)s->p95, "max", (json_int_t)s->most, "capped_pixels",
-                     (json_int_t)adaptive->capped, "rounds", rounds_json(adaptive));
+    return json_pack("{s:i, s:o, s:b, s:[o, o], s:f, s:{s:o, s:I, s:I, s:I, s:I}, s:I, s:f, s:o}",
+                     "rule", PEN_ADAPTIVE_RULE, "target_error", target, "met", adaptive->met,
+                     "interval", pen_figure_error(last->low), pen_figure_error(last->high),
+                     "confidence", PEN_ADAPTIVE_CONFIDENCE, "samples_per_pixel", "mean",
+                     pen_figure(s->mean), "min", (json_int_t)s->least, "p50", (json_int_t)s->median,
+                     "p95", (json_int_t)s->p95, "max", (json_int_t)s->most, "capped_pixels",
+                     (json_int_t)adaptive->capped, "unproven", adaptive->unproven, "rounds",
+                     rounds_json(adaptive));
 }
 
 /* Adds what is known of an adaptive render; and of one that a time has ended, what repeats it. */
@@ -82,14 +83,27 @@ static json_t *with_adaptive(json_t *json, const struct pen_stats_input *in)
     return pen_json_with(json, "scene_sha256", json_string(in->scene_sha256));
 }
 
+static json_t *clusters_json(const struct pen_audit *audit)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < audit->clusters; i++) {
+        const struct pen_audit_cluster *c = &audit->cluster[i];
+        json_array_append_new(list, json_pack("{s:i, s:i, s:i, s:i, s:I, s:I}", "x", c->rect.x, "y",
+                                              c->rect.y, "width", c->rect.width, "height",
+                                              c->rect.height, "wrong", (json_int_t)c->wrong,
+                                              "pixels", (json_int_t)c->pixels));
+    }
+    return pen_json_all(list, (size_t)audit->clusters);
+}
+
 json_t *pen_stats_audit(const struct pen_audit *audit)
 {
     char seed[17];
     snprintf(seed, sizeof seed, "%016llx", (unsigned long long)audit->seed);
-    return json_pack("{s:I, s:f, s:I, s:I, s:o, s:s}", "pixels", (json_int_t)audit->pixels,
+    return json_pack("{s:I, s:f, s:I, s:I, s:o, s:s, s:o}", "pixels", (json_int_t)audit->pixels,
                      "threshold", audit->threshold, "wrong", (json_int_t)audit->wrong, "undecided",
                      (json_int_t)audit->undecided, "bound", pen_figure_error(audit->bound), "seed",
-                     seed);
+                     seed, "clusters", clusters_json(audit));
 }
 
 json_t *pen_stats_json(const struct pen_stats_input *in)

@@ -29,7 +29,8 @@ json_t *pen_stats_json(const struct pen_stats_input *in);
 
 /* Reads the rounds of a render, and its settings, from a statistics object. `scene_sha256` is that
  * of the scene that is to be rendered again. Fails: PEN_INVALID (no statistics of a render that a
- * time has ended; the message says what is missing), PEN_CONFLICT (of another scene). */
+ * time has ended; the message says what is missing), PEN_CONFLICT (of another scene, or
+ * of another rule than PEN_ADAPTIVE_RULE). */
 bool pen_stats_rounds_read(const json_t *stats, const char *scene_sha256,
                            struct pen_settings *settings, struct pen_adaptive_stats *rounds,
                            struct pen_status *st);

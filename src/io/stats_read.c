@@ -30,12 +30,20 @@ bool pen_stats_rounds_read(const json_t *stats, const char *scene_sha256,
     const char *sha256 = json_string_value(json_object_get(stats, "scene_sha256"));
     const json_t *list = json_object_get(json_object_get(stats, "adaptive"), "rounds");
     const size_t count = json_array_size(list);
+    /* Statistics of the first rule have no number. */
+    const json_t *number = json_object_get(json_object_get(stats, "adaptive"), "rule");
+    const json_int_t rule = number ? json_integer_value(number) : 1;
     struct pen_errors errors = {0};
     *rounds = (struct pen_adaptive_stats){.timed = true, .rounds = (int)count};
     if (!sha256 || !render)
         return fail_missing(sha256 ? "render" : "scene_sha256", st);
     if (count < 1 || count > PEN_ROUNDS_MAX)
         return fail_missing("adaptive.rounds", st);
+    if (rule != PEN_ADAPTIVE_RULE)
+        return pen_fail(st, PEN_CONFLICT,
+                        "has the rounds of rule %lld for a target error; this version has rule %d, "
+                        "which gives other pictures",
+                        (long long)rule, PEN_ADAPTIVE_RULE);
     for (size_t i = 0; i < count; i++)
         if (!read_round(json_array_get(list, i), &rounds->round[i]))
             return fail_missing("level, tiles and pixels in a round", st);

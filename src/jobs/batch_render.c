@@ -187,12 +187,15 @@ static bool find_precision(const struct pen_batch_context *context, const struct
                                s->height, precision);
 }
 
-/* Logs that samples of the batch are not in the picture; the job's statistics count them. */
-static void warn_of_dropped(const struct pen_claim *claim, const struct pen_ray_counts *rays)
+/* Logs that samples of the batch are not in the picture, or that objects may not be; the job's
+ * statistics tell, too. */
+static void warn_of_missing(const struct pen_claim *claim, const struct pen_render_stats *stats)
 {
     struct pen_log_about about = pen_claim_about(claim);
     char text[PEN_MSG_BYTES];
-    if (pen_dropped_warning(rays, text, sizeof text))
+    if (pen_dropped_warning(&stats->rays, text, sizeof text))
+        pen_log_about(PEN_LOG_WARN, &about, "view %d: %s", claim->view, text);
+    if (pen_unproven_warning(&stats->adaptive, text, sizeof text))
         pen_log_about(PEN_LOG_WARN, &about, "view %d: %s", claim->view, text);
 }
 
@@ -262,7 +265,7 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
         ok = pen_batch_layers_make(context, claim, false, &tiles, &layers_ms, st);
     pen_batch_paced(context, claim, (double)output->result.work / PEN_WORK_ALL,
                     layers_ms + stats.render_ms);
-    warn_of_dropped(claim, &stats.rays);
+    warn_of_missing(claim, &stats);
     const uint64_t rays =
         stats.rays.primary + stats.rays.shadow + stats.rays.reflection + stats.rays.transmission;
     pen_store_count(PEN_COUNT_RAYS, rays);

@@ -43,6 +43,7 @@ struct worker {
     struct pen_batch_context context;
     struct pen_housekeeper *housekeeper;
     int64_t expired_ns, seen_ns; /* when each was last done, see maintain */
+    int64_t worked_ns;           /* when there was last work, or none was looked for */
     int memory_tries;            /* in a row */
     int64_t serial;              /* of the last claim */
     bool has_rate;               /* the row has a rate */
@@ -258,14 +259,23 @@ static bool maintain(struct worker *w, struct pen_status *st)
     return true;
 }
 
-/* Claims a batch. If there is none, waits for a wake-up, at most IDLE_MS. */
+/* Whether the worker is to end since it has had nothing to do. */
+static bool idled(const struct worker *w)
+{
+    return w->options->idle_ms && pen_clock_ns() - w->worked_ns >= w->options->idle_ms * 1000000;
+}
+
+/* Claims a batch. If there is none, waits for a wake-up, at most IDLE_MS. A store that cannot be
+ * asked is no lack of work. */
 static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_status *st)
 {
     next->found = false;
     w->wakeups = pen_store_changes();
     if (!pen_store_claim(w->store, next->worker, next->lease_ms, w->serial + 1, &next->claim,
-                         &next->found, st))
+                         &next->found, st)) {
+        w->worked_ns = pen_clock_ns();
         return wait_to_retry(w, "claiming a batch", st) || is_temporary(st);
+    }
     w->serial += next->found;
     if (!next->found && !stopped(w))
         pen_store_wait(w->store, &w->wakeups, IDLE_MS);
@@ -276,7 +286,8 @@ static bool run(struct worker *w, struct pen_status *st)
 {
     struct pen_next next = {.worker = w->options->id, .lease_ms = w->lease_ms};
     pen_store_count(PEN_COUNT_WORKER_STARTS, 1);
-    while (!stopped(w)) {
+    w->worked_ns = pen_clock_ns();
+    while (!stopped(w) && !idled(w)) {
         if (!maintain(w, st) || !claim_or_wait(w, &next, st))
             return false;
         while (next.found && !stopped(w)) {
@@ -284,6 +295,7 @@ static bool run(struct worker *w, struct pen_status *st)
             next.found = false;
             if (!work_on(w, &claim, &next, st) || !maintain(w, st))
                 return false;
+            w->worked_ns = pen_clock_ns();
         }
         if (next.found && !release(w, &next.claim, st))
             return false;

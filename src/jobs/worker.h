@@ -27,6 +27,7 @@ struct pen_worker_options {
     const char *id;          /* see pen_worker_id_make */
     int threads;             /* 0: one per processor */
     size_t scene_cap_bytes;  /* memory cap of a scene's arena, 0: none */
+    int64_t idle_ms;         /* the work ends when nothing was found to do for so long; 0: never */
     int64_t lease_ms;        /* 0: 15 s */
     int64_t keep_ms;         /* for tests: the shortest time between two states of a batch that are
                               * kept; 0: as the kind of batch has it, and what keeping takes */
@@ -43,9 +44,10 @@ struct pen_worker_options {
     const struct pen_worker_fault *fault; /* NULL: none */
 };
 
-/* Works until *stop becomes true: then it finishes the batch in flight, or gives a benchmark back
- * to the store. Wake the store (pen_store_wake) after setting *stop. Fails: the store cannot be
- * opened, or one of its calls fails with an error that trying again cannot cure. */
+/* Works until nothing was found to do for idle_ms, or *stop becomes true: then it finishes the
+ * batch in flight, or gives a benchmark back to the store. Wake the store (pen_store_wake) after
+ * setting *stop. Fails: the store cannot be opened, or one of its calls fails with an error that
+ * trying again cannot cure. */
 bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
                     struct pen_status *st);
 

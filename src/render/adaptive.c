@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "film/encode.h"
+#include "render/internal/beams.h"
 #include "render/transfer.h"
 
 static size_t pixels_of(const struct pen_adaptive *a)
@@ -49,6 +50,7 @@ void pen_adaptive_free(struct pen_adaptive *a)
 {
     if (!a)
         return;
+    pen_beams_free(a->beams);
     free(a->sums);
     free(a->slices);
     free(a);
@@ -66,7 +68,7 @@ void pen_pixel_double(struct pen_pixel_sums *sums)
 
 void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3])
 {
-    const double kept = (double)sums->kept[0] + sums->kept[1], each = kept > 0 ? 1 / kept : 0;
+    const double kept = sums->kept[0] + sums->kept[1], each = kept > 0 ? 1 / kept : 0;
     for (int c = 0; c < 3; c++)
         rgb[c] = (sums->sum[0][c] + sums->sum[1][c]) * each;
 }
@@ -102,11 +104,37 @@ void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel, float rgb[3])
     a->estimates[pixel].error = (float)(error / 3);
 }
 
+bool pen_pixel_agrees(const struct pen_adaptive *a, size_t pixel)
+{
+    static const double apart = 1.0 / 512;
+    return a->sums[pixel].looks == PEN_LOOKS_UNDECIDED &&
+           (double)a->estimates[pixel].error <= apart * apart;
+}
+
+const struct pen_beams *pen_adaptive_beams(const struct pen_adaptive *a, size_t pixel)
+{
+    const enum pen_beam_things things = pen_beam_things(a->beams, pixel);
+    return things == PEN_BEAM_BRIGHT ||
+                   (things == PEN_BEAM_SMALL && a->sums[pixel].looks == PEN_LOOKS)
+               ? a->beams
+               : NULL;
+}
+
 uint32_t pen_adaptive_begin_pixel(struct pen_adaptive *a, size_t pixel)
 {
     struct pen_pixel_sums *sums = &a->sums[pixel];
     if (sums->samples == 0)
         return pen_settings_pilot(a->settings);
+    if (sums->looks == PEN_LOOKS_UNDECIDED) {
+        const bool looks =
+            pen_beam_things(a->beams, pixel) == PEN_BEAM_SMALL && pen_pixel_agrees(a, pixel);
+        if (looks)
+            *sums = (struct pen_pixel_sums){.looks = PEN_LOOKS};
+        else
+            sums->looks = PEN_LOOKS_NOT;
+        if (looks)
+            return 2 * pen_settings_pilot(a->settings);
+    }
     sums->before = a->estimates[pixel].error;
     return sums->samples;
 }
@@ -118,7 +146,7 @@ struct pen_sample_spread pen_adaptive_spread(const struct pen_adaptive *a)
     for (size_t i = 0; i < pixels; i++) {
         const uint32_t n = a->sums[i].samples;
         by_log[n > 0 ? 32 - __builtin_clz(n) : 0]++;
-        sum += n;
+        sum += n + (a->sums[i].looks == PEN_LOOKS ? pen_settings_pilot(a->settings) : 0);
     }
     spread.mean = (double)sum / (double)pixels;
     for (int i = 0; i < 33; i++) {

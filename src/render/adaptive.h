@@ -34,8 +34,11 @@
  *  - Samples may miss an edge that passes between them, and then both halves agree. Such an edge
  *    separates pixels of different values. So a pixel's estimate is at least that of an unseen edge
  *    as strong as the largest difference to a neighbour: see unseen_edge in decide.c.
- *  - What all samples of a pixel and of its neighbours miss remains unseen: something that covers a
- *    share v of them is missed by n samples with a probability of about (1 - v)^(9 n). */
+ *  - Small and bright things that the beam of a pixel may meet are known before the pilot. Samples
+ *    look for them, and a share of 1 / n of them counts as unseen until these have seen it:
+ *    render/internal/beams.h.
+ *  - What else all samples of a pixel and of its neighbours miss remains unseen: something that
+ *    covers a share v of them is missed by n samples with a probability of about (1 - v)^(9 n). */
 #ifndef PEN_RENDER_ADAPTIVE_H
 #define PEN_RENDER_ADAPTIVE_H
 
@@ -46,13 +49,24 @@
 #include "base/thread_pool.h"
 #include "scene/settings.h"
 
+/* The number of the rule: another rule gives other rounds, and so other pictures. 1 knew nothing of
+ * small and bright things. */
+enum { PEN_ADAPTIVE_RULE = 2 };
+
 /* The samples of a pixel, those of the first and of the second half of its sequence. */
 struct pen_pixel_sums {
     double sum[2][3]; /* of the samples that are kept: linear colour */
-    uint32_t kept[2]; /* those that the film can hold */
+    double kept[2];   /* the weights of those that the film can hold: 1 for each, but where samples
+                       * look for things (pen_beam_sample) */
     uint32_t samples; /* taken, of both halves: 0, or a power of two from 2 on */
     float before;     /* the estimated error with half of them; 0 with those of the pilot */
+    uint32_t looks;   /* enum pen_looks */
 };
+
+/* Whether samples look for the small things of a pixel (render/internal/beams.h). It is decided
+ * when the pixel is first refined. If samples of the pilot agree, they are dropped: the pixel is
+ * begun again with samples that look, since a mean of both would have too much of the pilot's. */
+enum pen_looks { PEN_LOOKS_UNDECIDED, PEN_LOOKS, PEN_LOOKS_NOT };
 
 /* What follows from them. */
 struct pen_pixel_estimate {
@@ -65,7 +79,9 @@ struct pen_pixel_estimate {
 struct pen_adaptive {
     const struct pen_settings *settings; /* those of the render */
     struct pen_settings sampling;        /* what kernels get instead */
-    struct pen_pixel_sums *sums;         /* at the start of the allocation */
+    struct pen_beams *beams;             /* set before the pilot; NULL: no thing in the view */
+    bool has_beams;
+    struct pen_pixel_sums *sums; /* at the start of the allocation */
     struct pen_pixel_estimate *estimates;
     float *unseen;         /* mean square errors of edges that no sample may have seen */
     float *errors;         /* those of estimates, but at least unseen */
@@ -91,6 +107,13 @@ void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3]);
  * Threads: any number, for different pixels. */
 void pen_adaptive_estimate(struct pen_adaptive *adaptive, size_t pixel, float rgb[3]);
 
+/* Whether the samples of a pixel, which are those of the pilot, agree: their variance is no
+ * evidence. */
+bool pen_pixel_agrees(const struct pen_adaptive *adaptive, size_t pixel);
+
+/* What samples of a pixel look for; NULL: for nothing. */
+const struct pen_beams *pen_adaptive_beams(const struct pen_adaptive *adaptive, size_t pixel);
+
 /* Begins a round for a pixel: notes the error before it. Returns how many samples the round adds.
  * Threads: any number, for different pixels. */
 uint32_t pen_adaptive_begin_pixel(struct pen_adaptive *adaptive, size_t pixel);
@@ -105,6 +128,8 @@ struct pen_decision {
     bool met;                /* high is at most the target */
     bool done;               /* no further round: the target is met, or nothing can be refined */
     int level;               /* what the next round refines: pen_adaptive_select */
+    double unproven; /* the share of pixels that unseen things may change by more than the target,
+                      * unless it is met: then the interval has room for them */
     uint64_t capped; /* pixels that would be refined if max_samples let them have more samples */
 };
 

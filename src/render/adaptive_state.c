@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[8] = "PENADP4";
+static const char magic[8] = "PENADP5";
 
 static const double ms_max = 1e12; /* 30 years: a time that can be counted in nanoseconds */
 

@@ -10,6 +10,7 @@
 #include "film/encode.h"
 #include "math/fn.h"
 #include "math/sample.h"
+#include "render/internal/audit_clusters.h"
 #include "render/internal/kernel_input.h"
 #include "render/internal/refine.h"
 #include "render/transfer.h"
@@ -29,8 +30,9 @@ struct job {
     size_t *drawn; /* numbers of pixels */
     uint64_t count;
     pthread_mutex_t lock;
-    uint64_t first, next;      /* the pixels that are begun; next is guarded by lock */
-    uint64_t wrong, undecided; /* guarded by lock */
+    uint64_t first, next;         /* the pixels that are begun; next is guarded by lock */
+    uint64_t wrong, undecided;    /* guarded by lock */
+    struct pen_audit_cell *cells; /* the same */
 };
 
 /* Draws pixels without replacement: numbers that were drawn before are passed over. */
@@ -126,7 +128,7 @@ static enum verdict audit_pixel(const struct job *job, int thread, size_t at)
     for (int c = 0; c < 3; c++) {
         double replicate[PEN_AUDIT_REPLICATES];
         for (int i = 0; i < PEN_AUDIT_REPLICATES; i++) {
-            const uint32_t kept = again[i].kept[0];
+            const double kept = again[i].kept[0];
             const double linear = kept > 0 ? again[i].sum[0][c] / kept : mean[c];
             replicate[i] = pen_encode_unit(linear, transfer);
         }
@@ -166,6 +168,8 @@ static void audit_pixels(void *user, int thread)
     while (!is_cancelled(job) && take_pixel(job, &i)) {
         const enum verdict verdict = audit_pixel(job, thread, job->drawn[i]);
         pthread_mutex_lock(&job->lock);
+        if (verdict == WRONG)
+            pen_audit_note_wrong(job->cells, job->task->settings, job->drawn[i]);
         job->wrong += verdict == WRONG;
         job->undecided += verdict == UNDECIDED;
         pthread_mutex_unlock(&job->lock);
@@ -210,7 +214,8 @@ bool pen_audit_continue(struct pen_thread_pool *pool, const struct pen_audit_tas
                       .first = progress->done,
                       .next = progress->done,
                       .wrong = progress->wrong,
-                      .undecided = progress->undecided};
+                      .undecided = progress->undecided,
+                      .cells = progress->cells};
     job.input = pen_kernel_input_of(task->scene, task->view, &job.sampling);
     job.kernel = pen_kernel_select(job.input.effects, pen_cpu_isa());
     job.threads = pen_render_threads(pool, task->settings);
@@ -218,16 +223,21 @@ bool pen_audit_continue(struct pen_thread_pool *pool, const struct pen_audit_tas
     const uint64_t all = job.count;
     if (ok)
         pen_thread_pool_run(pool, job.threads, audit_pixels, &job);
-    release(&job);
-    if (!ok || is_cancelled(&job))
+    if (!ok || is_cancelled(&job)) {
+        release(&job);
         return ok && pen_fail(st, PEN_CANCELLED, "the audit was cancelled");
-    *progress = (struct pen_audit_progress){
-        .done = job.next, .left = all - job.next, .wrong = job.wrong, .undecided = job.undecided};
+    }
+    progress->done = job.next;
+    progress->left = all - job.next;
+    progress->wrong = job.wrong;
+    progress->undecided = job.undecided;
     *audit = (struct pen_audit){.pixels = job.count,
                                 .wrong = job.wrong,
                                 .undecided = job.undecided,
                                 .threshold = task->threshold,
                                 .seed = task->seed};
+    pen_audit_find_clusters(job.cells, task->settings, job.drawn, audit);
+    release(&job);
     const uint64_t not_right = audit->wrong + audit->undecided;
     audit->bound = job.count == pixels ? (double)not_right / (double)pixels
                                        : pen_audit_bound(not_right, job.count);

@@ -21,6 +21,7 @@
 
 #include "base/status.h"
 #include "base/thread_pool.h"
+#include "math/rect.h"
 #include "render/adaptive.h"
 #include "scene/scene.h"
 
@@ -32,13 +33,25 @@ enum {
     PEN_AUDIT_LEAST = 1024,   /* at least so many */
     PEN_AUDIT_FOREIGN = 4096, /* where it is not known how many these are */
     PEN_AUDIT_PIXELS = 600,   /* unless told otherwise: none wrong of them means 0.5 % */
-    PEN_AUDIT_PIXELS_MAX = 1000000
+    PEN_AUDIT_PIXELS_MAX = 1000000,
+    PEN_AUDIT_CELLS_SIDE =
+        16, /* cells of a row and of a column, which tell where pixels are wrong */
+    PEN_AUDIT_CELLS = PEN_AUDIT_CELLS_SIDE * PEN_AUDIT_CELLS_SIDE,
+    PEN_AUDIT_CLUSTERS = 5 /* the most that are told */
+};
+
+/* A part of the picture: how many of its audited pixels are wrong, and if some are, their bounds.
+ */
+struct pen_audit_cell {
+    uint32_t wrong;
+    int32_t left, top, right, bottom; /* of the first and last columns and rows that have some */
 };
 
 /* The pixels of an audit that were judged, in the order in which they are drawn. */
 struct pen_audit_progress {
     uint64_t done, left; /* pixels */
     uint64_t wrong, undecided;
+    struct pen_audit_cell cells[PEN_AUDIT_CELLS];
 };
 
 /* Everything is borrowed. */
@@ -59,12 +72,22 @@ struct pen_audit_task {
     void *pause_user;
 };
 
+/* Wrong pixels near each other: no further than the cells that have them touch. Only audited
+ * pixels are known, so others in the rectangle, and beyond it, can be wrong as well. */
+struct pen_audit_cluster {
+    struct pen_rect rect;   /* the bounds of the wrong pixels */
+    uint64_t wrong, pixels; /* in the rectangle: wrong ones, and audited ones */
+};
+
 struct pen_audit {
     uint64_t pixels, wrong, undecided;
     double threshold;
     double
         bound; /* the share p; of a picture that was audited whole, the share that is not right */
     uint64_t seed;
+    int clusters; /* the largest ones, by the number of wrong pixels; undecided ones count in none
+                   */
+    struct pen_audit_cluster cluster[PEN_AUDIT_CLUSTERS];
 };
 
 /* Threads: as pen_render_run. Fails: PEN_NO_MEMORY, PEN_CANCELLED. */

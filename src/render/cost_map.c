@@ -31,7 +31,7 @@ struct sampler {
     struct pen_cost_map *map;
     struct pen_settings sampling;
     struct pen_kernel_input input; /* of the view with the place `view` */
-    const struct pen_kernel *kernel;
+    struct pen_kernel kernel;
     struct pen_kernel_scratch **scratch; /* by thread */
     int view, threads, side, step;
     int64_t end_ns; /* when no more cells of the view are begun; 0: none */
@@ -157,7 +157,7 @@ static void time_cell(struct sampler *s, int thread, int cell)
     if (s->task->pixel_begins)
         s->task->pixel_begins(s->task->pixel_user, thread, block.x, block.y);
     const int64_t begun_ns = pen_clock_thread_ns();
-    pen_render_block(s->kernel, &s->input, s->scratch[thread], block, rgb, &rays);
+    pen_render_block(&s->kernel, &s->input, s->scratch[thread], block, rgb, &rays);
     const double ns = (double)(pen_clock_thread_ns() - begun_ns);
     map->cell[number] =
         ns * s->fewer * all.width * all.height / ((double)block.width * block.height);
@@ -187,7 +187,8 @@ static bool time_view(struct pen_thread_pool *pool, struct sampler *s, int view)
     bool ok = true;
     choose_samples(s, view);
     s->input = pen_kernel_input_of(s->task->scene, view, &s->sampling);
-    s->kernel = pen_kernel_select(s->input.effects, pen_cpu_isa());
+    s->kernel = pen_kernel_choose(&s->input, (int64_t)s->sampling.width * s->sampling.height,
+                                  pen_cpu_isa());
     s->end_ns =
         end_ns ? pen_clock_between(pen_clock_ns(), end_ns, 1.0 / (s->map->views - s->view)) : 0;
     atomic_store(&s->next, 0);

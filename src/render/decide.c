@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "math/fn.h"
 #include "render/adaptive.h"
+#include "render/internal/beams.h"
 
 /* The rate at which a mean square error falls with the number of samples, as n^-RATE: between 1,
  * of independent samples, and 1.5, of a stratified set across an edge (Mitchell, SIGGRAPH 96). */
@@ -46,8 +47,10 @@ struct slice {
     double before[SIZES], after[SIZES];                 /* see true_part: sums of errors, */
     double before_squares[SIZES], after_squares[SIZES]; /* and of their squares */
     double error, squares;                              /* of the pixels' own estimates, */
-    double told;                                        /* and what their halves tell */
-    double around;            /* errors as neighbours tell them: of all pixels, */
+    double told;                                        /* and what their halves tell; */
+    double hidden;     /* what unseen things may add to that at the upper end of the interval, */
+    uint64_t unproven; /* and how many pixels they may change by more than the target */
+    double around;     /* errors as neighbours tell them: of all pixels, */
     double at_level[LEVELS];  /* of those with that priority, */
     uint64_t samples[LEVELS]; /* whose next round takes so many samples, */
     double capped_error;      /* and of those that may have no more samples */
@@ -63,6 +66,7 @@ struct pass {
      * square_difference. */
     double truth[SIZES];
     float unseen[SIZES];
+    double target;
     double after_doublings[2 * SIZES]; /* which part of an error is left after i - SIZES of them */
     void (*visit)(struct pen_adaptive *adaptive, const struct pass *pass, struct slice *slice);
     atomic_int next;
@@ -154,6 +158,27 @@ static float unseen_edge(const struct pen_adaptive *a, const struct pass *pass, 
     return most * pass->unseen[size_of(a->sums[e - a->estimates].samples)];
 }
 
+/* Counts the things that a pixel may not have seen. A share v of a beam is missed by n samples with
+ * a probability of (1 - v)^n: 1 / n with 0.16 to 0.39, 4 / n with 0.01. Returns the error if a
+ * share of 1 / n is unseen. */
+static float unseen_things(const struct pen_adaptive *a, const struct pass *pass,
+                           struct slice *slice, size_t at, float error)
+{
+    double linear[3];
+    pen_pixel_mean(&a->sums[at], linear);
+    struct pen_beam_view view = {.samples = a->sums[at].samples,
+                                 .times = 1,
+                                 .looks = a->sums[at].looks == PEN_LOOKS,
+                                 .agree = pen_pixel_agrees(a, at)};
+    const double probable = pen_beam_unseen(a->beams, at, linear, &view);
+    view.times = 4;
+    const double possible = pen_beam_unseen(a->beams, at, linear, &view);
+    const double most = probable > (double)error ? probable : (double)error;
+    slice->hidden += possible > most ? possible - most : 0;
+    slice->unproven += possible > pass->target * pass->target;
+    return (float)probable;
+}
+
 /* Adds up what doublings have brought. */
 static void visit_doubled(struct pen_adaptive *a, const struct pass *pass, struct slice *slice)
 {
@@ -213,6 +238,11 @@ static void visit_own(struct pen_adaptive *a, const struct pass *pass, struct sl
             a->unseen[at] = unseen_edge(a, pass, x, y);
             const double told = (double)a->estimates[at].error;
             const float own = (float)(told * pass->truth[size_of(a->sums[at].samples)]);
+            if (a->beams) {
+                const float things =
+                    unseen_things(a, pass, slice, at, own > a->unseen[at] ? own : a->unseen[at]);
+                a->unseen[at] = things > a->unseen[at] ? things : a->unseen[at];
+            }
             a->errors[at] = own > a->unseen[at] ? own : a->unseen[at];
             const double error = (double)a->errors[at];
             slice->error += error;
@@ -295,6 +325,8 @@ static void add_slices(const struct slice *slices, int count, struct slice *all)
         const struct slice *s = &slices[i];
         all->error += s->error;
         all->told += s->told;
+        all->hidden += s->hidden;
+        all->unproven += s->unproven;
         all->squares += s->squares;
         all->around += s->around;
         all->capped_error += s->capped_error;
@@ -363,7 +395,7 @@ static struct pen_decision decision_of(const struct slice *all, double pixels,
 {
     const double mean = all->error / pixels, off = SPREAD * sqrt(all->squares) / pixels;
     const double least = all->told / (pen_pow(2, EDGE_RATE) - 1) / pixels - off;
-    const double high = mean + off, low = least > 0 ? least : 0;
+    const double high = mean + off + all->hidden / pixels, low = least > 0 ? least : 0;
     struct pen_decision d = {.error = sqrt(mean),
                              .low = sqrt(low),
                              .high = sqrt(high),
@@ -380,6 +412,7 @@ static struct pen_decision decision_of(const struct slice *all, double pixels,
         any |= all->at_level[i] > 0;
     d.done = d.met || !any;
     d.capped = d.met ? 0 : all->capped;
+    d.unproven = d.met ? 0 : (double)all->unproven / pixels;
     return d;
 }
 
@@ -387,8 +420,10 @@ bool pen_adaptive_decide(struct pen_adaptive *a, struct pen_thread_pool *pool,
                          const struct pen_goal *goal, struct pen_decision *decision,
                          struct pen_status *st)
 {
-    struct pass pass = {
-        .adaptive = a, .slices = slices_of(a, st), .slice_count = slices_in(a->settings)};
+    struct pass pass = {.adaptive = a,
+                        .slices = slices_of(a, st),
+                        .slice_count = slices_in(a->settings),
+                        .target = goal->target};
     if (!pass.slices)
         return false;
     struct slice *all = &pass.slices[pass.slice_count];

@@ -15,7 +15,9 @@ struct pen_estimate {
 
 struct pen_forecast {
     struct pen_estimate primary, shadow, reflection, transmission, total; /* rays */
-    struct pen_estimate time_ms; /* of rendering with all threads of the pool */
+    struct pen_estimate cpu_ms;  /* processor time of all threads */
+    struct pen_estimate time_ms; /* by the clock, if every thread has a processor for itself */
+    double used;                 /* the share of its time that a thread of the pre-render had one */
     double memory_bytes;         /* of scene, film and threads */
     int pixels;                  /* of the pre-render; fewer if its deadline has come */
     double spent_ms;             /* on it */
@@ -45,7 +47,11 @@ struct pen_forecast_task {
     void *pixel_user;
 };
 
-/* Renders one pixel in each of max(1 %, 4096) equal parts of the image, and counts its rays; then
+/* Where a kind of ray can be met, but no pixel that was rendered has met one, as with a small
+ * mirror, the upper end of its interval is not 0: by the exact interval of a share (Clopper and
+ * Pearson; the "rule of three"), 3.7 / n of the pixels can meet one at every depth.
+ *
+ * Renders one pixel in each of max(1 %, 4096) equal parts of the image, and counts its rays; then
  * some blocks, to measure the time of a ray. Rays vary from part to part as from pixel to pixel of
  * neighbouring parts, which gives the intervals; the pixels are the same at each call, unless the
  * deadline comes. Threads: as pen_render_run. Owns: release *out after success. Fails:

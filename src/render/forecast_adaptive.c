@@ -21,12 +21,24 @@ static const double SMALL_PIXELS = 4096;
  * what is expected. */
 static const double LARGEST_POWER = 1.5, UPWARDS = 2, DOWNWARDS = 0.75, PILOT_OFF = 0.05;
 
-/* A smaller picture of the view: its camera rays for each pixel, the time of a ray, and whether
+/* What a ray takes, with all that rounds take: of processors, and by the clock if every thread has
+ * one for itself. */
+struct ray_time {
+    double cpu_ms, ms;
+};
+
+/* A smaller picture of the view: its camera rays for each pixel, what a ray takes, and whether
  * time has ended its rounds. */
 struct small {
-    double mean, ray_ms;
+    double mean;
+    struct ray_time ray;
     bool timed_out;
 };
+
+static double within(double low, double x, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
 
 enum { TIMED_TILE = 8 }; /* the time is asked for between tiles */
 
@@ -60,17 +72,17 @@ static bool render_small(struct pen_thread_pool *pool, const struct pen_forecast
         return false;
     const struct pen_ray_counts *r = &stats.rays;
     out->mean = stats.adaptive.samples.mean;
-    out->ray_ms =
-        stats.render_ms / (double)(r->primary + r->shadow + r->reflection + r->transmission);
+    const double rays = (double)(r->primary + r->shadow + r->reflection + r->transmission);
+    /* The clock goes on while threads wait for a processor. Alone, a render takes no less
+     * than its threads do that share its processor time evenly. */
+    const double cpu_ms = stats.cpu_ms,
+                 used = cpu_ms < stats.thread_ms ? cpu_ms / stats.thread_ms : 1;
+    out->ray.cpu_ms = cpu_ms / rays;
+    out->ray.ms = within(cpu_ms / stats.threads, used * stats.render_ms, HUGE_VAL) / rays;
     /* A round for which too little time is left is not begun. */
     out->timed_out = timed && !stats.adaptive.met &&
                      (double)(stats.done_ns - begun_ns) > 0.5 * part * (double)left_ns;
     return true;
-}
-
-static double within(double low, double x, double high)
-{
-    return x < low ? low : x > high ? high : x;
 }
 
 static double log2_of(double x)
@@ -86,8 +98,9 @@ static void widen(struct pen_estimate *growth, double most)
     growth->expected = sqrt(growth->expected * growth->high);
 }
 
-bool pen_forecast_growth(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
-                         struct pen_estimate *growth, double *ray_ms, struct pen_status *st)
+/* By which factor the camera rays of all rounds exceed those of the pilot, and what a ray takes. */
+static bool find_growth(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
+                        struct pen_estimate *growth, struct ray_time *ray, struct pen_status *st)
 {
     const double pixels = (double)task->settings->width * task->settings->height;
     const double shrink = pixels > SMALL_PIXELS ? sqrt(SMALL_PIXELS / pixels) : 1;
@@ -95,7 +108,7 @@ bool pen_forecast_growth(struct pen_thread_pool *pool, const struct pen_forecast
     if (!render_small(pool, task, shrink / 2, 0.25, &small, st) ||
         !render_small(pool, task, shrink, 1, &large, st))
         return false;
-    *ray_ms = large.ray_ms;
+    *ray = large.ray;
     const double pilot = pen_settings_pilot(task->settings);
     const double more = large.mean / pilot - 1,
                  ratio = more > 0 ? (small.mean / pilot - 1) / more : 1;
@@ -106,5 +119,44 @@ bool pen_forecast_growth(struct pen_thread_pool *pool, const struct pen_forecast
         1 + PILOT_OFF + more * pen_pow(shrink, power > DOWNWARDS ? power - DOWNWARDS : 0);
     if (small.timed_out || large.timed_out)
         widen(growth, task->settings->max_samples / pilot);
+    return true;
+}
+
+static double both_off(double a, double b)
+{
+    return sqrt(a * a + b * b);
+}
+
+/* The product of two estimates that are off independently. */
+static struct pen_estimate product(struct pen_estimate a, struct pen_estimate b)
+{
+    const double expected = a.expected * b.expected;
+    if (!(expected > 0))
+        return (struct pen_estimate){0, 0, a.high * b.high};
+    const double down = both_off(1 - a.low / a.expected, 1 - b.low / b.expected);
+    const double up = both_off(a.high / a.expected - 1, b.high / b.expected - 1);
+    return (struct pen_estimate){expected, down < 1 ? expected * (1 - down) : 0,
+                                 expected * (1 + up)};
+}
+
+bool pen_forecast_add_rounds(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
+                             struct pen_forecast *out, struct pen_status *st)
+{
+    struct pen_estimate growth, ray = out->cpu_ms;
+    struct ray_time took;
+    if (!pen_settings_adaptive(task->settings))
+        return true;
+    if (!find_growth(pool, task, &growth, &took, st))
+        return false;
+    struct pen_estimate *const all[] = {&out->primary, &out->shadow, &out->reflection,
+                                        &out->transmission, &out->total};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        *all[i] = product(*all[i], growth);
+    ray = pen_estimate_scaled(ray, ray.expected > 0 ? took.cpu_ms / ray.expected : 0);
+    out->cpu_ms = product(out->total, ray);
+    out->time_ms = pen_estimate_scaled(out->cpu_ms, took.cpu_ms > 0 ? took.ms / took.cpu_ms : 0);
+    const double pixels = (double)task->settings->width * task->settings->height;
+    out->memory_bytes += pixels * (double)(sizeof(struct pen_pixel_sums) +
+                                           sizeof(struct pen_pixel_estimate) + sizeof(float) + 1);
     return true;
 }

@@ -83,6 +83,12 @@ static struct pen_vec3 value_at(const struct job *job, int x, int y)
     return hit.albedo;
 }
 
+static const struct pen_beams *beams_at(const struct job *job, int x, int y)
+{
+    return pen_adaptive_beams(job->adaptive,
+                              (size_t)y * (size_t)job->task->settings->width + (size_t)x);
+}
+
 /* Traces the samples of a block of pixels as a render does. */
 static void trace_block(const struct job *job, const struct pen_kernel_input *input,
                         struct pen_kernel_scratch *scratch, struct pen_rect block)
@@ -103,7 +109,8 @@ static void trace_block(const struct job *job, const struct pen_kernel_input *in
                 (struct pen_sample_range){.x = block.x + x,
                                           .y = block.y + y,
                                           .end = sums_at(job, block.x + x, block.y + y)->samples,
-                                          .sums = &sums[count]};
+                                          .sums = &sums[count],
+                                          .beams = beams_at(job, block.x + x, block.y + y)};
             count++;
         }
     }

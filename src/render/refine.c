@@ -14,8 +14,10 @@ struct sample_list {
     struct pen_kernel_scratch *scratch;
     struct pen_ray_counts *rays;
     struct pen_camera_sample sample[PEN_KERNEL_SAMPLES];
-    struct pen_pixel_sums *sums[PEN_KERNEL_SAMPLES]; /* of the samples' pixels, */
-    unsigned char half[PEN_KERNEL_SAMPLES];          /* and to which half a sample belongs */
+    struct pen_pixel_sums *sums[PEN_KERNEL_SAMPLES];   /* of the samples' pixels, */
+    unsigned char half[PEN_KERNEL_SAMPLES];            /* to which half a sample belongs, */
+    double weight[PEN_KERNEL_SAMPLES];                 /* and what it counts */
+    struct pen_camera_point point[PEN_KERNEL_SAMPLES]; /* of samples that look for things */
     int count;
 };
 
@@ -32,12 +34,29 @@ static void trace_list(struct sample_list *list)
         const int half = list->half[i];
         if (isnan(radiance[i].x))
             continue; /* dropped */
-        sums->kept[half]++;
-        sums->sum[half][0] += radiance[i].x;
-        sums->sum[half][1] += radiance[i].y;
-        sums->sum[half][2] += radiance[i].z;
+        const double weight = list->weight[i];
+        sums->kept[half] += weight;
+        sums->sum[half][0] += weight * radiance[i].x;
+        sums->sum[half][1] += weight * radiance[i].y;
+        sums->sum[half][2] += weight * radiance[i].z;
     }
     list->count = 0;
+}
+
+/* Adds a sample of a range to the list, which has room. */
+static void add_sample(struct sample_list *list, const struct pen_sample_range *r, bool things,
+                       uint32_t index)
+{
+    const int i = list->count++;
+    struct pen_camera_sample *sample = &list->sample[i];
+    *sample = (struct pen_camera_sample){r->x, r->y, r->replicate, index, NULL};
+    list->sums[i] = r->sums;
+    list->half[i] = index >= r->end / 2;
+    list->weight[i] = 1;
+    if (things) {
+        list->weight[i] = pen_beam_sample(r->beams, sample, &list->point[i]);
+        sample->at = &list->point[i];
+    }
 }
 
 void pen_trace_samples(const struct pen_kernel *kernel, const struct pen_kernel_input *input,
@@ -52,13 +71,12 @@ void pen_trace_samples(const struct pen_kernel *kernel, const struct pen_kernel_
     list.count = 0;
     for (int p = 0; p < count; p++) {
         const struct pen_sample_range *r = &ranges[p];
+        const bool things = r->beams != NULL;
         pen_pixel_double(r->sums);
         for (uint32_t i = r->first; i < r->end; i++) {
             if (list.count == PEN_KERNEL_SAMPLES)
                 trace_list(&list);
-            list.sums[list.count] = r->sums;
-            list.half[list.count] = i >= r->end / 2;
-            list.sample[list.count++] = (struct pen_camera_sample){r->x, r->y, r->replicate, i};
+            add_sample(&list, r, things, i);
         }
         r->sums->samples = r->end;
     }
@@ -86,9 +104,13 @@ void pen_refine_block(const struct pen_render_task *task, const struct pen_kerne
         if (task->pixel_begins)
             task->pixel_begins(task->pixel_user, thread, x, y);
         struct pen_pixel_sums *sums = &task->adaptive->sums[at];
-        const uint32_t first = sums->samples, more = pen_adaptive_begin_pixel(task->adaptive, at);
-        ranges[count] = (struct pen_sample_range){
-            .x = x, .y = y, .first = first, .end = first + more, .sums = sums};
+        const uint32_t more = pen_adaptive_begin_pixel(task->adaptive, at), first = sums->samples;
+        ranges[count] = (struct pen_sample_range){.x = x,
+                                                  .y = y,
+                                                  .first = first,
+                                                  .end = first + more,
+                                                  .sums = sums,
+                                                  .beams = pen_adaptive_beams(task->adaptive, at)};
         if (task->pixel_by_pixel)
             pen_trace_samples(kernel, input, scratch, &ranges[count], 1, rays);
         count++;

@@ -31,7 +31,7 @@ struct thread_work {
 struct run {
     const struct pen_render_task *task;
     struct pen_kernel_input input;
-    const struct pen_kernel *kernel;
+    struct pen_kernel kernel;
     int end_tile; /* the first tile after the task's */
     struct pen_tile_queue *queue;
     struct pen_row_order *rows; /* NULL if the task does not request it */
@@ -92,10 +92,10 @@ static void render_block(const struct run *run, int thread, struct pen_rect bloc
         if (task->pixel_begins)
             task->pixel_begins(task->pixel_user, thread, x, y);
         if (!together)
-            run->kernel->pixel(work->input, work->scratch, x, y, rgb[i], &work->rays);
+            run->kernel.pixel(work->input, work->scratch, x, y, rgb[i], &work->rays);
     }
     if (together)
-        run->kernel->block(work->input, work->scratch, block, rgb, &work->rays);
+        run->kernel.block(work->input, work->scratch, block, rgb, &work->rays);
     for (int i = 0; i < pixels; i++) {
         const int x = block.x + i % block.width, y = block.y + i / block.width;
         float *out = task->rgb + 3 * ((size_t)y * (size_t)task->settings->width + (size_t)x);
@@ -131,7 +131,7 @@ static void render_blocks(void *user, int index)
     while (!cancelled(run->task) && pen_tile_queue_take(run->queue, index, &block)) {
         int64_t begun = pen_clock_ns();
         if (run->task->adaptive)
-            pen_refine_block(run->task, run->kernel, work->input, work->scratch, block.rect, index,
+            pen_refine_block(run->task, &run->kernel, work->input, work->scratch, block.rect, index,
                              &work->rays);
         else
             render_block(run, index, block.rect);
@@ -169,7 +169,7 @@ static int sum_work(const struct run *run, struct pen_render_stats *stats)
     stats->cpu_ms = (double)cpu * 1e-6;
     stats->thread_ms = (double)present * 1e-6;
     stats->threads = run->threads;
-    stats->kernel = run->kernel->name;
+    stats->kernel = run->kernel.name;
     stats->effects = run->input.effects;
     return tiles;
 }
@@ -274,7 +274,9 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
         .threads = threads_for(pool, settings, first, first + count),
         .done_lock = PTHREAD_MUTEX_INITIALIZER,
     };
-    run.kernel = pen_kernel_select(run.input.effects, pen_cpu_isa());
+    const int64_t whole = (int64_t)settings->width * settings->height,
+                  tiles = (int64_t)count * settings->tile * settings->tile;
+    run.kernel = pen_kernel_choose(&run.input, tiles < whole ? tiles : whole, pen_cpu_isa());
     bool ok = run_tiles(pool, &run, stats, st);
     free_work(&run);
     if (!ok)
@@ -286,8 +288,8 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
 /* Renders a pixel; with `refined` above 0, with so many samples, in the rounds that lead to them
  * from the pilot's: the order in which samples are added has a part in the last bits. */
 static bool render_pixel(const struct pen_kernel_input *input, int x, int y, uint32_t pilot,
-                         uint32_t refined, double rgb[3], struct pen_ray_counts *rays,
-                         struct pen_status *st)
+                         uint32_t refined, const struct pen_beams *beams, double rgb[3],
+                         struct pen_ray_counts *rays, struct pen_status *st)
 {
     struct pen_kernel_scratch *scratch = pen_kernel_scratch_new(input);
     const struct pen_kernel *kernel = pen_kernel_select(input->effects, pen_cpu_isa());
@@ -303,7 +305,7 @@ static bool render_pixel(const struct pen_kernel_input *input, int x, int y, uin
         struct pen_pixel_sums sums = {.samples = 0};
         for (uint32_t end = pilot; end <= refined; end *= 2) {
             const struct pen_sample_range range = {
-                .x = x, .y = y, .first = sums.samples, .end = end, .sums = &sums};
+                .x = x, .y = y, .first = sums.samples, .end = end, .sums = &sums, .beams = beams};
             pen_trace_samples(kernel, input, scratch, &range, 1, rays);
         }
         pen_pixel_mean(&sums, rgb);
@@ -318,7 +320,7 @@ bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_
                       struct pen_status *st)
 {
     const struct pen_kernel_input input = pen_kernel_input_of(scene, view, settings);
-    return render_pixel(&input, x, y, 0, 0, rgb, rays, st);
+    return render_pixel(&input, x, y, 0, 0, NULL, rgb, rays, st);
 }
 
 bool pen_render_refined_pixel(const struct pen_scene *scene, int view,
@@ -327,8 +329,10 @@ bool pen_render_refined_pixel(const struct pen_scene *scene, int view,
 {
     const struct pen_kernel_input input = pen_kernel_input_of(scene, view, &adaptive->sampling);
     const size_t at = (size_t)y * (size_t)adaptive->settings->width + (size_t)x;
-    return render_pixel(&input, x, y, pen_settings_pilot(adaptive->settings),
-                        adaptive->sums[at].samples, rgb, rays, st);
+    const uint32_t pilot = pen_settings_pilot(adaptive->settings);
+    const uint32_t first = adaptive->sums[at].looks == PEN_LOOKS ? 2 * pilot : pilot;
+    return render_pixel(&input, x, y, first, adaptive->sums[at].samples,
+                        pen_adaptive_beams(adaptive, at), rgb, rays, st);
 }
 
 bool pen_dropped_warning(const struct pen_ray_counts *rays, char *text, size_t bytes)

@@ -40,6 +40,7 @@ struct pen_adaptive_stats {
     struct pen_round round[PEN_ROUNDS_MAX]; /* between rounds and in them, the next is the one that
                                              * goes on */
     uint64_t capped;                        /* pixels that max_samples kept from being refined */
+    double unproven;                        /* of the last decision: see struct pen_decision */
     struct pen_sample_spread samples;
 };
 
@@ -150,6 +151,10 @@ bool pen_render_pixel(const struct pen_scene *scene, int view, const struct pen_
 bool pen_render_refined_pixel(const struct pen_scene *scene, int view,
                               const struct pen_adaptive *adaptive, int x, int y, double rgb[3],
                               struct pen_ray_counts *rays, struct pen_status *st);
+
+/* Whether small or bright things may be unseen; then writes a warning that says in how many pixels.
+ */
+bool pen_unproven_warning(const struct pen_adaptive_stats *adaptive, char *text, size_t bytes);
 
 /* Whether samples were dropped; then writes a warning that says how many, what became of their
  * pixels and what to do. */

@@ -3,6 +3,7 @@
  * earlier render did. A round takes the tiles in order. It can end or pause between two of them:
  * then no more tiles are begun, threads share the rest of those that are, and what has been done is
  * a number of tiles from the first on. So nothing waits as long as there is no pause. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -130,6 +131,7 @@ static bool decide(struct rounds *r, struct pen_decision *d, struct pen_status *
     a->rounds++;
     a->met = d->met;
     a->capped = d->capped;
+    a->unproven = d->unproven;
     if (r->task->round_done)
         r->task->round_done(r->task->user, round);
     return true;
@@ -214,6 +216,16 @@ static bool begin_stats(struct rounds *r, struct pen_status *st)
     return true;
 }
 
+/* Finds the small and bright things of the view, unless that is done. */
+static bool find_things(struct rounds *r, struct pen_status *st)
+{
+    struct pen_adaptive *a = r->adaptive;
+    const struct pen_kernel_input input =
+        pen_kernel_input_of(r->task->scene, r->task->view, &a->sampling);
+    a->has_beams = a->has_beams || pen_beams_new(&input, &a->beams, st);
+    return a->has_beams;
+}
+
 bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_task *task,
                        struct pen_adaptive *adaptive, struct pen_render_stats *stats,
                        struct pen_status *st)
@@ -225,7 +237,7 @@ bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_tas
                        .stats = stats,
                        .tiles = pen_tile_count(s->width, s->height, s->tile),
                        .begun_ns = pen_clock_ns()};
-    if (!begin_stats(&r, st))
+    if (!begin_stats(&r, st) || !find_things(&r, st))
         return false;
     if (!run_rounds(&r, st)) {
         free(stats->tile_ms);
@@ -236,6 +248,17 @@ bool pen_render_rounds(struct pen_thread_pool *pool, const struct pen_render_tas
     stats->render_ms = r.earlier_ms + (double)(stats->done_ns - r.begun_ns) * 1e-6;
     stats->adaptive.samples = pen_adaptive_spread(adaptive);
     finish(&r);
+    return true;
+}
+
+bool pen_unproven_warning(const struct pen_adaptive_stats *a, char *text, size_t bytes)
+{
+    if (!(a->unproven > 0))
+        return false;
+    snprintf(text, bytes,
+             "%.3g %% of the pixels may show small or bright objects that too few samples have "
+             "looked for: give them more max_samples, or more time",
+             100 * a->unproven);
     return true;
 }
 

@@ -56,6 +56,25 @@ static inline struct pen_vec3 *pen_material_colour(struct pen_material *m, int c
     return (struct pen_vec3 *)((char *)m + (size_t)colour * sizeof(struct pen_vec3));
 }
 
+/* The pattern of a colour; NULL where the colour is the same everywhere, as that of a pattern of
+ * two equal colours, which is their mean. */
+static inline const struct pen_pattern *pen_material_pattern(const struct pen_material *m,
+                                                             int colour)
+{
+    const struct pen_pattern *p = m->patterns ? m->patterns->of[colour] : NULL;
+    const bool plain = p && p->a.x == p->b.x && p->a.y == p->b.y && p->a.z == p->b.z;
+    return plain ? NULL : p;
+}
+
+/* Whether some colour depends on the place. */
+static inline bool pen_material_is_patterned(const struct pen_material *m)
+{
+    for (int i = 0; i < PEN_MATERIAL_COLOURS; i++)
+        if (pen_material_pattern(m, i))
+            return true;
+    return false;
+}
+
 /* Whether primitives with an inside, and closed surfaces of flat ones, are solids. */
 static inline bool pen_material_is_solid(const struct pen_material *m)
 {

@@ -82,7 +82,7 @@ static double largest_channel(struct pen_vec3 c)
 static struct pen_vec3 colour_bound(const struct pen_material *m, enum pen_material_colours colour,
                                     struct pen_vec3 plain)
 {
-    const struct pen_pattern *pattern = m->patterns ? m->patterns->of[colour] : NULL;
+    const struct pen_pattern *pattern = pen_material_pattern(m, colour);
     if (!pattern)
         return plain;
     const struct pen_vec3 a = pattern->a, b = pattern->b;
@@ -143,7 +143,7 @@ static void add_material(struct survey *survey, const struct pen_material *m, bo
         survey->effects |= PEN_FX_SPECULAR;
     if (color_is_lit(m->kd) || color_is_lit(m->ks))
         survey->effects |= survey->shadows;
-    if (m->patterns)
+    if (pen_material_is_patterned(m))
         survey->effects |= PEN_FX_PATTERNS;
     survey->see_through = survey->see_through || color_is_lit(m->kt);
     survey->forks = survey->forks || (color_is_lit(m->kt) && (color_is_lit(m->kr) || solid));

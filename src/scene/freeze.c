@@ -84,20 +84,26 @@ static bool freeze_frame(struct pen_freezer *f)
     return true;
 }
 
-/* Copies the patterns of a material into the scene's arena. */
+/* Copies the patterns of a material into the scene's arena. One of two equal colours becomes that
+ * colour, so that it costs what a plain one costs. */
 static bool keep_patterns(struct pen_freezer *f, struct pen_material *material)
 {
-    struct pen_patterns *kept = pen_arena_alloc(f->scene->arena, 1, sizeof *kept);
-    if (!kept)
+    const struct pen_patterns *given = material->patterns;
+    struct pen_patterns *kept = NULL;
+    if (pen_material_is_patterned(material) &&
+        !(kept = pen_arena_alloc(f->scene->arena, 1, sizeof *kept)))
         return false;
     for (int i = 0; i < PEN_MATERIAL_COLOURS; i++) {
-        const struct pen_pattern *from = material->patterns->of[i];
+        const struct pen_pattern *from = pen_material_pattern(material, i);
         struct pen_pattern *to = from ? pen_arena_alloc(f->scene->arena, 1, sizeof *to) : NULL;
         if (from && !to)
             return false;
         if (from)
             *to = *from;
-        kept->of[i] = to;
+        else if (given->of[i])
+            *pen_material_colour(material, i) = given->of[i]->a;
+        if (kept)
+            kept->of[i] = to;
     }
     material->patterns = kept;
     return true;

@@ -6,12 +6,18 @@
 
 #include "scene/internal/freeze.h"
 #include "scene/internal/solid_faces.h"
+#include "scene/internal/solid_volume.h"
+
+/* Volumes that differ by this part of them are equal: they may be of copies that groups have
+ * moved, turned or mirrored. */
+static const double SAME_VOLUME = 1e-12;
 
 /* A solid before it is numbered. */
 struct found {
     struct pen_solid solid;
-    double volume;  /* of the bounding box */
     uint32_t first; /* its first primitive */
+    struct solid_volume volume;
+    double size; /* that volume; equal for those that count as equal */
 };
 
 struct finder {
@@ -25,6 +31,7 @@ struct finder {
     uint32_t *number;   /* by place in `found`: the solid's number */
     uint32_t count;
     uint8_t *turned; /* by primitive */
+    uint32_t prim;   /* the next one of a pass */
 };
 
 /* A material with its number, to sort materials by what they are. */
@@ -291,16 +298,55 @@ static bool drop_ones(struct finder *f)
     return true;
 }
 
+static bool add_volume(struct pen_freezer *freezer, const struct pen_scene_prim *prim, void *user)
+{
+    struct finder *f = user;
+    const uint32_t number = f->prim++, place = f->found_of[number];
+    (void)freezer;
+    if (place != PEN_NO_SOLID)
+        pen_solid_volume_add(&f->found[place].volume, prim, f->turned[number]);
+    return true;
+}
+
+/* The volume of the box, in the document's units, of a solid that does not close. */
+static double box_volume(const struct pen_box *box, int exponent)
+{
+    const struct pen_vec3 size = pen_sub(box->hi, box->lo);
+    return pen_scale2(pen_scale2(pen_scale2(size.x * size.y * size.z, exponent), exponent),
+                      exponent);
+}
+
 static int compare_found(const void *a, const void *b)
 {
     const struct found *p = a, *q = b;
-    if (p->volume != q->volume)
-        return p->volume > q->volume ? -1 : 1;
+    if (p->size != q->size)
+        return p->size > q->size ? -1 : 1;
     return (p->first > q->first) - (p->first < q->first);
 }
 
+/* Sorts the solids: the largest first, and of those that are equal but for rounding, the first in
+ * the document. */
+static bool sort_found(struct pen_freezer *freezer, struct finder *f)
+{
+    f->prim = 0;
+    if (!pen_freeze_each(freezer, add_volume, f))
+        return false;
+    for (uint32_t i = 0; i < f->count; i++) {
+        struct found *found = &f->found[i];
+        found->size = found->solid.closed ? pen_solid_volume(&found->volume)
+                                          : box_volume(&found->solid.box, freezer->frame.exponent);
+        found->solid.first = i; /* its place, until it is numbered */
+    }
+    qsort(f->found, f->count, sizeof *f->found, compare_found);
+    for (uint32_t i = f->count; i-- > 1;) /* the least of the equal ones stands for all */
+        if (f->found[i - 1].size <= f->found[i].size * (1 + SAME_VOLUME))
+            f->found[i - 1].size = f->found[i].size;
+    qsort(f->found, f->count, sizeof *f->found, compare_found);
+    return true;
+}
+
 /* Numbers the solids, and lists their primitives. */
-static bool number_solids(struct finder *f)
+static bool number_solids(struct pen_freezer *freezer, struct finder *f)
 {
     struct pen_arena *arena = f->scene->arena;
     const uint32_t prims = f->scene->prims.count;
@@ -309,12 +355,8 @@ static bool number_solids(struct finder *f)
     uint32_t *prim = pen_arena_alloc(arena, prims, sizeof *prim);
     if (!solid || !of_prim || !prim)
         return false;
-    for (uint32_t i = 0; i < f->count; i++) {
-        const struct pen_vec3 size = pen_sub(f->found[i].solid.box.hi, f->found[i].solid.box.lo);
-        f->found[i].volume = size.x * size.y * size.z;
-        f->found[i].solid.first = i; /* its place, until it is numbered */
-    }
-    qsort(f->found, f->count, sizeof *f->found, compare_found);
+    if (!sort_found(freezer, f))
+        return false;
     for (uint32_t i = 0, first = 0; i < f->count; i++) {
         f->number[f->found[i].solid.first] = i;
         solid[i] = f->found[i].solid;
@@ -382,7 +424,7 @@ static bool find_all(struct pen_freezer *freezer, struct finder *f)
     f->number = malloc(prims * sizeof *f->number);
     f->turned = pen_arena_alloc(freezer->scene->arena, prims, sizeof *f->turned);
     return f->face && f->left_out && f->found && f->found_of && f->number && f->turned &&
-           find_same(f) && find_solids(freezer, f) && drop_ones(f) && number_solids(f) &&
+           find_same(f) && find_solids(freezer, f) && drop_ones(f) && number_solids(freezer, f) &&
            find_views(freezer, f);
 }
 

@@ -89,6 +89,7 @@ bool pen_scene_prim_make(const struct pen_desc_iter_item *item, struct pen_vec3 
                                           .material = object->material,
                                           .moved_by = item->moved ? item->transform : NULL,
                                           .from = source_of(object)};
+    scene_prim->own = from->vertices;
     if (!item->moved)
         return true;
     bool flat = pen_prim_flat(scene_prim->kind);

@@ -4,9 +4,9 @@
  * Flat primitives that do not close are a solid of their own kind: a ray enters it where it comes
  * from their outward side, and leaves it from the other.
  *
- * Solids are numbered by the volumes of their bounding boxes, the largest first; of equal ones, the
- * later in the document has the larger number. So the index at a point is that of the containing
- * solid with the largest number. */
+ * Solids are numbered by their volumes, the largest first; of those that are equal but for
+ * rounding, the later in the document has the larger number. So the index at a point is that of the
+ * containing solid with the largest number. */
 #ifndef PEN_SCENE_SOLID_H
 #define PEN_SCENE_SOLID_H
 

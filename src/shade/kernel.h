@@ -44,6 +44,9 @@ struct pen_kernel_input {
     struct pen_lens lens;
     unsigned effects;
     const struct pen_trace_ops *trace;
+    /* The kernel of all these effects, if block kernels with fewer may get this input; else NULL:
+     * pen_kernel_choose. */
+    const struct pen_kernel *full;
 };
 
 /* Working memory of one thread: the stack of pending secondary rays and the last occluders. */
@@ -67,9 +70,10 @@ struct pen_camera_point {
 /* A sample of a replicate: a replicate of a pixel is a sequence of camera rays with scramblings of
  * its own, of which any beginning may be averaged (math/sample.h: struct pen_sample_key). */
 struct pen_camera_sample {
-    int x, y;           /* the pixel */
-    uint32_t replicate; /* from 0 on; audits alone have several */
-    uint32_t index;     /* in the replicate, from 0 on */
+    int x, y;                          /* the pixel */
+    uint32_t replicate;                /* from 0 on; audits alone have several */
+    uint32_t index;                    /* in the replicate, from 0 on */
+    const struct pen_camera_point *at; /* instead of its point of the sequence; NULL: that */
 };
 
 /* One sample of a pixel: its radiance. The pixel is that of the scratch memory's sampling key. */
@@ -98,6 +102,7 @@ struct pen_kernel {
     const char *name; /* e.g. "hard+mirror/avx2": shown in statistics */
     unsigned effects; /* the mask: PEN_FX_* */
     pen_kernel_fn *pixel;
+    pen_kernel_sample_fn *sample;   /* one sample by the pixel kernel */
     pen_kernel_block_fn *block;     /* for input->trace with packets */
     pen_kernel_samples_fn *samples; /* does not need packets */
     size_t block_bytes;             /* of the working memory of `block` */
@@ -109,5 +114,16 @@ const struct pen_kernel *pen_kernel_at(int index, enum pen_isa isa);
 
 /* The kernel with the fewest effects that covers these, for an instruction set. Never NULL. */
 const struct pen_kernel *pen_kernel_select(unsigned effects, enum pen_isa isa);
+
+/* The effects that the block kernels of a mask may leave out though a scene has them: they find the
+ * samples that meet these, and input->full renders them again. */
+enum { PEN_FX_MAY_BE_LEFT_OUT = PEN_FX_SKY | PEN_FX_PATTERNS };
+
+/* The kernel that is expected to render so many pixels of the view fastest: that of
+ * pen_kernel_select, or one that leaves out effects which few samples meet; then it sets
+ * input->full. A function of the scene, the view, the settings and the number alone. Bits and rays
+ * do not depend on the choice. */
+struct pen_kernel pen_kernel_choose(struct pen_kernel_input *input, int64_t pixels,
+                                    enum pen_isa isa);
 
 #endif

@@ -30,6 +30,7 @@ PEN_KERNEL_LIST(BLOCK_FUNCTIONS)
     {.name = kernel_name "/" NAME_OF_ISA(PEN_ISA),                                                 \
      .effects = mask,                                                                              \
      .pixel = pen_pixel_##identifier,                                                              \
+     .sample = pen_sample_##identifier,                                                            \
      .block = block_##identifier,                                                                  \
      .samples = (mask)&PEN_FX_ANTI_ALIASING ? samples_##identifier : NULL,                         \
      .block_bytes = sizeof(struct pen_block_scratch)},

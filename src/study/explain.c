@@ -36,7 +36,7 @@ static bool shows(const struct pen_material *m, enum pen_effect effect)
     case PEN_FX_SPECULAR:
         return is_lit(m->ks);
     case PEN_FX_PATTERNS:
-        return m->patterns != NULL;
+        return pen_material_is_patterned(m);
     case PEN_FX_HARD_SHADOWS:
     case PEN_FX_SOFT_SHADOWS:
     case PEN_FX_ANTI_ALIASING:
@@ -307,11 +307,16 @@ static json_t *rays_json(const struct pen_explain_task *task)
 json_t *pen_explain_json(const struct pen_explain_task *task)
 {
     const struct pen_forecast *f = task->forecast;
-    const double *ms = task->actual ? &task->actual->render_ms : NULL;
-    return json_pack("{s:s, s:o, s:o, s:s, s:o, s:o, s:o, s:{s:i, s:o}}", "view",
+    const double *ms = task->actual ? &task->actual->render_ms : NULL,
+                 *cpu_ms = task->actual ? &task->actual->cpu_ms : NULL;
+    /* By the clock: from what it takes when other programs rest to what it takes beside them. */
+    const struct pen_estimate time_ms = {f->time_ms.expected / f->used, f->time_ms.low,
+                                         f->time_ms.high / f->used};
+    return json_pack("{s:s, s:o, s:o, s:s, s:o, s:o, s:o, s:o, s:o, s:{s:i, s:o}}", "view",
                      task->desc->views[task->view].name, "effects", effects_json(task, true),
                      "absent", effects_json(task, false), "kernel", f->kernel, "rays",
-                     rays_json(task), "time_ms", estimate_json(&f->time_ms, ms), "memory_bytes",
+                     rays_json(task), "cpu_ms", estimate_json(&f->cpu_ms, cpu_ms), "time_ms",
+                     estimate_json(&time_ms, ms), "load", pen_figure(1 - f->used), "memory_bytes",
                      pen_figure(f->memory_bytes), "pre_render", "pixels", f->pixels, "ms",
                      pen_figure(f->spent_ms));
 }
@@ -388,6 +393,25 @@ static void write_estimate(const char *name, const json_t *e, const struct unit 
     pen_buf_puts(out, "\n");
 }
 
+/* Writes the time by the clock: with all processors, and at the load of now. Nobody knows how long
+ * that load stays, so there is no interval. */
+static void write_clock(const json_t *explanation, struct pen_buf *out)
+{
+    const json_t *time = json_object_get(explanation, "time_ms"),
+                 *actual = json_object_get(time, "actual");
+    const double ms = json_number_value(json_object_get(time, "expected")),
+                 load = json_number_value(json_object_get(explanation, "load"));
+    const struct unit *unit = time_units;
+    while (ms < unit->from)
+        unit++;
+    pen_buf_printf(out, "  %-20s %8.3g %s now (threads wait %.0f %%), %.3g alone",
+                   "time by the clock", ms / unit->one, unit->name, 100 * load,
+                   ms * (1 - load) / unit->one);
+    if (actual)
+        pen_buf_printf(out, "   actual %.3g", json_number_value(actual) / unit->one);
+    pen_buf_puts(out, "\n");
+}
+
 void pen_explain_write_text(const json_t *explanation, struct pen_buf *out)
 {
     const char *key;
@@ -400,7 +424,8 @@ void pen_explain_write_text(const json_t *explanation, struct pen_buf *out)
     {
         write_estimate(key, value, ray_units, out);
     }
-    write_estimate("time", json_object_get(explanation, "time_ms"), time_units, out);
+    write_estimate("processor time", json_object_get(explanation, "cpu_ms"), time_units, out);
+    write_clock(explanation, out);
     const double mib = json_number_value(json_object_get(explanation, "memory_bytes")) / 0x1p20;
     pen_buf_printf(out, "  %-20s %8.*f MiB\n", "memory", mib < 10 ? 2 : mib < 100 ? 1 : 0, mib);
 }

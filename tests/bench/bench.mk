@@ -46,12 +46,14 @@ bench-verdicts: all $(BENCHES)
 	@sh tests/bench/verdicts.sh $(BUILD)
 
 # Errors asked for with target_error against errors reached: a table and a chart, some minutes. Fails
-# if the promise of src/render/adaptive.h is broken. `accuracy-promise` leaves out the smallest target.
+# if the promise of src/render/adaptive.h is broken. `accuracy-promise` leaves out the smallest target,
+# and goes on with random scenes whose light is small and bright (tests/bench/families.sh).
 .PHONY: calibration accuracy-promise
 calibration: all $(BENCHES)
 	@sh tests/bench/calibration.sh $(BUILD)
 accuracy-promise: all $(BENCHES)
 	@TARGETS="0.02 0.01 0.005" sh tests/bench/calibration.sh $(BUILD) $(BUILD)/accuracy-promise
+	@sh tests/bench/families.sh $(BUILD) $(BUILD)/accuracy-promise/families
 
 # The time left that jobs tell beside what was left (tests/bench/eta.sh): some minutes on an idle host. Fails
 # beyond its bar.

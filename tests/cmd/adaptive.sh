@@ -66,6 +66,15 @@ exits "a render with a budget" 0 budget 100 140 0.3 -q -o t.pfm --stats t.json -
 expect "has no target" "$(jq '.adaptive | .target_error == null and (.met | not)' t.json)" true
 exits "its rounds repeated by one thread" 0 "$penumbra" render builtin:room-soft --repeat t.json -q -o r.pfm --threads 1
 check "give the same bytes" cmp t.pfm r.pfm
+jq '.adaptive.rule = 7' t.json >rule.json
+exits "rounds of another rule" 4 "$penumbra" render builtin:room-soft --repeat rule.json -q -o w.pfm
+prints "are refused by its number" stderr "has the rounds of rule 7 for a target error; this version has rule 2"
+jq 'del(.adaptive.rule)' t.json >rule.json
+exits "rounds without a rule" 4 "$penumbra" render builtin:room-soft --repeat rule.json -q -o w.pfm
+prints "are of the first one" stderr "rule 1"
+exits "lights out of focus with few samples" 0 "$penumbra" render "$root/tests/cmd/bokeh.json" --set max_samples=16 -q -o w.pfm --stats w.json
+prints "are told of" stderr "of the pixels may show small or bright objects"
+expect "by a share" "$(jq '.adaptive | .unproven > 0.01 and .unproven < 0.5 and (.met | not)' w.json)" true
 exits "a budget that is too small" 0 budget 100 140 0 -q -o u.pfm --stats u.json
 expect "gives the first round" "$(jq -c '.adaptive.rounds | map([.pixels, .tiles])' u.json)" "[[14000,20]]"
 exits "a budget with a target" 0 budget 50 70 1000 --set target_error=0.01 -q -o t.pfm --stats t.json
@@ -101,7 +110,7 @@ submit '{"scene": "builtin:lens", "budget_seconds": 0}'
 expect_problem "a budget of 0" 422 '*must be a number above 0*'
 
 # Audits
-audit="pixels threshold wrong undecided bound seed"
+audit="pixels threshold wrong undecided bound seed clusters"
 exits "a render with an audit" 0 "$penumbra" render builtin:lens $small --view middle --set target_error=0.02 -q -o a.pfm --stats a.json \
     --audit 0.05 --audit-pixels 200
 expect "has what it found" "$(jq -r '.audit | keys_unsorted | join(" ")' a.json)" "$audit"
@@ -128,6 +137,9 @@ expect_problem "an audit that is a number" 422 '*must be an object of pixels and
 exits "the audit of a file" 0 "$penumbra" audit builtin:lens a.pfm $small --threshold 0.05 --audit-pixels 200 --json
 expect "draws the same pixels" "$(jq -r .seed stdout)" "$(jq -r .audit.seed a.json)"
 exits "with --max-wrong" 7 "$penumbra" audit builtin:lens a.pfm $small --threshold 0.001 --audit-pixels 20 --max-wrong 0.1
+exits "a picture of one sample" 0 "$penumbra" render builtin:lens $small --view middle --set samples_per_pixel=1 -q -o one.pfm
+exits "its audit" 0 "$penumbra" audit builtin:lens one.pfm $small --threshold 0.05 --audit-pixels 200 --view middle
+prints "tells where pixels are wrong" stdout "audited pixels are wrong in columns"
 exits "a picture of another size" 3 "$penumbra" audit builtin:lens a.pfm
 prints "is told both sizes" stderr "has 80 x 60 pixels, the scene is rendered with 800 x 600"
 exits "no picture" 4 "$penumbra" audit builtin:lens none.png $small

@@ -281,6 +281,22 @@ expect "--json names the figures" "$(jq -c '[has("rmse", "relative_mse", "psnr",
 expect "they look the same" "$(jq '.ssim > 0.99 and .flip < 0.03 and .flip > 0' stdout)" true
 expect "FLIP's figures are ordered" "$(jq '[.flip_min, .flip_first_quartile, .flip_weighted_median,
     .flip_third_quartile, .flip_max] | . == sort and .[4] <= 1' stdout)" true
+bright() { printf 'PF\n4 4\n-1.0\n' && for _ in $(seq 48); do printf "\\0\\0\\$1\\100"; done; }
+bright 0 >two.pfm # binary32, little-endian
+bright 100 >three.pfm
+exits "2 is not 3" 7 "$penumbra" compare two.pfm three.pfm --max-error 0
+prints "in any pixel" stdout "differing     16 of 16 pixels"
+exits "and not by less than it is" 7 "$penumbra" compare two.pfm three.pfm --max-error 0.25 -q
+exits "2 is 2" 0 "$penumbra" compare two.pfm two.pfm --max-error 0
+# One pixel, opaque and half transparent.
+echo iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR4nGPg5OT8DwABVQEbRny5UQAAAABJRU5ErkJggg== | base64 -d >opaque.png
+echo iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR4nGPg5ORsAAAA1gCcaeqYxgAAAABJRU5ErkJggg== | base64 -d >half.png
+exits "other alpha is another picture" 7 "$penumbra" compare opaque.png half.png
+prints "which is counted" stdout "alpha         differs in 1 pixel"
+prints "and said" stderr "in the alpha of 1 pixel"
+exits "in JSON, too" 7 "$penumbra" compare half.png opaque.png --json
+expect "as a number" "$(jq .alpha_differing stdout)" 1
+exits "the same alpha" 0 "$penumbra" compare half.png half.png --max-error 0
 exits "compare pictures of different sizes" 3 "$penumbra" compare a.png small.pfm
 exits "compare a file that is no picture" 3 "$penumbra" compare a.png scene.json
 prints "the error names the file" stderr "scene.json"

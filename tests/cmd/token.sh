@@ -184,27 +184,30 @@ END
 start --config access.json --cors 'https://[::1]:8443' --cors app://c
 expect_match "HTTPS is served" "$first" "listening on https://0.0.0.0:[1-9]*"
 expect "without a warning" "$(grep -c "travel unencrypted" daemon.log)" 0
-arguments() { tr '\0' ' ' <"/proc/$(child "$1")/cmdline"; }
-# The children have their command lines, or the daemon has ended.
-has_children() { (arguments api | grep -q -- --role && arguments work | grep -q -- --role) || ! kill -0 $daemon; }
+settings() { tr '\0' '\n' <"/proc/$(child "$1")/environ" | grep -e ^PENUMBRA_T[LO] -e ^PENUMBRA_CORS | sort | paste -sd' '; }
+# The children have their names, or the daemon has ended.
+has_children() { (child api && child work) || ! kill -0 $daemon; }
 within has_children
-expect_match "the api process has the options of the file" "$(arguments api)" \
-    "* --tokens $work/tokens --tls-cert one.crt --tls-key one.key *"
-expect_match "the command line overrides the file" "$(arguments api)" "* --cors https://\[::1\]:8443 app://c*"
-expect "the worker has none of them" "$(arguments work | grep -c -e --tokens -e --tls)" 0
+expect_match "the api process has the options of the file" "$(settings api)" \
+    "* PENUMBRA_TLS_CERT=one.crt PENUMBRA_TLS_KEY=one.key PENUMBRA_TOKENS=$work/tokens"
+expect_match "the command line overrides the file" "$(settings api)" "PENUMBRA_CORS=https://\[::1\]:8443 app://c *"
+expect "the worker has none of them" "$(settings work)" ""
+expect "no process has them on its command line" \
+    "$(cat "/proc/$(child api)/cmdline" "/proc/$(child work)/cmdline" | grep -a -c -e "$work" -e one)" 0
 sed 's/one\./two./g' access.json >access.new && mv access.new access.json
 kill -HUP $daemon
-check "a change of them waits for the next start" within grep -q 'tls_key, plain_http, cors, .* change only when' daemon.log
+check "a change of them waits for the next start" within grep -q 'tls-key changes only when' daemon.log
 api=$(child api)
 kill -KILL "$api"
 has_other_api() { [ "$(child api)" != "$api" ] && has_children; }
 within has_other_api
-expect_match "also for an api process that is started again" "$(arguments api)" "* --tls-cert one.crt *"
+expect_match "also for an api process that is started again" "$(settings api)" "* PENUMBRA_TLS_CERT=one.crt *"
 daemon_stop
 export PENUMBRA_TOKENS=tokens PENUMBRA_TLS_CERT=one.crt PENUMBRA_TLS_KEY=one.key PENUMBRA_CORS="https://a https://b"
 start --listen 0.0.0.0:0
 within has_children
-expect_match "the environment counts too" "$(arguments api)" "* --tls-key one.key --cors https://a https://b*"
+expect_match "the environment counts too" "$(settings api)" \
+    "PENUMBRA_CORS=https://a https://b PENUMBRA_TLS_CERT=one.crt PENUMBRA_TLS_KEY=one.key *"
 daemon_stop
 export PENUMBRA_PLAIN_HTTP=maybe
 address=127.0.0.1:0

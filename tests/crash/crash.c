@@ -32,7 +32,7 @@
 #include "kinds.h"
 
 enum { LEASE_MS = 600, KEEP_MS = 20, ROUND_JOBS = 6, KEY_BYTES = 48 };
-enum { JOBS_END_MS = 120000, ACKNOWLEDGE_MS = 60000, WORKER_END_MS = 15000 };
+enum { JOBS_END_MS = 120000, ACKNOWLEDGE_MS = 60000 };
 enum { HOUSEKEEPING_MS = 50, AGE_WAIT_MS = 60000, CLIENTS = 3, EARLIER_JOBS = 64 };
 _Static_assert((int)ROUND_JOBS < (int)DAEMON_KEEP_JOBS, "a round's own jobs may be removed");
 
@@ -150,7 +150,8 @@ static void kill_child(struct test *t, const char *role, enum disturbance distur
 /* Stops the worker for longer than its lease, while another one takes its work. */
 static void stop_worker(struct test *t)
 {
-    pid_t pid = daemon_child(&t->daemon, "work"), extra;
+    pid_t pid = daemon_child(&t->daemon, "work");
+    struct daemon extra;
     if (pid == 0)
         return;
     kill(pid, SIGSTOP);
@@ -160,16 +161,14 @@ static void stop_worker(struct test *t)
     t->done[STOP_WORKER]++;
     pause_ms((int)draw(&t->random, 300));
     if (draw(&t->random, 2)) {
-        kill(extra, SIGKILL);
-        waitpid(extra, NULL, 0);
+        const pid_t worker = daemon_child(&extra, "work");
+        if (worker != 0 && draw(&t->random, 2)) /* else it gives its batch back */
+            kill(worker, SIGKILL);
+        check(t, daemon_kill(&extra), "a worker whose supervisor is killed ends", "");
         t->extra_killed++;
     } else {
-        char how[END_BYTES];
-        daemon_wait_for_worker(extra);
-        kill(extra, SIGTERM);
-        /* SIGALRM ends it if the store is busy when it gives its unfinished batch back. */
-        bool well = process_end(extra, WORKER_END_MS * daemon_patience(), SIGALRM, how);
-        check(t, well, "a worker alone ends with exit code 0", how);
+        daemon_wait_for_worker(extra.pid);
+        check(t, daemon_drain(&extra), "a daemon that only renders ends with exit code 0", "");
     }
 }
 

@@ -75,12 +75,12 @@ static bool waits_for_sigterm(pid_t pid)
     return blocked >> (SIGTERM - 1) & 1;
 }
 
-pid_t daemon_extra_worker(const struct daemon *daemon)
+struct daemon daemon_extra_worker(const struct daemon *daemon)
 {
     char *arguments[] = {
         "penumbrad", "--role", "worker", "--store", (char *)(uintptr_t)daemon->store,
         "--threads", "1",      NULL};
-    return spawn(daemon, arguments, STDOUT_FILENO);
+    return (struct daemon){.pid = spawn(daemon, arguments, STDOUT_FILENO)};
 }
 
 void daemon_wait_for_worker(pid_t pid)
@@ -158,19 +158,25 @@ pid_t daemon_child(const struct daemon *daemon, const char *role)
     return pid;
 }
 
-/* Whether the process is a daemon on this test's store; others may run on the same machine. */
-static bool uses_our_store(const void *user, const struct process *process)
+/* Whether a file of /proc/PID has the store's path. */
+static bool names_store(const struct daemon *daemon, pid_t pid, const char *name)
 {
-    const struct daemon *daemon = user;
-    char path[64], text[2048];
-    if (strncmp(process->name, "penumbrad", 9) != 0)
-        return false;
-    snprintf(path, sizeof path, "/proc/%d/cmdline", (int)process->pid);
+    char path[64], text[16384];
+    snprintf(path, sizeof path, "/proc/%d/%s", (int)pid, name);
     FILE *file = fopen(path, "re");
-    size_t bytes = file ? fread(text, 1, sizeof text - 1, file) : 0;
+    size_t bytes = file ? fread(text, 1, sizeof text, file) : 0;
     if (file)
         fclose(file);
     return memmem(text, bytes, daemon->store, strlen(daemon->store)) != NULL;
+}
+
+/* Whether the process is a daemon on this test's store; others may run on the same machine. A
+ * supervisor has it on its command line, its children in their environment. */
+static bool uses_our_store(const void *user, const struct process *process)
+{
+    return strncmp(process->name, "penumbrad", 9) == 0 &&
+           (names_store(user, process->pid, "cmdline") ||
+            names_store(user, process->pid, "environ"));
 }
 
 int daemon_processes(const struct daemon *daemon)
@@ -225,27 +231,18 @@ bool daemon_kill(struct daemon *daemon)
     return both_gone(api, worker, CHILD_END_MS * daemon_patience());
 }
 
-bool process_end(pid_t pid, int ms, int also, char how[END_BYTES])
+/* Waits for the end of a child of this process, at most `ms`, then kills it. Returns whether it
+ * ended by itself with exit code 0. */
+static bool ends_well(pid_t pid, int ms)
 {
     int status = 0;
     int64_t until_ns = pen_clock_ns() + (int64_t)ms * 1000000;
-    how[0] = '\0';
     while (waitpid(pid, &status, WNOHANG) == 0) {
-        if (pen_clock_ns() > until_ns) {
+        if (pen_clock_ns() > until_ns)
             kill(pid, SIGKILL);
-            waitpid(pid, &status, 0);
-            snprintf(how, END_BYTES, "it was still there after %d ms", ms);
-            return false;
-        }
         pause_ms(5);
     }
-    if (WIFSIGNALED(status) && WTERMSIG(status) == also)
-        return true;
-    if (WIFSIGNALED(status))
-        snprintf(how, END_BYTES, "it was ended by signal %d", WTERMSIG(status));
-    else if (WEXITSTATUS(status) != 0)
-        snprintf(how, END_BYTES, "it ended with exit code %d", WEXITSTATUS(status));
-    return how[0] == '\0';
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 bool daemon_drain(struct daemon *daemon)
@@ -253,8 +250,7 @@ bool daemon_drain(struct daemon *daemon)
     pid_t api = daemon_child(daemon, "api"), worker = daemon_child(daemon, "work");
     const int64_t begun_ns = pen_clock_ns();
     kill(daemon->pid, SIGTERM);
-    char how[END_BYTES];
-    bool well = process_end(daemon->pid, DRAIN_MS * daemon_patience(), 0, how);
+    bool well = ends_well(daemon->pid, DRAIN_MS * daemon_patience());
     bool was_long = pen_clock_ns() - begun_ns > LONG_DRAIN_MS * INT64_C(1000000);
     daemon->pid = 0;
     return both_gone(api, worker, was_long ? CHILD_END_MS * daemon_patience() : 0) && well;

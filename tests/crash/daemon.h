@@ -22,11 +22,12 @@ int daemon_patience(void);
 /* Starts the daemon on a free port and waits for its first line. Returns whether that has come. */
 bool daemon_start(struct daemon *daemon);
 
-/* Starts a worker process on the same store, without a supervisor. */
-pid_t daemon_extra_worker(const struct daemon *daemon);
+/* Starts a supervisor of one more worker on the same store. Its `pid` is also what daemon_child and
+ * daemon_kill take. */
+struct daemon daemon_extra_worker(const struct daemon *daemon);
 
-/* Waits, at most 10 s times the patience, until that worker waits for SIGTERM, which would end it
- * at once before. */
+/* Waits, at most 10 s times the patience, until that supervisor waits for SIGTERM, which would end
+ * it at once before. */
 void daemon_wait_for_worker(pid_t pid);
 
 /* Prints the last lines of the log of all processes. */
@@ -41,12 +42,6 @@ bool daemon_kill(struct daemon *daemon);
 /* Sends SIGTERM and waits. Returns whether the daemon ended in its time with exit code 0, and its
  * children too. It takes 10 s at most, to which come those that processes are held up for. */
 bool daemon_drain(struct daemon *daemon);
-
-/* Waits for the end of a child of this process, at most `ms`, then kills it. Returns whether it
- * ended by itself with exit code 0, or by the signal `also` unless that is 0; else `how` tells how
- * it ended. */
-enum { END_BYTES = 60 };
-bool process_end(pid_t pid, int ms, int also, char how[END_BYTES]);
 
 /* The number of processes that run the daemon on this store, without zombies. */
 int daemon_processes(const struct daemon *daemon);

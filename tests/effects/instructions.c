@@ -4,12 +4,16 @@
  *   instructions SET FILE             both must give the same bits and rays
  *   instructions SET FILE compiled    only that one, in proof_frame, so that valgrind counts it
  *   instructions SET FILE stripped    only the other one
- * SET is none, hard, soft or mirror; the scene is changed to have just these effects. */
+ * SET is none, hard, soft or mirror; the scene is changed to have just these effects. Or SET is a
+ * form (support/forms.h), and the scene is rendered by the kernel that is chosen for it:
+ *   instructions FORM FILE without    without the effect
+ *   instructions FORM FILE idle       with it but without consequence */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "effects/stripped/stripped.h"
+#include "support/forms.h"
 #include "support/scene_files.h"
 
 struct set {
@@ -61,6 +65,7 @@ double *proof_frame(const struct pen_kernel *kernel, const struct pen_kernel_inp
 
 struct request {
     const struct set *set;
+    const struct form *form;  /* instead of a set */
     const char *file, *which; /* which: NULL for both */
     bool failed;
 };
@@ -95,6 +100,20 @@ static bool render(const struct request *r, const struct pen_kernel_input *input
     return same || refuse("the stripped kernel gives other bits or rays", r->set->name);
 }
 
+static void render_form(const char *path, struct pen_scene_desc *desc, void *user)
+{
+    struct request *r = user;
+    r->form->make(desc, strcmp(r->which, "idle") == 0);
+    struct pen_settings settings = desc->settings;
+    struct pen_scene *scene = scene_file_freeze(path, desc);
+    struct pen_kernel_input input = frame_input(scene, 0, &settings, PEN_ISA_AVX2);
+    const struct pen_kernel kernel =
+        pen_kernel_choose(&input, (int64_t)settings.width * settings.height, PEN_ISA_AVX2);
+    struct pen_ray_counts rays;
+    free(proof_frame(&kernel, &input, &rays));
+    pen_scene_free(scene);
+}
+
 static void with_scene(const char *path, struct pen_scene_desc *desc, void *user)
 {
     struct request *r = user;
@@ -117,10 +136,13 @@ int main(int argc, char **argv)
     for (size_t i = 0; argc > 2 && i < sizeof sets / sizeof *sets; i++)
         if (strcmp(sets[i].name, argv[1]) == 0)
             r.set = &sets[i];
-    if (!r.set) {
-        fprintf(stderr, "usage: instructions none|hard|soft|mirror FILE [compiled|stripped]\n");
+    if (r.which && !r.set)
+        r.form = form_find(argv[1]);
+    if (!r.set && !r.form) {
+        fprintf(stderr, "usage: instructions none|hard|soft|mirror FILE [compiled|stripped]\n"
+                        "       instructions FORM FILE without|idle\n");
         return 2;
     }
-    scene_file_with(r.file, with_scene, &r);
+    scene_file_with(r.file, r.form ? render_form : with_scene, &r);
     return r.failed;
 }

@@ -1,10 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # How many instructions a frame takes by a compiled kernel, and by the same kernel stripped by hand
-# of the effects that it has not (tests/effects/stripped), under callgrind:
+# of the effects that it has not (tests/effects/stripped), under callgrind; and how many it takes with an
+# effect without consequence, and without that effect (tests/support/forms.c):
 #   tests/effects/instructions.sh BUILD
-# Prints a table; exit 1 if a ratio is above the limit, if the two give other bits, or if valgrind
-# is missing.
+# Prints tables; exit 1 if a ratio is above the limit, if a stripped kernel gives other bits, or if
+# valgrind is missing.
 set -u
 build=${1:-build}
 cd "$(dirname "$0")/../.." || exit 1
@@ -27,21 +28,33 @@ count() {
     rm -f "$work/out"
 }
 
+# judge NAME SCENE COUNT OF: a row of a table.
+judge() {
+    echo "$@" | awk -v limit=$limit '{
+        ok = NF == 4 && $3 > 1e6 && $4 > 1e6 && $3 / $4 <= limit
+        printf "%-24s %-30s %10d %10d %8.4f %6.2f  %s\n", $1, $2, $3, $4, $4 ? $3 / $4 : 0, limit,
+            ok ? "ok" : "FAILED"
+        exit !ok
+    }' || failed=1
+}
+
 failed=0
-printf '%-8s %-24s %12s %12s %8s %6s\n' set scene compiled stripped ratio limit
+heads='%-24s %-30s %10s %10s %8s %6s\n'
+# shellcheck disable=SC2059 # the format is a constant
+printf "$heads" set scene compiled stripped ratio limit
 for set in none hard soft mirror; do
     for scene in ${SCENES:-scenes/spheres.json scenes/room.json}; do
         if ! "$program" "$set" "$scene"; then
             failed=1
             continue
         fi
-        echo "$set $scene $(count "$set" "$scene" compiled) $(count "$set" "$scene" stripped)" |
-            awk -v limit=$limit '{
-                ok = NF == 4 && $3 > 1e6 && $4 > 1e6 && $3 / $4 <= limit
-                printf "%-8s %-24s %12d %12d %8.4f %6.2f  %s\n", $1, $2, $3, $4, $4 ? $3 / $4 : 0,
-                    limit, ok ? "ok" : "FAILED"
-                exit !ok
-            }' || failed=1
+        judge "$set" "$scene" "$(count "$set" "$scene" compiled)" "$(count "$set" "$scene" stripped)"
     done
+done
+# shellcheck disable=SC2059
+printf "$heads" form scene idle without ratio limit
+scene=tests/effects/scenes/plain.json
+for form in $(sed -n 's/^    {"\([a-z0-9-]*\)", PEN_FX_.*/\1/p' tests/support/forms.c); do
+    judge "$form" "$scene" "$(count "$form" "$scene" idle)" "$(count "$form" "$scene" without)"
 done
 exit "$failed"

@@ -376,14 +376,34 @@ static double expected(const struct kind *kind, int x, int y, int channel)
     return sample(kind, x, y, grey ? 0 : channel) / (double)((1u << kind->bits) - 1);
 }
 
+static double expected_alpha(const struct kind *kind, int x, int y)
+{
+    static const int of_palette[4] = {0, 0x80, 0xFF, 0x10};
+    const bool grey = !(kind->type & PNG_COLOR_MASK_COLOR);
+    if (kind->type & PNG_COLOR_MASK_ALPHA)
+        return sample(kind, x, y, grey ? 1 : 3) / (double)((1u << kind->bits) - 1);
+    if (!kind->transparent)
+        return 1;
+    if (kind->type == PNG_COLOR_TYPE_PALETTE)
+        return of_palette[sample(kind, x, y, 0)] / 255.0;
+    for (int c = 0; c < (grey ? 1 : 3); c++)
+        if (sample(kind, x, y, c) != 1)
+            return 1;
+    return 0;
+}
+
 START_TEST(test_files__every_kind_of_png_is_read)
 {
     for (int k = 0; k < KINDS; k++) {
         struct pen_buf file = write_kind(&kinds[k]);
         struct pen_picture *picture = read_back(&file);
         for (int y = 0; y < H; y++) {
-            double row[W * 3];
+            double row[W * 3], alpha[W];
             pen_picture_encoded_row(picture, y, row);
+            pen_picture_alpha_row(picture, y, alpha);
+            for (int x = 0; x < W; x++)
+                ck_assert_msg(alpha[x] == expected_alpha(&kinds[k], x, y), "kind %d at %d %d: %g",
+                              k, x, y, alpha[x]);
             for (int x = 0; x < W * 3; x++) {
                 double want = expected(&kinds[k], x / 3, y, x % 3);
                 ck_assert_msg(fabs(row[x] - want) < 1e-15, "kind %d at %d %d: %g, not %g", k, x, y,

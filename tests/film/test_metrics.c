@@ -80,6 +80,100 @@ START_TEST(test_metrics__values_are_clamped_before_they_are_compared)
 }
 END_TEST
 
+static struct pen_picture *pfm_of(float *rgb)
+{
+    struct pen_status st;
+    struct pen_buf file = {0};
+    const struct pen_film film = {W, H, rgb};
+    ck_assert(pen_pfm_write(&film, &file, &st));
+    struct pen_picture *read = pen_picture_read(file.data, file.bytes, &st);
+    pen_buf_release(&file);
+    ck_assert_ptr_nonnull(read);
+    return read;
+}
+
+/* Two PFM files differ wherever their values do, also beyond 0 and 1. Within, what is found is as
+ * for films. */
+START_TEST(test_metrics__values_of_two_pfm_files_are_not_clamped)
+{
+    struct pen_status st;
+    struct pen_difference d, inside;
+    float two[W * H * 3], three[W * H * 3];
+    for (int i = 0; i < W * H * 3; i++) {
+        two[i] = 2;
+        three[i] = 3;
+    }
+    struct pen_picture *a = pfm_of(two), *b = pfm_of(three);
+    ck_assert(pen_picture_compare(a, b, 0.25, &d, &st));
+    ck_assert(fabs(d.max_error - (1.055 * (pow(3, 1 / 2.4) - pow(2, 1 / 2.4)))) < 1e-12);
+    ck_assert(d.differing == W * H && d.over == W * H && d.rmse == 0);
+    pen_picture_free(b);
+    for (int i = 0; i < W * H * 3; i++)
+        three[i] = 2;
+    two[4] = -1;
+    three[4] = -1.5F;
+    pen_picture_free(a);
+    a = pfm_of(two);
+    b = pfm_of(three);
+    ck_assert(pen_picture_compare(a, b, 0, &d, &st));
+    ck_assert(d.differing == 1 && d.max_x == 1 && d.max_y == 0);
+    ck_assert(pen_picture_compare(a, a, 0, &d, &st) && d.max_error == 0 && d.differing == 0);
+    pen_picture_free(a);
+    pen_picture_free(b);
+    for (int i = 0; i < W * H * 3; i++) {
+        two[i] = (float)i / (W * H * 3 - 1);
+        three[i] = (float)(W * H * 3 - 1 - i) / (W * H * 3 - 1);
+    }
+    a = pfm_of(two);
+    b = pfm_of(three);
+    inside = compare(two, three, 0.1);
+    ck_assert(pen_picture_compare(a, b, 0.1, &d, &st));
+    ck_assert(d.max_error == inside.max_error && d.over == inside.over && d.over > 0);
+    pen_picture_free(a);
+    pen_picture_free(b);
+}
+END_TEST
+
+/* A PNG file of the film, in which pixels with a mask of 0 are transparent; NULL: it has no alpha.
+ */
+static struct pen_picture *png_of(float *rgb, int bits, const unsigned char *mask)
+{
+    struct pen_status st;
+    struct pen_buf file = {0};
+    const struct pen_film film = {W, H, rgb};
+    const struct pen_png_options options = {.bits = bits, .mask = mask};
+    ck_assert(pen_png_write(&film, &options, &file, &st));
+    struct pen_picture *read = pen_picture_read(file.data, file.bytes, &st);
+    pen_buf_release(&file);
+    ck_assert_ptr_nonnull(read);
+    return read;
+}
+
+START_TEST(test_metrics__other_alpha_is_another_picture)
+{
+    struct pen_status st;
+    struct pen_difference d;
+    float black[W * H * 3] = {0};
+    unsigned char opaque[W * H], holes[W * H];
+    for (int i = 0; i < W * H; i++) {
+        opaque[i] = 1;
+        holes[i] = i != 2 && i != 7;
+    }
+    for (int bits = 8; bits <= 16; bits += 8) {
+        struct pen_picture *none = png_of(black, bits, NULL), *all = png_of(black, 8, opaque),
+                           *some = png_of(black, bits, holes);
+        ck_assert(pen_picture_compare(none, all, 0, &d, &st));
+        ck_assert(d.alpha == 0 && d.differing == 0);
+        ck_assert(pen_picture_compare(none, some, 0, &d, &st));
+        ck_assert(d.alpha == 2 && d.differing == 2 && d.max_error == 0);
+        ck_assert(pen_picture_compare(some, all, 0, &d, &st) && d.alpha == 2);
+        pen_picture_free(none);
+        pen_picture_free(all);
+        pen_picture_free(some);
+    }
+}
+END_TEST
+
 /* Linear, not clamped, and relative to the second picture. */
 START_TEST(test_metrics__relative_errors_are_linear)
 {
@@ -175,5 +269,7 @@ END_TEST
 PEN_SUITE("metrics", test_metrics__equal_pictures_do_not_differ,
           test_metrics__values_are_compared_encoded, test_metrics__one_value_counts_once,
           test_metrics__values_are_clamped_before_they_are_compared,
-          test_metrics__relative_errors_are_linear, test_metrics__relative_errors_of_encoded_files,
+          test_metrics__values_of_two_pfm_files_are_not_clamped,
+          test_metrics__other_alpha_is_another_picture, test_metrics__relative_errors_are_linear,
+          test_metrics__relative_errors_of_encoded_files,
           test_metrics__tolerance_allows_for_rounding, test_metrics__different_sizes_are_an_error)

@@ -146,6 +146,23 @@ START_TEST(test_ssim__equal_pictures_have_1)
 }
 END_TEST
 
+/* Of one pixel in the last digit, bright pictures differ by less than moments are rounded by. */
+START_TEST(test_ssim__rounding_does_not_lead_beyond_1)
+{
+    struct random r = random_begin(38);
+    pair.width = pair.height = 11;
+    for (int i = 0; i < 300; i++) {
+        for (int j = 0; j < 3 * pixels(); j++)
+            pair.a[j] = pair.b[j] = (float)random_in(&r, 0.85, 0.9);
+        const uint32_t at = random_below(&r, 3 * 11 * 11);
+        pair.b[at] = nextafterf(pair.a[at], 1);
+        const double s = ssim();
+        ck_assert_msg(s <= 1 && s > 1 - 1e-11, "%d: 1 + %g, seed %llu", i, s - 1,
+                      (unsigned long long)r.seed);
+    }
+}
+END_TEST
+
 START_TEST(test_ssim__exchanging_the_pictures_changes_no_bit)
 {
     struct pen_status st;
@@ -250,6 +267,7 @@ START_TEST(test_ssim__every_failed_allocation_is_reported)
 END_TEST
 
 PEN_SUITE("ssim", test_ssim__agrees_with_the_definition, test_ssim__equal_pictures_have_1,
+          test_ssim__rounding_does_not_lead_beyond_1,
           test_ssim__exchanging_the_pictures_changes_no_bit, test_ssim__flat_pictures,
           test_ssim__a_negative_has_a_negative_index, test_ssim__more_noise_is_less_similar,
           test_ssim__values_outside_count_as_black_and_white,

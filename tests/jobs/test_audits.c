@@ -72,25 +72,28 @@ START_TEST(test_audits__job_of_higher_priority_comes_between_two_pixels)
 }
 END_TEST
 
-/* What is kept is the seed, and how many pixels are done, are left, are wrong and are undecided:
- * a hundred more that are wrong are there in the end, with another seed they are not. */
+/* What is kept is the seed, and how many pixels are done, are left, are wrong and are undecided,
+ * then where: a hundred more that are wrong are there in the end, with another seed they are not.
+ */
 START_TEST(test_audits__next_worker_goes_on_with_what_is_kept)
 {
-    enum { SEED, DONE, LEFT, WRONG, UNDECIDED, NUMBERS };
     for (int shape = 0; shape < 2 * SHAPES; shape++) {
-        uint64_t numbers[NUMBERS];
+        struct {
+            uint64_t seed;
+            struct pen_audit_progress progress;
+        } kept;
         const bool another_seed = shape >= SHAPES;
         const char *body = body_of(shape % SHAPES);
         struct pen_buf part = jobs_begin_and_kill(&bed, body, id, "audit", NULL);
         bed.max_seconds = 120; /* which count from the claim, in a new worker, too */
-        ck_assert_uint_eq(part.bytes, sizeof numbers);
-        memcpy(numbers, part.data, sizeof numbers);
+        ck_assert_uint_eq(part.bytes, sizeof kept);
+        memcpy(&kept, part.data, sizeof kept);
         pen_buf_release(&part);
-        ck_assert_uint_gt(numbers[DONE], 0);
-        ck_assert_uint_eq(numbers[DONE] + numbers[LEFT], 600);
-        numbers[WRONG] += 100;
-        numbers[SEED] += another_seed;
-        jobs_put_kept(&bed, id, "audit", numbers, sizeof numbers);
+        ck_assert_uint_gt(kept.progress.done, 0);
+        ck_assert_uint_eq(kept.progress.done + kept.progress.left, 600);
+        kept.progress.wrong += 100;
+        kept.seed += another_seed;
+        jobs_put_kept(&bed, id, "audit", &kept, sizeof kept);
         jobs_worker_start(&bed);
         json_t *audit = audit_of(id);
         const json_int_t wrong = json_integer_value(json_object_get(audit, "wrong"));

@@ -13,7 +13,7 @@ load_start() {
     curl -s -o /dev/null "$url$picture" # makes and stores it
     daemon_stop
     daemon_start --role api
-    api=$daemon
+    api=$(pgrep -P "$daemon" -x penumbrad-api)
     port=${url##*:}
     submit '{"scene": "builtin:spheres"}'
 }

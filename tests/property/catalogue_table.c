@@ -352,6 +352,7 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
              "test_fn__exp_is_within_its_bound test_fn__pow_is_within_its_bound", ROW_TESTED, NULL},
     [146] = {"paths that fork at every surface, to any depth", "tests/e2e/bounds.sh", ROW_TESTED,
              NULL},
+    [147] = {"equal solids that overlap, wherever groups move them", "", ROW_TESTED, NULL},
 };
 
 const struct catalogue_case *catalogue_case(int number)

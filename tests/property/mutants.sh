@@ -593,7 +593,7 @@ edit src/render/decide.c 1 's/^(static const double SPREAD = ).*$/\11;/'
 judge_test
 
 mutant adaptive_below render/test_decide 0 "the interval of an error has no upper side"
-edit src/render/decide.c 1 's/ high = mean \+ off, / high = mean + 0 * off, /'
+edit src/render/decide.c 1 's/ high = mean \+ off / high = mean + 0 * off /'
 judge_test
 
 mutant adaptive_lucky render/test_decide 0 "the target is met when the estimate meets it"
@@ -641,7 +641,7 @@ edit src/render/rounds.c 1 's/(\.level = repeat .*) : d->level\};/\1 : 0 * d->le
 judge_test
 
 mutant adaptive_again render/test_adaptive 0 "a doubling takes the samples again that were taken"
-edit src/render/refine.c 1 's/r->replicate, i\};/r->replicate, i - r->first};/'
+edit src/render/refine.c 1 's/r->replicate, index, NULL\};/r->replicate, index - r->first, NULL};/'
 judge_test
 
 mutant adaptive_lights render/test_adaptive 0 "each camera ray takes the same points on a light"
@@ -658,7 +658,7 @@ edit src/render/adaptive.c 1 's/^    return sums->samples;$/    return 2 * sums-
 judge_test
 
 mutant adaptive_halves render/test_adaptive 0 "samples belong to the second half from the first quarter on"
-edit src/render/refine.c 1 's/ = i >= r->end \/ 2;/ = i >= r->end \/ 4;/'
+edit src/render/refine.c 1 's/ = index >= r->end \/ 2;/ = index >= r->end \/ 4;/'
 judge_test
 
 mutant adaptive_told render/test_decide 0 "what halves tell is never too much"
@@ -770,6 +770,10 @@ judge_test
 mutant verdict_effect study/test_verdict 0 "half of the least effect is enough"
 edit src/study/verdict.c 1 's/above = 1 \+ least_effect,/above = 1 + least_effect \/ 2,/'
 judge_test
+
+mutant equal_volumes h147_equal_solids 4000 "volumes are compared to the last bit"
+edit src/scene/freeze_solids.c 1 's/SAME_VOLUME = 1e-12/SAME_VOLUME = 0/'
+judge
 
 mutant verdict_quotient study/test_verdict 0 "a quotient of intervals is that of their ends"
 edit src/study/verdict.c 1 's/out\.low = a->low \/ b->high;/out.low = a->low \/ b->low;/'

@@ -119,6 +119,7 @@ void rows_pose(struct pen_row_run *run);
 /* rows_needle.c, rows_transform.c */
 void rows_thin(struct pen_row_run *run);
 void rows_map(struct pen_row_run *run);
+void rows_solids_equal(struct pen_row_run *run);
 
 /* rows_light_points.c */
 void rows_grid_points(struct pen_row_run *run);

@@ -150,6 +150,15 @@ const struct row row_table_space[] = {
         .run = rows_map,
     },
     {
+        .id = "H147",
+        .name = "h147_equal_solids",
+        .what =
+            "copies of a closed solid of any kind, moved, turned, mirrored and scaled by 2^k in "
+            "groups: the later in the document owns where they overlap",
+        .oracle = "the order of the document",
+        .run = rows_solids_equal,
+    },
+    {
         .id = "H074",
         .name = "h074_scaled",
         .what =

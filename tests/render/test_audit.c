@@ -152,6 +152,50 @@ START_TEST(test_audit__pixels_are_drawn_without_replacement_by_the_seed)
 }
 END_TEST
 
+/* Two squares and a pixel of their own, which are found whole if all pixels are audited, and partly
+ * if not; by one thread, by two, and in parts. */
+START_TEST(test_audit__wrong_pixels_are_told_in_clusters)
+{
+    static const struct pen_rect found[] = {{20, 2, 9, 9}, {3, 28, 5, 7}, {36, 38, 1, 1}};
+    begin();
+    for (int c = 0; c < 3; c++)
+        for (int i = 0; i < found[c].width * found[c].height; i++)
+            rgb[3 * ((found[c].y + i / found[c].width) * SIDE + found[c].x + i % found[c].width)] =
+                0.9F;
+    const struct pen_audit a = audit(PIXELS, 0.01, 1), some = audit(400, 0.01, 1),
+                           parts = audit_in_parts(400, 0.01, 1);
+    ck_assert_int_eq(a.clusters, 3);
+    for (int c = 0; c < 3; c++) {
+        const uint64_t all = (uint64_t)(found[c].width * found[c].height);
+        ck_assert_mem_eq(&a.cluster[c].rect, &found[c], sizeof found[c]);
+        ck_assert(a.cluster[c].wrong == all && a.cluster[c].pixels == all);
+    }
+    ck_assert(some.clusters >= 2 && some.cluster[0].wrong + some.cluster[1].wrong <= some.wrong);
+    for (int c = 0; c < 2; c++) {
+        const struct pen_rect r = some.cluster[c].rect, in = found[c];
+        ck_assert(r.x >= in.x && r.x + r.width <= in.x + in.width && r.y >= in.y &&
+                  r.y + r.height <= in.y + in.height);
+        ck_assert(some.cluster[c].wrong == some.cluster[c].pixels);
+    }
+    ck_assert_mem_eq(some.cluster, parts.cluster, (size_t)some.clusters * sizeof *some.cluster);
+    pen_thread_pool_free(pool);
+    struct pen_status st;
+    pool = pen_thread_pool_new(1, &st);
+    const struct pen_audit alone = audit(400, 0.01, 1);
+    ck_assert_mem_eq(some.cluster, alone.cluster, (size_t)some.clusters * sizeof *some.cluster);
+    end();
+    begin(); /* of many clusters the largest are told */
+    for (int c = 0; c < 9; c++)
+        for (int i = 0; i < 1 + c * 4 % 9; i++)
+            rgb[3 * ((2 + c / 3 * 15) * SIDE + 2 + c % 3 * 14 + i)] = 0.9F;
+    const struct pen_audit many = audit(PIXELS, 0.01, 1);
+    ck_assert_int_eq(many.clusters, PEN_AUDIT_CLUSTERS);
+    for (int c = 0; c < PEN_AUDIT_CLUSTERS; c++)
+        ck_assert_uint_eq(many.cluster[c].wrong, (uint64_t)(9 - c));
+    end();
+}
+END_TEST
+
 /* With 3 % wrong the bound of 95 % holds in at least 19 of 20 audits. */
 START_TEST(test_audit__bounds_hold)
 {
@@ -283,7 +327,8 @@ END_TEST
 
 PEN_SUITE("audit", test_audit__bounds_are_those_of_clopper_and_pearson,
           test_audit__counts_what_is_off_by_more_than_the_threshold,
-          test_audit__pixels_are_drawn_without_replacement_by_the_seed, test_audit__bounds_hold,
+          test_audit__pixels_are_drawn_without_replacement_by_the_seed,
+          test_audit__wrong_pixels_are_told_in_clusters, test_audit__bounds_hold,
           test_audit__pixel_centres_at_an_edge_are_wrong,
           test_audit__few_samples_leave_pixels_undecided,
           test_audit__intervals_are_neither_too_narrow_nor_too_wide,

@@ -151,7 +151,7 @@ static void take_samples(struct pen_adaptive *a, struct random *random, deviatio
         sums->samples += pen_adaptive_begin_pixel(a, (size_t)i);
         pen_pixel_double(sums);
         for (int half = 0; half < 2; half++) {
-            const uint32_t more = sums->samples / 2 - sums->kept[half];
+            const double more = sums->samples / 2 - sums->kept[half];
             const double noise = deviation(i % width, i / width) * sqrt(more) * normal(random);
             sums->kept[half] += more;
             for (int c = 0; c < 3; c++)

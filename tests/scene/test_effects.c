@@ -15,8 +15,11 @@ static struct pen_vec3 sometimes(struct random *random)
     return pen_vec3(random_below(random, 2) ? value : 0, value, 0);
 }
 
-/* A material with patterns, whichever colours they are of. */
-static const struct pen_patterns no_colour;
+/* A pattern, and one of two equal colours, which is none. */
+static const struct pen_pattern two = {.checker = true, .b = {1, 0, 0}, .size = 1};
+static const struct pen_pattern equal = {.checker = true, .size = 1};
+static const struct pen_patterns some_patterns[2] = {{.of = {&two, NULL, &equal}},
+                                                     {.of = {&equal}}};
 
 /* Factors below, at and above the min_contribution of any_scene. */
 static struct pen_vec3 sometimes_weak(struct random *random)
@@ -37,7 +40,9 @@ static struct pen_material any_material(struct random *random)
     m.ior = random_below(random, 2) ? 1 : 1.5;
     m.reflection_blur = random_below(random, 2) ? 0 : 5;
     m.transmission_blur = random_below(random, 2) ? 0 : 5;
-    m.patterns = random_below(random, 4) ? NULL : &no_colour;
+    m.patterns = random_below(random, 4) ? NULL : &some_patterns[random_below(random, 2)];
+    if (m.patterns)
+        m.kd = pen_vec3(0, 0, 0);
     return m;
 }
 

@@ -244,7 +244,14 @@ START_TEST(test_kernel__names_stay_as_statistics_show_them)
                                        "hard+glass+mirror",
                                        "hard+smooth",
                                        "hard+all",
+                                       "hard+sky",
+                                       "hard+patterns",
+                                       "hard+patterns+lens+sky",
+                                       "hard+lens+sky",
+                                       "hard+glass+mirror+sky",
+                                       "hard+glass+mirror+lens",
                                        "hard+glass+mirror+patterns+sky",
+                                       "hard+refraction+sky",
                                        "hard+refraction",
                                        "hard+mirror+lens+sky",
                                        "hard+refraction+blur",
@@ -254,6 +261,12 @@ START_TEST(test_kernel__names_stay_as_statistics_show_them)
                                        "soft+glass+mirror",
                                        "soft+smooth",
                                        "soft+all",
+                                       "soft+sky",
+                                       "soft+patterns",
+                                       "soft+patterns+lens+sky",
+                                       "soft+lens+sky",
+                                       "soft+glass+mirror+patterns",
+                                       "soft+glass+mirror+lens",
                                        "all"};
     for (int isa = 0; isa < PEN_ISA_COUNT; isa++)
         for (size_t i = 0; i < sizeof name / sizeof *name; i++) {

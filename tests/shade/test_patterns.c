@@ -2,6 +2,7 @@
 /* Patterns: the colour of a place in an object's own coordinates, however groups move it. Tests
  * choose a place there, which says the colour, and look at where the group's transform puts it. */
 #include <math.h>
+#include <string.h>
 
 #include "support/kit.h"
 #include "support/random.h"
@@ -214,7 +215,43 @@ START_TEST(test_patterns__are_an_effect_where_a_primitive_has_one)
 }
 END_TEST
 
+/* One of two equal colours is a plain colour, wherever it is seen from; of two that differ in the
+ * last bit of one channel, it is not. */
+START_TEST(test_patterns__of_equal_colours_are_plain)
+{
+    static const vec3 odd = {0x1p-1074 * 3, 0.25, 1}; /* whose half is not exact */
+    for (int i = 0; i < 2 * PEN_MATERIAL_COLOURS; i++) {
+        kit_init(&kit);
+        kit.desc.ambient = pen_vec3(1, 1, 1);
+        pattern = (struct pen_pattern){.checker = i & 1, .a = odd, .b = odd, .size = 1};
+        pattern.to = pen_vec3(1, 0, 0);
+        struct pen_material m = kit_glow(0, 0, 0);
+        *pen_material_colour(&m, i / 2) = odd;
+        const int plain = kit_material(&kit, m);
+        patterns = (struct pen_patterns){0};
+        patterns.of[i / 2] = &pattern;
+        m.patterns = &patterns;
+        *pen_material_colour(&m, i / 2) = pen_vec3(0, 0.25, 1); /* near the mean */
+        const int equal = kit_material(&kit, m);
+        kit_sphere(&kit, pen_vec3(0, 0, 0), 1, plain);
+        const unsigned effects = pen_desc_effects(&kit.desc, &kit.settings);
+        kit.objects[0].material = equal;
+        ck_assert_uint_eq(pen_desc_effects(&kit.desc, &kit.settings), effects);
+        struct pen_scene *scene = kit_freeze(&kit);
+        ck_assert_uint_eq(pen_scene_effects(scene, 0, &kit.settings), effects);
+        ck_assert_ptr_null(scene->materials[equal].patterns);
+        ck_assert_int_eq(memcmp(&scene->materials[equal], &scene->materials[plain],
+                                offsetof(struct pen_material, patterns)),
+                         0);
+        pen_scene_free(scene);
+        pattern.b.y = 0.25 + 0x1p-54;
+        ck_assert_uint_eq(pen_desc_effects(&kit.desc, &kit.settings), effects | PEN_FX_PATTERNS);
+    }
+}
+END_TEST
+
 PEN_SUITE("patterns", test_patterns__checker_in_moved_groups,
           test_patterns__checker_in_sheared_groups,
           test_patterns__faces_on_boundaries_are_in_the_upper_cell, test_patterns__gradient,
-          test_patterns__panes_and_mirrors, test_patterns__are_an_effect_where_a_primitive_has_one)
+          test_patterns__panes_and_mirrors, test_patterns__are_an_effect_where_a_primitive_has_one,
+          test_patterns__of_equal_colours_are_plain)

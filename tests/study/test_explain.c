@@ -45,6 +45,9 @@ static void judge(struct tally *tally, const struct pen_scene *scene, int view,
     ck_assert(f.primary.expected == (double)stats.rays.primary);
     ck_assert_str_eq(f.kernel, stats.kernel);
     ck_assert(f.time_ms.low <= f.time_ms.expected && f.time_ms.expected <= f.time_ms.high);
+    ck_assert(f.cpu_ms.low <= f.cpu_ms.expected && f.cpu_ms.expected <= f.cpu_ms.high);
+    ck_assert(fabs(f.cpu_ms.expected - 2 * f.time_ms.expected) < 1e-9 * f.cpu_ms.expected);
+    ck_assert(f.used > 0 && f.used <= 1);
     for (int i = 0; i < KINDS; i++) {
         if (got[i] == 0 && e[i].expected == 0)
             continue;
@@ -237,6 +240,50 @@ static const char *why(const json_t *json, const char *list, const char *name)
     return NULL;
 }
 
+/* A small mirror and a small lens in view, which none of the pixels of the pre-render meets, if the
+ * picture is large, and some of the picture do. */
+START_TEST(test_explain__what_is_not_met_is_not_excluded)
+{
+    struct pen_status st;
+    kit_init(&kit);
+    kit.settings.width = kit.settings.height = 1000;
+    struct pen_material m = kit_matte(0.5);
+    m.kr = pen_vec3(0.5, 0.5, 0.5);
+    m.kt = pen_vec3(0.4, 0.4, 0.4);
+    kit_sphere(&kit, pen_vec3(0.3, 0.2, 0), 0.01, kit_material(&kit, m));
+    kit_point(&kit, pen_vec3(0, 9, 9), pen_vec3(1, 1, 1));
+    struct pen_scene *scene = kit_freeze(&kit);
+    struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
+    const struct pen_forecast_task sparse = {.scene = scene, .settings = &kit.settings};
+    struct pen_forecast f;
+    struct pen_render_stats stats;
+    float *rgb = malloc(3 * sizeof *rgb * 1000 * 1000);
+    const struct pen_render_task task = {
+        .scene = scene, .settings = &kit.settings, .tile_count = -1, .rgb = rgb};
+    ck_assert(pen_forecast_make(pool, &sparse, &f, &st));
+    ck_assert(pen_render_run(pool, &task, &stats, &st) && stats.rays.reflection > 0);
+    const struct pen_estimate *const kinds[] = {&f.shadow, &f.reflection, &f.transmission};
+    const uint64_t met[] = {stats.rays.shadow, stats.rays.reflection, stats.rays.transmission};
+    for (int i = 0; i < 3; i++) {
+        ck_assert(kinds[i]->expected == 0 && kinds[i]->low == 0);
+        ck_assert_msg(kinds[i]->high >= (double)met[i] && kinds[i]->high < 0.05 * 1e6, "%d: %g", i,
+                      kinds[i]->high);
+    }
+    ck_assert(f.total.high >= 1e6 + f.reflection.high);
+    pen_forecast_release(&f);
+    pen_scene_free(scene);
+    kit.settings.width = kit.settings.height = 20; /* all pixels are rendered: there is nothing */
+    kit.objects[0].u.sphere.center = pen_vec3(0, 0, 1e5);
+    scene = kit_freeze(&kit);
+    const struct pen_forecast_task all = {.scene = scene, .settings = &kit.settings};
+    ck_assert(pen_forecast_make(pool, &all, &f, &st) && f.reflection.high == 0);
+    pen_forecast_release(&f);
+    free(rgb);
+    pen_thread_pool_free(pool);
+    pen_scene_free(scene);
+}
+END_TEST
+
 START_TEST(test_explain__says_why)
 {
     kit_init(&kit);
@@ -290,4 +337,5 @@ PEN_SUITE("explain", test_explain__expects_the_rays_of_built_in_scenes,
           test_explain__expects_the_rays_of_random_scenes,
           test_explain__deadline_that_is_not_reached_changes_nothing,
           test_explain__deadline_ends_the_pre_render,
-          test_explain__deadline_bounds_the_samples_of_a_pixel, test_explain__says_why)
+          test_explain__deadline_bounds_the_samples_of_a_pixel,
+          test_explain__what_is_not_met_is_not_excluded, test_explain__says_why)

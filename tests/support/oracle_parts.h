@@ -91,7 +91,7 @@ struct oracle_primitive {
     const struct json_t *written; /* the material in the document: a name or an object */
     int solid;                    /* the first primitive of the solid it belongs to; -1: none */
     int solid_end;                /* of that first one: after the solid's last primitive */
-    real solid_volume;            /* of that first one: of the box around the solid */
+    real solid_volume;            /* of that first one */
 };
 
 enum oracle_light_kind { ORACLE_DIRECTIONAL, ORACLE_POINT, ORACLE_SPOT };

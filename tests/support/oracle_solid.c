@@ -111,36 +111,17 @@ static bool solid_closed(const struct oracle_scene *s, int solid)
 static void solid_finish(struct oracle_scene *s, int solid, struct box *around_all)
 {
     struct oracle_primitive *first = &s->primitives[solid];
-    struct box box = {first->origin, first->origin};
     bool closed = solid_closed(s, solid);
     for (int i = solid; i < s->body_count; i++) {
         struct oracle_primitive *b = &s->primitives[i];
         if (b->solid != solid)
             continue;
         first->solid_end = i + 1;
-        box_add_body(&box, b);
         if (closed)
             box_add_body(around_all, b);
         else
             b->solid = -1;
     }
-    struct point size = point_difference(box.high, box.low);
-    first->solid_volume = size.x * size.y * size.z;
-}
-
-/* The step is more than the distance at which places count as the same, so that it passes all
- * surfaces of a boundary, and more than the rounding of coordinates. */
-void oracle_solids_find(struct oracle_scene *s)
-{
-    struct box all = {{HUGE_VALL, HUGE_VALL, HUGE_VALL}, {-HUGE_VALL, -HUGE_VALL, -HUGE_VALL}};
-    for (int i = 0; i < s->body_count; i++)
-        s->primitives[i].solid = may_bend(&s->primitives[i]) ? i : -1;
-    solids_join(s);
-    for (int i = 0; i < s->body_count; i++)
-        if (s->primitives[i].solid == i)
-            solid_finish(s, i, &all);
-    real size = all.low.x < all.high.x ? point_length(point_difference(all.high, all.low)) : 0;
-    s->step = 2 * s->tie + 1e-12L * size;
 }
 
 /* A point is inside if a line from it, of any direction, leaves through an odd number of
@@ -157,6 +138,67 @@ static bool solid_holds(const struct oracle_scene *s, int solid, struct point p)
                 inside = !inside;
     }
     return inside;
+}
+
+/* Whether the corners of a face run counter-clockwise from outside: 1, or -1; told at the middle of
+ * a corner's triangle that is on the face. */
+static int face_side(const struct oracle_scene *s, const struct oracle_primitive *face)
+{
+    const struct point out = point_times(face->axis, 1e3L * s->step);
+    for (int i = 0, n = face->count; i < n; i++) {
+        const struct point *c = face->corners;
+        const struct point p =
+            point_times(point_sum(point_sum(c[i], c[(i + 1) % n]), c[(i + 2) % n]), 1 / 3.0L);
+        const bool front = solid_holds(s, face->solid, point_sum(p, out));
+        if (front != solid_holds(s, face->solid, point_difference(p, out)))
+            return front ? -1 : 1;
+    }
+    return 1;
+}
+
+/* Of the pyramid from a point to a face. */
+static real pyramid(const struct oracle_primitive *face, struct point top)
+{
+    real sum = 0;
+    const struct point a = point_difference(face->corners[0], top);
+    for (int i = 1; i + 1 < face->count; i++)
+        sum += point_dot(a, point_cross(point_difference(face->corners[i], top),
+                                        point_difference(face->corners[i + 1], top)));
+    return sum / 6;
+}
+
+static real solid_volume(const struct oracle_scene *s, int solid)
+{
+    const real pi = 3.14159265358979323846264338328L;
+    const struct oracle_primitive *b = &s->primitives[solid];
+    const real r = b->radius, top = b->kind == ORACLE_CONE ? b->top : r;
+    real sum = 0;
+    if (b->kind == ORACLE_SPHERE)
+        return 4 * pi / 3 * r * r * r;
+    if (b->kind != ORACLE_RING)
+        return pi / 3 * b->height * (r * r + r * top + top * top);
+    for (int i = solid; i < b->solid_end; i++)
+        if (s->primitives[i].solid == solid)
+            sum += face_side(s, &s->primitives[i]) * pyramid(&s->primitives[i], b->corners[0]);
+    return fabsl(sum);
+}
+
+/* The step is more than the distance at which places count as the same, so that it passes all
+ * surfaces of a boundary, and more than the rounding of coordinates. */
+void oracle_solids_find(struct oracle_scene *s)
+{
+    struct box all = {{HUGE_VALL, HUGE_VALL, HUGE_VALL}, {-HUGE_VALL, -HUGE_VALL, -HUGE_VALL}};
+    for (int i = 0; i < s->body_count; i++)
+        s->primitives[i].solid = may_bend(&s->primitives[i]) ? i : -1;
+    solids_join(s);
+    for (int i = 0; i < s->body_count; i++)
+        if (s->primitives[i].solid == i)
+            solid_finish(s, i, &all);
+    real size = all.low.x < all.high.x ? point_length(point_difference(all.high, all.low)) : 0;
+    s->step = 2 * s->tie + 1e-12L * size;
+    for (int i = 0; i < s->body_count; i++)
+        if (s->primitives[i].solid == i)
+            s->primitives[i].solid_volume = solid_volume(s, i);
 }
 
 /* Volumes that differ by rounding are equal, and then the later solid counts. */

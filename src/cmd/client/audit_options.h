@@ -22,7 +22,7 @@
         .help = "how many pixels an audit renders again, 600 by default"                           \
     }
 
-/* Prints a line that says what an audit has found. */
+/* Prints what an audit has found: a line, and one for each cluster of wrong pixels. */
 void pen_audit_print(const struct pen_audit *audit, const char *label, FILE *out);
 
 #endif

@@ -58,13 +58,14 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_NUMBER,
      .offset = offsetof(struct values, max_error),
      .value = "E",
-     .max = 1,
-     .help = "fail if any value differs by more; 0: the pictures must be equal"},
+     .max = 1e30,
+     .help = "fail if any value differs by more, which can be beyond 1 for two PFM files; 0: the "
+             "pictures must be equal"},
     {.name = "tolerance",
      .kind = PEN_OPTION_NUMBER,
      .offset = offsetof(struct values, tolerance),
      .value = "E",
-     .max = 1,
+     .max = 1e30,
      .help = "also count the pixels that differ by more, and print the RMSE of the others"},
     PEN_OUTPUT_OPTION(struct values, "OUT",
                       "draw FLIP's error of each pixel, from black (none) to pale yellow (1), as "
@@ -98,16 +99,18 @@ static void print_json(const struct figures *f)
 {
     const struct pen_difference *d = &f->difference;
     const struct pen_flip *flip = &f->flip;
-    pen_report_exact(json_pack(
-        "{s:f, s:o, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:[i, i], s:I, s:I, s:I, s:f, "
-        "s:b}",
-        "rmse", d->rmse, "relative_mse", real_or_null(d->relative_mse), "psnr",
-        real_or_null(d->psnr), "ssim", f->ssim, "flip", flip->mean, "flip_min", flip->min,
-        "flip_first_quartile", flip->first_quartile, "flip_weighted_median", flip->weighted_median,
-        "flip_third_quartile", flip->third_quartile, "flip_max", flip->max, "max_error",
-        d->max_error, "max_at", d->max_x, d->max_y, "pixels", (json_int_t)f->width * f->height,
-        "differing", (json_int_t)d->differing, "over_tolerance", (json_int_t)d->over, "rmse_within",
-        d->rmse_within, "tags_differ", f->tags_differ));
+    pen_report_exact(
+        json_pack("{s:f, s:o, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:[i, i], s:I, s:I, "
+                  "s:I, s:I, s:f, "
+                  "s:b}",
+                  "rmse", d->rmse, "relative_mse", real_or_null(d->relative_mse), "psnr",
+                  real_or_null(d->psnr), "ssim", f->ssim, "flip", flip->mean, "flip_min", flip->min,
+                  "flip_first_quartile", flip->first_quartile, "flip_weighted_median",
+                  flip->weighted_median, "flip_third_quartile", flip->third_quartile, "flip_max",
+                  flip->max, "max_error", d->max_error, "max_at", d->max_x, d->max_y, "pixels",
+                  (json_int_t)f->width * f->height, "differing", (json_int_t)d->differing,
+                  "alpha_differing", (json_int_t)d->alpha, "over_tolerance", (json_int_t)d->over,
+                  "rmse_within", d->rmse_within, "tags_differ", f->tags_differ));
 }
 
 static void print_text(const struct figures *f, const struct values *values)
@@ -124,6 +127,8 @@ static void print_text(const struct figures *f, const struct values *values)
         printf(" at %d,%d", d->max_x, d->max_y);
     printf("\ndiffering     %" PRId64 " of %" PRId64 " pixels\n", d->differing,
            (int64_t)f->width * f->height);
+    if (d->alpha > 0)
+        printf("alpha         differs in %" PRId64 " pixel%s\n", d->alpha, d->alpha > 1 ? "s" : "");
     if (f->tags_differ)
         printf("tags          differ, and the values are equal\n");
     if (values->tolerance >= 0)
@@ -134,6 +139,10 @@ static void print_text(const struct figures *f, const struct values *values)
 static bool within(const struct figures *f, const struct values *values, struct pen_status *st)
 {
     const struct pen_difference *d = &f->difference;
+    if (d->alpha > 0)
+        return pen_fail(st, PEN_DIFFERENT,
+                        "the pictures differ: in the alpha of %" PRId64 " pixel%s", d->alpha,
+                        d->alpha > 1 ? "s" : "");
     if (values->max_rmse >= 0 && !(d->rmse <= values->max_rmse))
         return pen_fail(st, PEN_DIFFERENT, "the pictures differ: rmse %.6g, allowed is %g", d->rmse,
                         values->max_rmse);
@@ -271,11 +280,14 @@ const struct pen_command pen_command_compare = {
         "A and B are PNG or PFM files of the same size. All figures but one are about "
         "sRGB-encoded values from 0 to 1: the root mean square error and its PSNR, SSIM of luma "
         "(1: equal), FLIP at 67 pixels per degree (0: looks equal), and the largest difference of "
-        "a value. The relative mean square error is about linear values; B is its reference. A "
+        "a value. The relative mean square error is about linear values; B is its reference. Of "
+        "two PFM files the largest difference counts values beyond 0 and 1, too. A "
         "picture with transfer display has values for a screen, and so has the PFM beside it. "
         "Files that have equal values are equal; the command tells if their tags differ. "
         "Without a bound (--max-rmse, --max-flip, --min-ssim, --max-error) the command accepts "
-        "any difference. Two reports of benchmarks or accuracy studies, as JSON, are compared row "
+        "any difference of colours. Pictures whose alpha differs are different, and the command "
+        "ends with code 7; a file without alpha is opaque. Two reports of benchmarks or accuracy "
+        "studies, as JSON, are compared row "
         "by row: what the runs counted and their pictures must be equal, or the command ends with "
         "code 7; times advise, and have a verdict if both reports are of one host.",
     .options = options,

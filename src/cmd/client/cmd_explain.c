@@ -137,7 +137,8 @@ const struct pen_command pen_command_explain = {
     .details =
         "SCENE is a file, - for standard input, or builtin:NAME. Rays, time and memory are "
         "expected from a pre-render of one pixel in a hundred, at least 4096, with intervals "
-        "of 95 %.",
+        "of 95 %. The processor time is that of all threads. The time by the clock is told for the "
+        "load of now, and for a machine that does nothing else.",
     .options = options,
     .min_args = 1,
     .max_args = 1,

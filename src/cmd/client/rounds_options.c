@@ -49,6 +49,9 @@ void pen_rounds_tell(const struct pen_adaptive_stats *adaptive, const char *labe
                      bool quiet)
 {
     const struct pen_round *last = &adaptive->round[adaptive->rounds - 1];
+    char text[PEN_MSG_BYTES];
+    if (pen_unproven_warning(adaptive, text, sizeof text))
+        pen_report_say(stderr, "penumbra: %s: view \"%s\": warning: %s", label, view, text);
     if (!adaptive->met && !adaptive->timed)
         pen_report_say(
             stderr,

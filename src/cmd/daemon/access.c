@@ -80,7 +80,7 @@ bool pen_access_check(struct pen_access *access, const struct pen_address *addre
 {
     if (!check_values(access, st))
         return false;
-    if (pen_address_is_loopback(address))
+    if (!address || pen_address_is_loopback(address))
         return true;
     if (!access->tokens)
         return pen_fail(st, PEN_USAGE,
@@ -112,18 +112,6 @@ bool pen_access_check_files(const struct pen_access *access, struct pen_status *
 bool pen_access_is_open(const struct pen_access *access, const struct pen_address *address)
 {
     return access->plain_http && !access->tls_cert && !pen_address_is_loopback(address);
-}
-
-static bool same_text(const char *a, const char *b)
-{
-    return strcmp(a ? a : "", b ? b : "") == 0;
-}
-
-bool pen_access_same(const struct pen_access *a, const struct pen_access *b)
-{
-    return same_text(a->tokens, b->tokens) && same_text(a->tls_cert, b->tls_cert) &&
-           same_text(a->tls_key, b->tls_key) && same_text(a->trusted_proxy, b->trusted_proxy) &&
-           same_text(a->cors, b->cors) && a->plain_http == b->plain_http;
 }
 
 void pen_access_release(struct pen_access *access)

@@ -20,8 +20,8 @@ struct pen_access {
     char *cors;                     /* all of them, with spaces between them; NULL: none */
 };
 
-/* Checks the values and the rules, and sets `cors`. Owns: release *access in any case. Fails:
- * PEN_USAGE, PEN_NO_MEMORY. */
+/* Checks the values and, for an address that is not NULL, the rules, and sets `cors`. Owns: release
+ * *access in any case. Fails: PEN_USAGE, PEN_NO_MEMORY. */
 bool pen_access_check(struct pen_access *access, const struct pen_address *address,
                       struct pen_status *st);
 
@@ -30,9 +30,6 @@ bool pen_access_check_files(const struct pen_access *access, struct pen_status *
 
 /* Whether requests of other machines come without encryption. */
 bool pen_access_is_open(const struct pen_access *access, const struct pen_address *address);
-
-/* Whether two have the same values. */
-bool pen_access_same(const struct pen_access *a, const struct pen_access *b);
 
 void pen_access_release(struct pen_access *access);
 

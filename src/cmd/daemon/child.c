@@ -18,6 +18,7 @@
 #include "cmd/daemon/oom.h"
 #include "cmd/daemon/signals.h"
 #include "cmd/daemon/worker_exit.h"
+#include "cmd/option_values.h"
 
 /* A process that lived this long did not crash at its start. */
 static const int64_t stable_ns = INT64_C(10) * 1000000000;
@@ -26,12 +27,15 @@ static const int64_t check_ns = INT64_C(250) * 1000000;
 static const int64_t first_pause_ns = INT64_C(100) * 1000000;
 static const int64_t longest_pause_ns = INT64_C(5) * 1000000000;
 
-enum { ARGUMENTS_MAX = 60, LIMITS = 7 };
+enum { ARGUMENTS_MAX = 20 };
 
-void pen_child_init(struct pen_child *child, const char *role)
+void pen_child_init(struct pen_child *child, const char *role, bool wanted)
 {
-    *child = (struct pen_child){
-        .role = role, .control_fd = -1, .trace_fd = -1, .dead = {.trace_fd = -1}};
+    *child = (struct pen_child){.role = role,
+                                .control_fd = -1,
+                                .trace_fd = -1,
+                                .start_at_ns = wanted ? 0 : INT64_MAX,
+                                .dead = {.trace_fd = -1}};
 }
 
 static bool is_worker(const struct pen_child *child)
@@ -46,18 +50,16 @@ static void close_fd(int *fd)
     *fd = -1;
 }
 
-/* The child's command line. It has the whole configuration, which a child takes from neither the
- * environment nor the file. */
+/* The child's command line: its role, and what it gets from its supervisor alone. */
 struct arguments {
     int count;
     char *list[ARGUMENTS_MAX + 1];
-    char threads[16], listen[16], control[16], memory[16], trace[16], dead_trace[16];
-    char limit[LIMITS][16];
+    char control[16], listen[16], trace[16], dead_trace[16];
 };
 
 static void add(struct arguments *arguments, const char *option, const char *value)
 {
-    if (!value || !*value || arguments->count + 2 > ARGUMENTS_MAX)
+    if (!*value || arguments->count + 2 > ARGUMENTS_MAX)
         return;
     arguments->list[arguments->count++] = (char *)(uintptr_t)option;
     arguments->list[arguments->count++] = (char *)(uintptr_t)value;
@@ -70,13 +72,16 @@ static void add_fd(struct arguments *arguments, const char *option, int fd, char
         add(arguments, option, text);
 }
 
-static void add_worker(struct arguments *arguments, const struct pen_child *child,
-                       const struct pen_config *config)
+static void make_arguments(struct arguments *arguments, const struct pen_child *child,
+                           int control_fd, int listen_fd)
 {
-    snprintf(arguments->memory, sizeof arguments->memory, "%d", config->memory_limit);
-    add(arguments, "--memory-limit", arguments->memory);
-    add(arguments, "--internal-worker-name", child->name);
+    static char program[] = "penumbrad";
+    *arguments = (struct arguments){.count = 1, .list = {program}};
+    add(arguments, "--role", child->role);
+    add_fd(arguments, "--internal-control-fd", control_fd, arguments->control);
+    add_fd(arguments, "--internal-listen-fd", listen_fd, arguments->listen);
     add_fd(arguments, "--internal-trace-fd", child->trace_fd, arguments->trace);
+    add(arguments, "--internal-worker-name", child->name);
     if (!child->dead.name[0])
         return;
     add(arguments, "--internal-dead-worker", child->dead.name);
@@ -86,57 +91,19 @@ static void add_worker(struct arguments *arguments, const struct pen_child *chil
     add_fd(arguments, "--internal-dead-trace-fd", child->dead.trace_fd, arguments->dead_trace);
 }
 
-static void add_api(struct arguments *arguments, const struct pen_access *access)
+/* Puts the configuration into the environment, which other users cannot read as they can a command
+ * line: the address of a store may have a password. Without the file, from which it is made in
+ * part; and a worker does not need to know how the api serves. */
+static bool set_environment(const struct pen_child *child, const struct pen_config *config)
 {
-    add(arguments, "--tokens", access->tokens);
-    add(arguments, "--tls-cert", access->tls_cert);
-    add(arguments, "--tls-key", access->tls_key);
-    add(arguments, "--cors", access->cors);
-    add(arguments, "--trusted-proxy", access->trusted_proxy);
-}
-
-static void add_limits(struct arguments *arguments, const struct pen_job_limits *max)
-{
-    const struct {
-        const char *option;
-        int value;
-    } limit[LIMITS] = {{"--max-timeout", max->timeout},
-                       {"--max-seconds", max->seconds},
-                       {"--max-pixels", max->pixels},
-                       {"--max-samples", max->samples},
-                       {"--max-priority", max->priority},
-                       {"--max-queue", max->queue},
-                       {"--max-client-queue", max->client_queue}};
-    for (int i = 0; i < LIMITS; i++) {
-        snprintf(arguments->limit[i], sizeof arguments->limit[i], "%d", limit[i].value);
-        add(arguments, limit[i].option, arguments->limit[i]);
+    struct pen_config own = *config;
+    own.role = child->role;
+    own.file = NULL;
+    if (is_worker(child)) {
+        own.listen = NULL;
+        own.access = (struct pen_access){0};
     }
-}
-
-static void make_arguments(struct arguments *arguments, const struct pen_child *child,
-                           const struct pen_config *config, int control_fd, int listen_fd)
-{
-    static char program[] = "penumbrad";
-    *arguments = (struct arguments){.count = 1, .list = {program}};
-    snprintf(arguments->threads, sizeof arguments->threads, "%d", config->threads);
-    snprintf(arguments->control, sizeof arguments->control, "%d", control_fd);
-    snprintf(arguments->listen, sizeof arguments->listen, "%d", listen_fd);
-    add(arguments, "--role", child->role);
-    add(arguments, "--store", config->store_path);
-    add(arguments, "--internal-store-identity", config->store_identity);
-    add(arguments, "--threads", arguments->threads);
-    add(arguments, "--log-level", config->log_level);
-    add(arguments, "--log-format", config->log_format);
-    add(arguments, "--log-file", config->log_file);
-    add(arguments, "--internal-control-fd", arguments->control);
-    if (listen_fd >= 0)
-        add(arguments, "--internal-listen-fd", arguments->listen);
-    add_limits(arguments, &config->max);
-    if (is_worker(child))
-        add_worker(arguments, child, config);
-    else
-        add_api(arguments, &config->access);
-    arguments->list[arguments->count] = NULL;
+    return pen_options_to_env(&pen_command_daemon, &own);
 }
 
 /* Runs in the new process.
@@ -144,10 +111,11 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
  *    not have to wait for a child that lives longer.
  *  - If the supervisor dies while this process is stopped, the kernel continues it (SIGCONT), so
  *    that it sees the closed control channel and ends. */
-static _Noreturn void exec_child(const struct arguments *arguments, const struct pen_child *child,
+static _Noreturn void exec_child(const struct pen_child *child, const struct pen_config *config,
                                  int control_fd, int listen_fd)
 {
     const int kept[] = {control_fd, listen_fd, child->trace_fd, child->dead.trace_fd};
+    struct arguments arguments;
     int null = open("/dev/null", O_RDWR);
     if (null >= 0) {
         dup2(null, STDIN_FILENO);
@@ -159,7 +127,9 @@ static _Noreturn void exec_child(const struct arguments *arguments, const struct
             fcntl(kept[i], F_SETFD, 0);
     }
     pen_signals_hold_alone();
-    execv("/proc/self/exe", arguments->list);
+    make_arguments(&arguments, child, control_fd, listen_fd);
+    if (set_environment(child, config))
+        execv("/proc/self/exe", arguments.list);
     _exit(PEN_EXEC_FAILED);
 }
 
@@ -217,32 +187,35 @@ static int64_t schedule_restart(struct pen_child *child, bool counts)
     return pause;
 }
 
+/* Makes what each worker process has of its own: its id in the store, its crash record. */
+static bool prepare_worker(struct pen_child *child)
+{
+    struct pen_status st;
+    close_fd(&child->trace_fd);
+    pen_crash_record_unmap(child->trace);
+    child->trace_fd = pen_crash_record_new();
+    child->trace = pen_crash_record_map(child->trace_fd);
+    child->oom_kills = pen_oom_kills();
+    if (pen_worker_id_make(child->name, &st))
+        return true;
+    pen_log(PEN_LOG_ERROR, "%s", st.msg);
+    return false;
+}
+
 void pen_child_start(struct pen_child *child, const struct pen_config *config, int listen_fd)
 {
     int pair[2];
     child->started_ns = pen_clock_ns();
     child->ready = child->stopping = child->killed = false;
     pid_t pid = -1;
-    close_fd(&child->trace_fd);
-    pen_crash_record_unmap(child->trace);
-    child->trace = NULL;
-    if (is_worker(child)) {
-        struct pen_status st;
-        if (!pen_worker_id_make(child->name, &st)) { /* the worker then makes its own */
-            pen_log(PEN_LOG_WARN, "%s", st.msg);
-            child->name[0] = '\0';
-        }
-        child->trace_fd = pen_crash_record_new();
-        child->trace = pen_crash_record_map(child->trace_fd);
-        child->oom_kills = pen_oom_kills();
+    if (is_worker(child) && !prepare_worker(child)) {
+        schedule_restart(child, true);
+        return;
     }
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) == 0) {
         pid = fork();
-        if (pid == 0) {
-            struct arguments arguments;
-            make_arguments(&arguments, child, config, pair[1], listen_fd);
-            exec_child(&arguments, child, pair[1], listen_fd);
-        }
+        if (pid == 0)
+            exec_child(child, config, pair[1], listen_fd);
         int cause = errno;
         close(pair[1]);
         if (pid < 0)

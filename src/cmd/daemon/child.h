@@ -24,23 +24,23 @@
 enum { PEN_CHILD_BLAMED = 8 };
 
 struct pen_child {
-    const char *role;                            /* "api" or "worker" */
-    pid_t pid;                                   /* 0: not running */
-    int control_fd;                              /* -1: not running, or the child closed its end */
-    bool ready;                                  /* has sent "ready" since its start */
-    bool answered;                               /* has answered the last "ping" */
-    bool stopping;                               /* was sent "stop" */
-    bool killed;                                 /* by the supervisor */
-    int64_t started_ns;                          /* the last start */
-    int64_t start_at_ns;                         /* the next start, if it is not running */
-    int failures;                                /* ends in a row that count, see above */
+    const char *role;    /* "api" or "worker" */
+    pid_t pid;           /* 0: not running */
+    int control_fd;      /* -1: not running, or the child closed its end */
+    bool ready;          /* has sent "ready" since its start */
+    bool answered;       /* has answered the last "ping" */
+    bool stopping;       /* was sent "stop" */
+    bool killed;         /* by the supervisor */
+    int64_t started_ns;  /* the last start */
+    int64_t start_at_ns; /* the next start, if it is not running; INT64_MAX: never */
+    int failures;        /* ends in a row that count, see above */
     char blamed[PEN_CHILD_BLAMED][PEN_ID_BYTES]; /* the last jobs whose crashes are among them */
     int blamed_count;                            /* crashes of different jobs among them */
-    char name[PEN_WORKER_ID_BYTES]; /* a worker's id in the store; "": the worker makes its own */
-    char last_end[96];              /* "signal 11 (SIGSEGV)"; "": has not ended yet */
-    int trace_fd;                   /* a worker's crash record (crash_record.h); -1: none */
-    struct pen_trace *trace;        /* the same, mapped; NULL: none */
-    int64_t oom_kills;              /* pen_oom_kills at a worker's start */
+    char name[PEN_WORKER_ID_BYTES];              /* a worker's id in the store; "": it is an api */
+    char last_end[96];                           /* "signal 11 (SIGSEGV)"; "": has not ended yet */
+    int trace_fd;            /* a worker's crash record (crash_record.h); -1: none */
+    struct pen_trace *trace; /* the same, mapped; NULL: none */
+    int64_t oom_kills;       /* pen_oom_kills at a worker's start */
     /* The last worker that ended with leases, until its successor has released them. name "":
      * none. */
     struct {
@@ -50,10 +50,11 @@ struct pen_child {
     } dead;
 };
 
-void pen_child_init(struct pen_child *child, const char *role);
+/* wanted: the supervisor's role has such a child. If not, it is never started. */
+void pen_child_init(struct pen_child *child, const char *role, bool wanted);
 
-/* Starts the program in this role. The child inherits listen_fd if that is not -1. A start that
- * fails counts as an end: the next one follows after a pause. */
+/* Starts the program in this role, with this configuration. The child inherits listen_fd if that is
+ * not -1. A start that fails counts as an end: the next one follows after a pause. */
 void pen_child_start(struct pen_child *child, const struct pen_config *config, int listen_fd);
 
 /* Notes that the child has sent "ready": a worker has released the leases of its predecessor. */

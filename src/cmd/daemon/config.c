@@ -8,9 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cmd/files.h"
+#include "cmd/daemon/config_file.h"
 #include "cmd/report.h"
-#include "io/scene_json.h"
 
 static const char *const roles[] = {"all", "api", "worker", NULL};
 static const char *const log_formats[] = {"text", "json", NULL};
@@ -28,7 +27,7 @@ static const struct pen_option options[] = {
      .env = "PENUMBRA_LISTEN",
      .help = "where to serve HTTP, 127.0.0.1:8080 by default; port 0 takes a free one. Any address "
              "but 127.0.0.1, localhost and [::1] needs --tokens, and also --tls-cert, "
-             "--trusted-proxy or --plain-http"},
+             "--trusted-proxy or --plain-http. Not with --role worker"},
     {.name = "store",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, store),
@@ -43,7 +42,18 @@ static const struct pen_option options[] = {
      .value = "all|api|worker",
      .choices = roles,
      .env = "PENUMBRA_ROLE",
-     .help = "all, the default, runs and supervises one api and one worker process"},
+     .help =
+         "which processes to run and supervise: an api process, which serves and never renders, "
+         "a worker process, which renders and serves nothing, or, by default, one of each"},
+    {.name = "until-idle",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, until_idle),
+     .value = "SECONDS",
+     .max = 1000000000,
+     .env = "PENUMBRA_UNTIL_IDLE",
+     .help =
+         "with --role worker: end, with exit code 0, once the worker has found nothing to render "
+         "for so long; 0, the default, never"},
     {.name = "threads",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, threads),
@@ -226,11 +236,6 @@ static const struct pen_option options[] = {
      .value = "FD",
      .max = 1 << 20,
      .hidden = true},
-    {.name = "internal-store-identity",
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct pen_config, store_identity),
-     .value = "DIGITS",
-     .hidden = true},
     {.name = "internal-worker-name",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, worker_name),
@@ -270,7 +275,8 @@ const struct pen_command pen_command_daemon = {
     .arguments = "",
     .summary = "The render daemon: takes scenes over HTTP, queues them durably, renders them.",
     .details =
-        "The first line on standard output is `listening on http://HOST:PORT`, or https. "
+        "The first line on standard output is `listening on http://HOST:PORT`, or https; with "
+        "--role worker there is none. "
         "SIGTERM drains the daemon and ends it within 10 s; SIGHUP reads the configuration again "
         "and opens the log file anew. Every option is also an environment variable and a "
         "key of the configuration file. The command line overrides the environment, the "
@@ -280,101 +286,6 @@ const struct pen_command pen_command_daemon = {
     .options = options,
     .max_args = 0,
 };
-
-/* Copies a name with every `from` replaced by `to`: an option's `-` is `_` in the file's keys. */
-static void translate(const char *name, char from, char to, char *out, size_t bytes)
-{
-    snprintf(out, bytes, "%s", name);
-    for (char *c = out; *c; c++)
-        *c = *c == from ? to : *c;
-}
-
-static bool unknown_key(const char *key, const char *pointer, struct pen_status *st)
-{
-    char name[64], near_key[64];
-    translate(key, '_', '-', name, sizeof name);
-    const char *near = pen_option_nearest(options, name);
-    if (!near || strcmp(near, "help") == 0 || strcmp(near, "version") == 0)
-        return pen_fail_at(st, PEN_USAGE, pointer, "unknown key");
-    translate(near, '-', '_', near_key, sizeof near_key);
-    return pen_fail_at(st, PEN_USAGE, pointer, "unknown key, nearest is \"%s\"", near_key);
-}
-
-/* Sets an option from a value of the file: a number for an integer option, true or false for a
- * flag, a string for any other. Returns whether the value is allowed. */
-static bool set_from_json(const struct pen_option *option, const json_t *value, void *values)
-{
-    char number[32];
-    const char *text = json_string_value(value);
-    struct pen_status ignored;
-    if (option->kind == PEN_OPTION_INT) {
-        if (!json_is_integer(value))
-            return false;
-        snprintf(number, sizeof number, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
-        text = number;
-    }
-    if (option->kind == PEN_OPTION_FLAG)
-        text = json_is_true(value) ? "true" : json_is_false(value) ? "false" : NULL;
-    return text && pen_option_set(option, "", text, values, &ignored);
-}
-
-static bool read_key(const char *key, const json_t *value, struct pen_config *config,
-                     struct pen_parsed *parsed, struct pen_status *st)
-{
-    char name[64], pointer[96], allowed[256];
-    struct pen_config scratch = *config;
-    snprintf(pointer, sizeof pointer, "/%.80s", key);
-    translate(key, '_', '-', name, sizeof name);
-    int i = strchr(key, '-') ? -1 : pen_option_find(options, name);
-    if (i < 0 || options[i].hidden || strcmp(name, "config") == 0)
-        return unknown_key(key, pointer, st);
-    bool overridden = parsed->set >> i & 1;
-    if (set_from_json(&options[i], value, overridden ? &scratch : config)) {
-        parsed->set |= (uint64_t)1 << i;
-        return true;
-    }
-    char *found = json_dumps(value, JSON_ENCODE_ANY | JSON_COMPACT);
-    const bool literal = options[i].kind == PEN_OPTION_INT || options[i].kind == PEN_OPTION_FLAG;
-    pen_option_allowed(&options[i], allowed, sizeof allowed);
-    pen_fail_at(st, PEN_USAGE, pointer, "found %.80s, allowed is %s%s", found ? found : "?",
-                literal ? "" : "a string: ", allowed);
-    free(found);
-    return false;
-}
-
-/* Adds an error of the configuration file, always as PEN_USAGE: a wrong configuration ends the
- * program with the exit code of a wrong command line. */
-static bool fail_config(struct pen_errors *errors, struct pen_status *st)
-{
-    st->code = PEN_USAGE;
-    pen_errors_add(errors, st);
-    return false;
-}
-
-static bool read_file(struct pen_config *config, struct pen_parsed *parsed,
-                      struct pen_errors *errors)
-{
-    struct pen_limits limits = pen_limits_default();
-    struct pen_buf text = {0};
-    struct pen_status st;
-    if (pen_file_read(config->file, limits.body_bytes, &text, &st))
-        config->document = pen_json_parse((const char *)text.data, text.bytes, &limits, &st);
-    pen_buf_release(&text);
-    if (!config->document)
-        return fail_config(errors, &st);
-    if (!json_is_object(config->document)) {
-        pen_fail(&st, PEN_USAGE, "not a JSON object");
-        return fail_config(errors, &st);
-    }
-    const char *key;
-    json_t *value;
-    json_object_foreach(config->document, key, value)
-    {
-        if (!read_key(key, value, config, parsed, &st))
-            fail_config(errors, &st);
-    }
-    return errors->count == 0;
-}
 
 /* The store's default path: in the first of systemd's state folders, which $STATE_DIRECTORY lists
  * with colons between them; or in $XDG_STATE_HOME; or in ~/.local/state. */
@@ -419,29 +330,46 @@ static bool read_size(const char *text, int64_t *bytes, struct pen_status *st)
                     text);
 }
 
+bool pen_config_serves(const struct pen_config *config)
+{
+    return strcmp(config->role, "worker") != 0;
+}
+
+bool pen_config_renders(const struct pen_config *config)
+{
+    return strcmp(config->role, "api") != 0;
+}
+
+/* Checks what depends on the role, and sets the address. A worker that was told where to listen, or
+ * a service that was told to end, would silently do something else than was asked for. */
+static bool check_role(struct pen_config *config, struct pen_status *st)
+{
+    if (!pen_config_serves(config))
+        return !config->listen ||
+               pen_fail(st, PEN_USAGE,
+                        "listen: found \"%s\" with --role worker, which serves nothing: write "
+                        "--role worker alone, or --role api with --listen, or --listen alone to "
+                        "serve and render",
+                        config->listen);
+    if (config->until_idle)
+        return pen_fail(
+            st, PEN_USAGE,
+            "until-idle: found %d with --role %s; only --role worker ends without work, "
+            "since clients may come at any time to one that serves",
+            config->until_idle, config->role);
+    if (!config->listen)
+        config->listen = "127.0.0.1:8080";
+    return pen_address_parse(config->listen, &config->address, st);
+}
+
 static bool check(struct pen_config *config, struct pen_status *st)
 {
     config->keep_bytes_max = 0;
     if (config->keep_bytes && !read_size(config->keep_bytes, &config->keep_bytes_max, st))
         return false;
-    if (!pen_address_parse(config->listen, &config->address, st) ||
-        !pen_access_check(&config->access, &config->address, st))
-        return false;
-    if (!(config->store && *config->store) && !make_default_store(config, st))
-        return false;
-    config->store_url = config->store;
-    return !config->store_identity || pen_config_know_store(config, config->store_identity, st);
-}
-
-bool pen_config_know_store(struct pen_config *config, const char *identity, struct pen_status *st)
-{
-    char *url;
-    const char *path = config->store_path ? config->store_path : config->store;
-    if (asprintf(&url, "store:%s:%s", identity, path) < 0)
-        return pen_fail(st, PEN_NO_MEMORY, "out of memory");
-    free(config->known_store);
-    config->store_url = config->known_store = url;
-    return true;
+    return check_role(config, st) &&
+           pen_access_check(&config->access, config->listen ? &config->address : NULL, st) &&
+           ((config->store && *config->store) || make_default_store(config, st));
 }
 
 int pen_config_load(struct pen_config *config, int argc, char **argv)
@@ -451,8 +379,7 @@ int pen_config_load(struct pen_config *config, int argc, char **argv)
     struct pen_status st;
     struct pen_errors errors = {0};
     *config =
-        (struct pen_config){.listen = "127.0.0.1:8080",
-                            .role = "all",
+        (struct pen_config){.role = "all",
                             .log_format = "text",
                             .log_level = "info",
                             .max = {.seconds = 24 * 60 * 60, .priority = 100, .queue = 100000},
@@ -470,12 +397,10 @@ int pen_config_load(struct pen_config *config, int argc, char **argv)
         pen_report_version(program);
         return 0;
     }
-    if (config->control_fd < 0) {
-        if (!pen_options_from_env(&pen_command_daemon, config, &parsed, &st))
-            return pen_report(program, NULL, &st);
-        if (config->file && !read_file(config, &parsed, &errors))
-            return pen_report_errors(program, config->file, &errors);
-    }
+    if (!pen_options_from_env(&pen_command_daemon, config, &parsed, &st))
+        return pen_report(program, NULL, &st);
+    if (config->file && !pen_config_read_file(config, &parsed, &errors))
+        return pen_report_errors(program, config->file, &errors);
     return check(config, &st) ? -1 : pen_report(program, NULL, &st);
 }
 
@@ -483,7 +408,6 @@ void pen_config_release(struct pen_config *config)
 {
     json_decref(config->document);
     free(config->default_store);
-    free(config->known_store);
     pen_access_release(&config->access);
     *config = (struct pen_config){.listen_fd = -1, .control_fd = -1};
 }

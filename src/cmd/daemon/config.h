@@ -26,27 +26,27 @@ struct pen_job_limits {
 };
 
 struct pen_config {
-    const char *listen, *store, *role, *file, *log_file, *log_format, *log_level;
+    const char *listen; /* NULL under --role worker */
+    const char *store, *role, *file, *log_file, *log_format, *log_level;
     struct pen_access access;
     int threads, memory_limit; /* memory_limit: MiB; 0: three quarters of the machine's */
     struct pen_job_limits max; /* what a job may ask for */
     int keep_days, keep_jobs;  /* 0: without limit */
     const char *keep_bytes;    /* a number of bytes, with K, M, G or T; NULL: without limit */
-    /* Set by a supervisor for its children only. Such a process reads neither environment nor file:
-     * its command line has the whole configuration. */
-    int listen_fd, control_fd;   /* -1: none */
+    int until_idle;            /* seconds; 0: a worker without work goes on */
+    /* From a supervisor to a child, on its command line. Everything above comes to it in its
+     * environment (pen_options_to_env). */
+    int control_fd;              /* -1: this process is no child */
+    int listen_fd;               /* of an api; -1: none */
     int trace_fd, dead_trace_fd; /* -1: none */
     const char *worker_name;     /* a worker's id in the store */
-    const char *store_identity;  /* of the store that the supervisor has opened; NULL: any */
     /* Of its predecessor: the id, the end as text, and "crashed" or "died". NULL: none. */
     const char *dead_worker, *dead_how, *dead_end;
 
-    const char *store_path; /* of the store that was opened, for children: pen_store_path */
-    const char *store_url;  /* for pen_store_open: `store`, with the identity once it is known */
-    int64_t keep_bytes_max; /* keep_bytes as a number; 0: without limit */
+    int64_t keep_bytes_max;     /* keep_bytes as a number; 0: without limit */
     struct pen_address address; /* of `listen` */
     json_t *document;           /* the file; texts from it point into this */
-    char *default_store, *known_store;
+    char *default_store;
 };
 
 /* The options of penumbrad. */
@@ -58,9 +58,9 @@ extern const struct pen_command pen_command_daemon;
 int pen_config_load(struct pen_config *config, int argc, char **argv);
 void pen_config_release(struct pen_config *config);
 
-/* Makes store_url name the store by its identity, too, "": any that exists. Fails: PEN_NO_MEMORY.
- */
-bool pen_config_know_store(struct pen_config *config, const char *identity, struct pen_status *st);
+/* Whether the role is to serve HTTP, and whether it is to render. One of them holds, or both. */
+bool pen_config_serves(const struct pen_config *config);
+bool pen_config_renders(const struct pen_config *config);
 
 struct pen_log_target {
     const char *level, *format, *file; /* file NULL or "": standard error as it is */

@@ -3,16 +3,13 @@
 
 #include <errno.h>
 #include <poll.h>
-#include <signal.h>
 #include <stdint.h>
 #include <string.h>
 #include <sys/eventfd.h>
-#include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "cmd/daemon/signals.h"
 
 void pen_control_send(int fd, const char *text)
 {
@@ -22,12 +19,11 @@ void pen_control_send(int fd, const char *text)
 
 bool pen_event_source_open(struct pen_event_source *source, int control_fd, struct pen_status *st)
 {
-    *source = (struct pen_event_source){.control_fd = control_fd, .supervised = control_fd >= 0};
-    source->signal_fd = pen_signals_open(0);
-    source->end_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    if (source->signal_fd >= 0 && source->end_fd >= 0)
+    *source = (struct pen_event_source){.control_fd = control_fd,
+                                        .end_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
+    if (source->end_fd >= 0)
         return true;
-    pen_fail(st, PEN_IO, "cannot wait for signals: %s", strerror(errno));
+    pen_fail(st, PEN_IO, "cannot wait for events: %s", strerror(errno));
     pen_event_source_close(source);
     return false;
 }
@@ -41,7 +37,6 @@ static void close_fd(int *fd)
 
 void pen_event_source_close(struct pen_event_source *source)
 {
-    close_fd(&source->signal_fd);
     close_fd(&source->end_fd);
     close_fd(&source->control_fd);
 }
@@ -51,17 +46,6 @@ void pen_event_source_work_ended(const struct pen_event_source *source)
     uint64_t one = 1;
     ssize_t put = write(source->end_fd, &one, sizeof one);
     (void)put; /* it cannot fail: the counter is added to once */
-}
-
-static bool take_signal(const struct pen_event_source *source, struct pen_event *event)
-{
-    struct signalfd_siginfo info;
-    if (read(source->signal_fd, &info, sizeof info) != (ssize_t)sizeof info)
-        return false;
-    if (info.ssi_signo != SIGHUP && source->supervised)
-        return false;
-    event->kind = info.ssi_signo == SIGHUP ? PEN_EVENT_LOG : PEN_EVENT_STOP;
-    return true;
 }
 
 /* If the text is "WORD" or "WORD REST", copies the rest. Returns whether it is. */
@@ -109,9 +93,8 @@ void pen_event_source_next(struct pen_event_source *source, int timeout_ms, stru
 {
     const int64_t end_ns = pen_clock_ns() + (int64_t)timeout_ms * 1000000;
     *event = (struct pen_event){.kind = PEN_EVENT_TIMEOUT};
-    enum { END, SIGNALS, CONTROL, COUNT };
+    enum { END, CONTROL, COUNT };
     struct pollfd fds[COUNT] = {[END] = {.fd = source->end_fd, .events = POLLIN},
-                                [SIGNALS] = {.fd = source->signal_fd, .events = POLLIN},
                                 [CONTROL] = {.fd = source->control_fd, .events = POLLIN}};
     for (;;) {
         const int64_t left_ns = end_ns - pen_clock_ns();
@@ -129,8 +112,6 @@ void pen_event_source_next(struct pen_event_source *source, int timeout_ms, stru
             event->kind = PEN_EVENT_WORK_END;
             return;
         }
-        if (fds[SIGNALS].revents && take_signal(source, event))
-            return;
         if (fds[CONTROL].revents && take_message(source, event))
             return;
     }

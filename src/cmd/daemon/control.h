@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The control channel between the supervisor and a child: a socket pair for short texts. When one
- * process ends, the other sees the channel closed. A child waits for texts and for signals in one
- * function, pen_event_source_next.
+ * process ends, the other sees the channel closed. A child takes no signals: SIGTERM, SIGINT and
+ * SIGHUP, which a terminal and systemd send to all processes, stay blocked in it, since its
+ * supervisor handles them. So the api answers until the worker has ended.
  *
  *   supervisor to child:  "drain"                   take no new jobs, answer all other requests
  *                         "stop"                    finish or give back the batch, and end
@@ -10,7 +11,9 @@
  *                         "ping"                    answer "pong", if events are handled
  *   child to supervisor:  "pong"
  *                         "ready"                   it works; a worker has released the leases of
- *                                                   dead workers */
+ *                                                   its predecessor
+ *                         "idle"                    (worker) it ends, since it found no work for
+ *                                                   the time of --until-idle */
 #ifndef PEN_CMD_DAEMON_CONTROL_H
 #define PEN_CMD_DAEMON_CONTROL_H
 
@@ -27,9 +30,9 @@ void pen_control_send(int fd, const char *text);
 
 enum pen_event_kind {
     PEN_EVENT_TIMEOUT,
-    PEN_EVENT_STOP,    /* "stop"; without a supervisor SIGTERM or SIGINT */
+    PEN_EVENT_STOP,    /* "stop" */
     PEN_EVENT_DRAIN,   /* "drain" */
-    PEN_EVENT_LOG,     /* "log TEXT"; SIGHUP: text is empty */
+    PEN_EVENT_LOG,     /* "log TEXT" */
     PEN_EVENT_STATE,   /* "state TEXT" */
     PEN_EVENT_LOST,    /* the supervisor has ended */
     PEN_EVENT_WORK_END /* pen_event_source_work_ended was called */
@@ -42,14 +45,10 @@ struct pen_event {
 
 /* The descriptors that a child process waits for. */
 struct pen_event_source {
-    int signal_fd, control_fd, end_fd; /* -1: none */
-    bool supervised;                   /* it is the child of a supervisor */
+    int control_fd, end_fd; /* -1: none */
 };
 
-/* Opens the source, and blocks the signals that it reports, for this thread and all threads started
- * later. control_fd -1: no supervisor. A supervised process ignores SIGINT and SIGTERM, which a
- * terminal and systemd send to all processes: the supervisor handles them, so that the api answers
- * until the worker has ended. Owns: control_fd. Fails: PEN_IO. */
+/* Owns: control_fd. Fails: PEN_IO. */
 bool pen_event_source_open(struct pen_event_source *source, int control_fd, struct pen_status *st);
 void pen_event_source_close(struct pen_event_source *source);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The program `penumbrad`: reads the configuration and runs the role it names: the supervisor of an
- * api and a worker process, or one of these two alone. Or runs `penumbrad backup` or `penumbrad
- * token`. */
+/* The program `penumbrad`: reads the configuration and runs a supervisor or, as its child, an api
+ * or a worker process. Or runs `penumbrad backup` or `penumbrad token`. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -17,16 +17,18 @@
 
 static const char program[] = "penumbrad";
 
-static bool is_supervisor(const struct pen_config *config)
+/* Whether this supervisor both serves and renders. Only such a one makes a store, sets what is
+ * kept, and releases the leases of dead workers. */
+static bool is_whole(const struct pen_config *config)
 {
-    return strcmp(config->role, "all") == 0;
+    return pen_config_serves(config) && pen_config_renders(config);
 }
 
-/* Of all supervisors only one may use a store: two would start each other's work again. */
+/* Of all whole daemons only one may use a store: two would keep by different rules. */
 static bool take_supervision(const struct pen_config *config, struct pen_store *store,
                              struct pen_status *st)
 {
-    if (!is_supervisor(config) || pen_store_supervise(store, st))
+    if (!is_whole(config) || pen_store_supervise(store, st))
         return true;
     return st->code == PEN_CONFLICT
                ? pen_fail(st, PEN_UNAVAILABLE,
@@ -35,28 +37,47 @@ static bool take_supervision(const struct pen_config *config, struct pen_store *
                : false;
 }
 
-/* Opens and checks the store before any child does, and notes its identity: the processes that
- * follow open no other one. Only a supervisor may make a store. So the terminal shows at once that
- * a store is missing, damaged or cannot be opened, instead of a log in which children fail again
- * and again. */
-static struct pen_store *open_store(struct pen_config *config, struct pen_status *st)
+/* Opens and checks the store before any child does. So the terminal shows at once that a store is
+ * missing, damaged or cannot be opened, instead of a log in which children fail again and again.
+ * *url names it for the children, which open no other one. Owns: free *url. */
+static struct pen_store *open_store(const struct pen_config *config, char **url,
+                                    struct pen_status *st)
 {
-    if (!is_supervisor(config) && !pen_config_know_store(config, "", st))
+    if (asprintf(url, "%s%s", is_whole(config) ? "" : "store::", config->store) < 0) {
+        *url = NULL;
+        pen_fail(st, PEN_NO_MEMORY, "out of memory");
         return NULL;
-    struct pen_store *store = pen_store_open(config->store_url, st);
-    if (!store)
-        return NULL;
-    config->store_identity = pen_store_identity(store);
-    config->store_path = pen_store_path(store);
-    if (take_supervision(config, store, st) && pen_store_check_start(store, st) &&
-        pen_config_know_store(config, config->store_identity, st))
-        return store;
-    config->store_identity = config->store_path = NULL;
+    }
+    struct pen_store *store = pen_store_open(*url, st);
+    free(*url);
+    *url = NULL;
+    if (store && take_supervision(config, store, st) && pen_store_check_start(store, st)) {
+        if (asprintf(url, "store:%s:%s", pen_store_identity(store), pen_store_path(store)) >= 0)
+            return store;
+        *url = NULL;
+        pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    }
     pen_store_close(store);
     return NULL;
 }
 
-/* What only a supervisor does with the store: it sets what is kept, and makes the reserve. */
+/* Opens the batches of workers of this host that have ended without a supervisor to report it. One
+ * whose supervisor is about to report it may be among them, and is then not charged. So this is not
+ * done at the start of each supervisor, since those of workers may come and go all the time. */
+static void release_dead(struct pen_store *store)
+{
+    struct pen_status st;
+    int opened = 0;
+    if (!pen_store_release_dead(store, &opened, &st))
+        pen_log(PEN_LOG_WARN, "%s: the batches of dead workers wait for the end of their leases",
+                st.msg);
+    else if (opened > 0)
+        pen_log(PEN_LOG_INFO, "released %d batch%s of dead workers", opened,
+                opened == 1 ? "" : "es");
+}
+
+/* What only a whole daemon does with the store: it releases leases, sets what is kept, and makes
+ * the reserve. */
 static bool equip_store(const struct pen_config *config, struct pen_store *store,
                         struct pen_status *st)
 {
@@ -64,6 +85,7 @@ static bool equip_store(const struct pen_config *config, struct pen_store *store
                                        .keep_bytes = config->keep_bytes_max,
                                        .keep_jobs = config->keep_jobs};
     struct pen_status why;
+    release_dead(store);
     if (!pen_store_reserve(store, &why))
         pen_log(PEN_LOG_WARN, "%s", why.msg);
     if (pen_store_set_retention(store, &keep, st))
@@ -74,66 +96,58 @@ static bool equip_store(const struct pen_config *config, struct pen_store *store
     return true;
 }
 
-/* The supervisor keeps its handle, and so its lock, until all children have ended. */
-static int supervise(struct pen_config *config, struct pen_store *store, int argc, char **argv,
-                     int fd)
+/* Opens the listening socket, and says so. */
+static int start_listening(const struct pen_config *config, struct pen_status *st)
 {
-    struct pen_status st;
-    if (!equip_store(config, store, &st))
-        return pen_report(program, config->store, &st);
-    int code = pen_supervisor_run(config, argc, argv, fd);
-    if (!pen_store_settle(store, &st))
-        pen_log(PEN_LOG_WARN, "%s", st.msg);
-    return code;
-}
-
-static int serve_store(struct pen_config *config, struct pen_store *store, int argc, char **argv)
-{
-    struct pen_status st;
-    int port, fd = pen_address_listen(&config->address, &port, &st);
+    int port, fd = pen_address_listen(&config->address, &port, st);
     if (fd < 0)
-        return pen_report(program, NULL, &st);
+        return fd;
     const char *scheme = config->access.tls_cert ? "https" : "http";
-    pen_signals_hold();
     printf("listening on %s://%s:%d\n", scheme, config->address.host, port);
     pen_log(PEN_LOG_INFO, "listening on %s://%s:%d, store %s", scheme, config->address.host, port,
             config->store);
     if (pen_access_is_open(&config->access, &config->address))
         pen_log(PEN_LOG_WARN, "plain-http: tokens and pictures travel unencrypted");
+    return fd;
+}
+
+/* The supervisor keeps its handle, and so its lock, until all children have ended. */
+static int supervise_store(const struct pen_config *config, struct pen_store *store,
+                           const char *url, int argc, char **argv)
+{
+    struct pen_status st;
+    int fd = -1;
+    pen_signals_hold();
+    if (pen_config_serves(config) && (fd = start_listening(config, &st)) < 0)
+        return pen_report(program, NULL, &st);
     int code = pen_report_finish(program, 0);
+    if (code == 0 && is_whole(config) && !equip_store(config, store, &st))
+        code = pen_report(program, config->store, &st);
     if (code == 0)
-        code = is_supervisor(config) ? supervise(config, store, argc, argv, fd)
-                                     : pen_role_api(config, fd);
-    close(fd);
+        code = pen_supervisor_run(config, url, argc, argv, fd);
+    if (!pen_store_settle(store, &st))
+        pen_log(PEN_LOG_WARN, "%s", st.msg);
+    if (fd >= 0)
+        close(fd);
     return code;
 }
 
-static int serve(struct pen_config *config, int argc, char **argv)
+static int supervise(const struct pen_config *config, int argc, char **argv)
 {
     struct pen_status st;
-    if (!pen_access_check_files(&config->access, &st))
+    char *url;
+    if (pen_config_serves(config) && !pen_access_check_files(&config->access, &st))
         return pen_report(program, NULL, &st);
-    struct pen_store *store = open_store(config, &st);
+    struct pen_store *store = open_store(config, &url, &st);
     if (!store)
         return pen_report(program, config->store, &st);
-    int code = serve_store(config, store, argc, argv);
+    int code = supervise_store(config, store, url, argc, argv);
     pen_store_close(store);
+    free(url);
     return code;
 }
 
-/* A worker without a supervisor checks the store itself. */
-static int work(struct pen_config *config)
-{
-    struct pen_status st;
-    struct pen_store *store = NULL;
-    if (config->control_fd < 0 && !(store = open_store(config, &st)))
-        return pen_report(program, config->store, &st);
-    int code = pen_role_worker(config);
-    pen_store_close(store);
-    return code;
-}
-
-static int run(struct pen_config *config, int argc, char **argv)
+static int run(const struct pen_config *config, int argc, char **argv)
 {
     struct pen_status st;
     struct pen_log_target target = {
@@ -141,11 +155,9 @@ static int run(struct pen_config *config, int argc, char **argv)
     pen_log_set_name("supervisor");
     if (!pen_config_log(&target, &st))
         return pen_report(program, NULL, &st);
-    if (strcmp(config->role, "worker") == 0)
-        return work(config);
-    if (config->listen_fd >= 0)
-        return pen_role_api(config, config->listen_fd);
-    return serve(config, argc, argv);
+    if (config->control_fd < 0)
+        return supervise(config, argc, argv);
+    return pen_config_serves(config) ? pen_role_api(config) : pen_role_worker(config);
 }
 
 int main(int argc, char **argv)

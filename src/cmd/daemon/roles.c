@@ -31,17 +31,14 @@ enum { STOP_API_S = 3 };
 /* The pause before an api process tries again to open a store that could not be opened. */
 enum { OPEN_AGAIN_MS = 500 };
 
-/* Opens the log anew. text: "LEVEL FORMAT FILE" from the supervisor; after SIGHUP it is empty, and
- * the configuration's values stay. */
-static void reopen_log(const struct pen_config *config, const char *text)
+/* Opens the log anew. text: "LEVEL FORMAT FILE". */
+static void reopen_log(const char *text)
 {
     char level[16] = "", format[16] = "";
     int end = 0;
     struct pen_status st;
-    struct pen_log_target target = {
-        .level = config->log_level, .format = config->log_format, .file = config->log_file};
-    if (sscanf(text, "%15s %15s %n", level, format, &end) == 2)
-        target = (struct pen_log_target){.level = level, .format = format, .file = text + end};
+    sscanf(text, "%15s %15s %n", level, format, &end);
+    const struct pen_log_target target = {.level = level, .format = format, .file = text + end};
     if (!pen_config_log(&target, &st))
         pen_log(PEN_LOG_ERROR, "%s", st.msg);
 }
@@ -81,8 +78,8 @@ static bool open_store(struct pen_http *http, const struct pen_http_options *opt
 }
 
 /* Opens the store, and handles the api's events until it has to stop. */
-static void handle_api_events(const struct pen_config *config, struct pen_event_source *events,
-                              struct pen_http *http, const struct pen_http_options *options)
+static void handle_api_events(struct pen_event_source *events, struct pen_http *http,
+                              const struct pen_http_options *options)
 {
     struct pen_status last = {.code = PEN_OK};
     bool opened = false;
@@ -95,7 +92,7 @@ static void handle_api_events(const struct pen_config *config, struct pen_event_
             pen_http_drain(http);
             break;
         case PEN_EVENT_LOG:
-            reopen_log(config, event.text);
+            reopen_log(event.text);
             break;
         case PEN_EVENT_STOP:
             pen_http_drain(http);
@@ -148,14 +145,14 @@ static struct pen_limits limits_of(const struct pen_config *config)
     return limits;
 }
 
-static int serve(const struct pen_config *config, int listen_fd)
+static int serve(const struct pen_config *config)
 {
     struct pen_event_source events;
     struct pen_status st;
     if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
-    struct pen_http_options options = {.listen_fd = listen_fd,
-                                       .store_url = config->store_url,
+    struct pen_http_options options = {.listen_fd = config->listen_fd,
+                                       .store_url = config->store,
                                        .limits = limits_of(config),
                                        .trusted_proxy = config->access.trusted_proxy,
                                        .tokens = config->access.tokens,
@@ -167,7 +164,7 @@ static int serve(const struct pen_config *config, int listen_fd)
         pen_event_source_close(&events);
         return fail(&st);
     }
-    handle_api_events(config, &events, http, &options);
+    handle_api_events(&events, http, &options);
     pen_http_stop(http);
     pen_event_source_close(&events);
     pen_log(PEN_LOG_INFO, "ended");
@@ -183,7 +180,7 @@ static void set_allocator(void)
     mallopt(M_MXFAST, 0);
 }
 
-int pen_role_api(const struct pen_config *config, int listen_fd)
+int pen_role_api(const struct pen_config *config)
 {
     pen_log_set_name("api");
     prctl(PR_SET_NAME, api_process);
@@ -191,7 +188,7 @@ int pen_role_api(const struct pen_config *config, int listen_fd)
     set_allocator();
     if (!pen_log_writer_start()) /* threads that serve connections must not block */
         pen_log(PEN_LOG_WARN, "no thread for the log");
-    const int code = serve(config, listen_fd);
+    const int code = serve(config);
     pen_log_writer_stop();
     return code;
 }
@@ -214,13 +211,12 @@ static void *run_worker(void *user)
     return NULL;
 }
 
-/* Releases the leases of dead workers: of the predecessor, whose end the supervisor has reported
- * and which may count against its jobs (src/store/README.md), and of all other workers that hold no
- * lock any more. */
-static bool release_dead(struct pen_store *store, const struct pen_config *config,
-                         struct pen_status *st)
+/* Releases the leases of the predecessor, whose end the supervisor has reported and which may count
+ * against its jobs (src/store/README.md). */
+static bool release_predecessor(struct pen_store *store, const struct pen_config *config,
+                                struct pen_status *st)
 {
-    int opened = 0, others = 0;
+    int opened = 0;
     const char *dead = config->dead_worker;
     struct pen_worker_report report = {.worker = dead,
                                        .end = PEN_WORKER_DIED,
@@ -230,14 +226,9 @@ static bool release_dead(struct pen_store *store, const struct pen_config *confi
         report.end = PEN_WORKER_CRASHED;
     if (dead && !pen_jobs_worker_ended(store, &report, &opened, st))
         return false;
-    if (!pen_store_release_dead(store, &others, st))
-        return false;
     if (opened > 0)
         pen_log(PEN_LOG_INFO, "released %d batch%s of the dead worker %s", opened,
                 opened == 1 ? "" : "es", dead);
-    if (others > 0)
-        pen_log(PEN_LOG_INFO, "released %d batch%s of other dead workers", others,
-                others == 1 ? "" : "es");
     return true;
 }
 
@@ -257,8 +248,8 @@ static _Noreturn void abandon_batch(struct pen_store *store, const struct worker
 
 /* Handles the worker's events until its thread has ended. The thread has to end by a deadline,
  * which "stop" or the end of the supervisor sets; the earlier one counts. */
-static void handle_worker_events(const struct pen_config *config, struct pen_event_source *events,
-                                 struct worker_thread *worker, struct pen_store *store)
+static void handle_worker_events(struct pen_event_source *events, struct worker_thread *worker,
+                                 struct pen_store *store)
 {
     int64_t deadline_ns = INT64_MAX;
     for (;;) {
@@ -271,7 +262,7 @@ static void handle_worker_events(const struct pen_config *config, struct pen_eve
         if (event.kind == PEN_EVENT_TIMEOUT)
             abandon_batch(store, worker);
         if (event.kind == PEN_EVENT_LOG)
-            reopen_log(config, event.text);
+            reopen_log(event.text);
         bool lost = event.kind == PEN_EVENT_LOST;
         if (lost)
             pen_log(PEN_LOG_ERROR, "the supervisor has ended: ending");
@@ -344,12 +335,13 @@ static bool take_test_settings(struct pen_worker_options *options, struct pen_fa
 }
 
 static int run_worker_process(const struct pen_config *config, struct pen_event_source *events,
-                              struct pen_store *store, const char *id)
+                              struct pen_store *store)
 {
     struct worker_thread worker = {
         .events = events,
-        .options = {.store_url = config->store_url,
-                    .id = id,
+        .options = {.store_url = config->store,
+                    .id = config->worker_name,
+                    .idle_ms = (int64_t)config->until_idle * 1000,
                     .threads = config->threads,
                     .scene_cap_bytes = limit_memory(config->memory_limit) / 2,
                     .max_seconds = config->max.seconds,
@@ -360,7 +352,8 @@ static int run_worker_process(const struct pen_config *config, struct pen_event_
     pthread_t thread;
     if (worker.options.trace)
         pen_crash_record_install(worker.options.trace);
-    if (!take_test_settings(&worker.options, &hook, &st) || !release_dead(store, config, &st))
+    if (!take_test_settings(&worker.options, &hook, &st) ||
+        !release_predecessor(store, config, &st))
         return fail(&st);
     /* Before a job is taken: a crash afterwards is the job's, one before is the worker's. */
     pen_control_send(events->control_fd, "ready");
@@ -368,11 +361,13 @@ static int run_worker_process(const struct pen_config *config, struct pen_event_
         pen_fail(&st, PEN_NO_MEMORY, "cannot start a thread");
         return fail(&st);
     }
-    pen_log(PEN_LOG_INFO, "working as %s", id);
-    handle_worker_events(config, events, &worker, store);
+    pen_log(PEN_LOG_INFO, "working as %s", config->worker_name);
+    handle_worker_events(events, &worker, store);
     pthread_join(thread, NULL);
     if (!worker.ok)
         return fail(&worker.st);
+    if (!atomic_load(&worker.stop))
+        pen_control_send(events->control_fd, "idle");
     pen_log(PEN_LOG_INFO, "ended");
     return 0;
 }
@@ -381,16 +376,12 @@ int pen_role_worker(const struct pen_config *config)
 {
     struct pen_event_source events;
     struct pen_status st;
-    char made[PEN_WORKER_ID_BYTES];
-    const char *id = config->worker_name;
     pen_log_set_name("worker");
     prctl(PR_SET_NAME, worker_process);
-    if (!id && !pen_worker_id_make(made, &st))
-        return fail(&st);
     if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
-    struct pen_store *store = pen_store_open(config->store_url, &st);
-    int code = store ? run_worker_process(config, &events, store, id ? id : made) : fail(&st);
+    struct pen_store *store = pen_store_open(config->store, &st);
+    int code = store ? run_worker_process(config, &events, store) : fail(&st);
     pen_store_close(store);
     pen_event_source_close(&events);
     return code;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The processes that do the daemon's work: the api process serves HTTP and never renders, the
- * worker process renders and serves nothing. Each runs alone (`--role api`, `--role worker`) or as
- * a child of the supervisor; a child ends within PEN_LOST_MS after its supervisor has ended or
- * died. */
+/* The processes that do the daemon's work, children of the supervisor: the api process serves HTTP
+ * and never renders, the worker process renders and serves nothing. A child ends within PEN_LOST_MS
+ * after its supervisor has ended or died. */
 #ifndef PEN_CMD_DAEMON_ROLES_H
 #define PEN_CMD_DAEMON_ROLES_H
 
@@ -14,9 +13,9 @@ enum {
 };
 
 /* Serves until told to stop. Returns the exit code. */
-int pen_role_api(const struct pen_config *config, int listen_fd);
+int pen_role_api(const struct pen_config *config);
 
-/* Renders until told to stop. Returns the exit code. */
+/* Renders until told to stop, or without work for config->until_idle. Returns the exit code. */
 int pen_role_worker(const struct pen_config *config);
 
 #endif

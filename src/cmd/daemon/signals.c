@@ -28,11 +28,10 @@ void pen_signals_hold_alone(void)
     pthread_sigmask(SIG_SETMASK, &set, NULL);
 }
 
-int pen_signals_open(int also)
+int pen_signals_open(void)
 {
     sigset_t set = handled();
-    if (also)
-        sigaddset(&set, also);
+    sigaddset(&set, SIGCHLD);
     signal(SIGPIPE, SIG_IGN);
     errno = pthread_sigmask(SIG_BLOCK, &set, NULL);
     return errno ? -1 : signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);

@@ -17,6 +17,7 @@
 #include "cmd/daemon/notify.h"
 #include "cmd/daemon/roles.h"
 #include "cmd/daemon/signals.h"
+#include "cmd/option_values.h"
 
 /* When a drain kills the children, in seconds after the signal, and how often it checks them. */
 static const int64_t second_ns = 1000000000;
@@ -29,7 +30,7 @@ enum { CRASH_LOOP = 3 };
 
 struct supervisor {
     const struct pen_config *first; /* the configuration at the start */
-    struct pen_config reloaded;     /* of the last SIGHUP; owns the texts that `now` points to */
+    struct pen_config reloaded;     /* of the last SIGHUP; owns texts that `now` points to */
     struct pen_config now;          /* the configuration for children */
     int argc;
     char **argv;
@@ -76,6 +77,12 @@ static bool answers(const struct pen_child *child)
     return !child->pid || !child->ready || child->stopping || child->answered;
 }
 
+/* Whether a child that the role has is there and works. */
+static bool is_up(const struct pen_child *child)
+{
+    return child->ready || child->start_at_ns == INT64_MAX;
+}
+
 static void ping(struct pen_child *child)
 {
     if (child->stopping) /* it is not to be woken */
@@ -84,12 +91,12 @@ static void ping(struct pen_child *child)
     pen_control_send(child->control_fd, "ping");
 }
 
-/* Tells the service manager when the daemon is ready, and then three times in its time that both
+/* Tells the service manager when the daemon is ready, and then three times in its time that the
  * children answer; if one does not, nothing, so that the manager starts the daemon again. */
 static void notify_manager(struct supervisor *s)
 {
     const int64_t now = pen_clock_ns();
-    if (!s->told_ready && s->api.ready && s->worker.ready)
+    if (!s->told_ready && is_up(&s->api) && is_up(&s->worker))
         s->told_ready = pen_notify_send(&s->notify, "READY=1"); /* if not, in the next round */
     if (!s->told_ready || s->notify.watchdog_ns == 0 || now < s->ping_ns)
         return;
@@ -151,6 +158,12 @@ static void advance_drain(struct supervisor *s)
         kill_child(&s->api);
 }
 
+/* Whether the option applies when the configuration is read again. */
+static bool is_reloadable(const struct pen_option *option)
+{
+    return strcmp(option->name, "threads") == 0 || strncmp(option->name, "log-", 4) == 0;
+}
+
 /* Reads the configuration again, and applies the settings of the log and the number of threads. A
  * wrong configuration changes nothing. */
 static void reload(struct supervisor *s)
@@ -162,24 +175,17 @@ static void reload(struct supervisor *s)
         pen_config_release(&fresh);
         return;
     }
-    if (strcmp(s->first->listen, fresh.listen) != 0 || strcmp(s->first->store, fresh.store) != 0 ||
-        strcmp(s->first->role, fresh.role) != 0 ||
-        memcmp(&s->first->max, &fresh.max, sizeof fresh.max) != 0 ||
-        s->first->keep_days != fresh.keep_days || s->first->keep_jobs != fresh.keep_jobs ||
-        s->first->keep_bytes_max != fresh.keep_bytes_max ||
-        !pen_access_same(&s->first->access, &fresh.access))
-        pen_log(PEN_LOG_WARN,
-                "listen, store, role, tokens, tls_cert, tls_key, plain_http, cors, trusted_proxy, "
-                "the bounds of jobs (max_…), keep_days, keep_bytes and keep_jobs change only when "
-                "the daemon is started again");
+    for (const struct pen_option *option = pen_command_daemon.options; option->name; option++) {
+        if (!is_reloadable(option) && !pen_option_same(option, s->first, &fresh))
+            pen_log(PEN_LOG_WARN, "%s changes only when the daemon is started again", option->name);
+    }
     bool other_threads = s->now.threads != fresh.threads;
+    s->now.threads = fresh.threads;
+    s->now.log_level = fresh.log_level;
+    s->now.log_format = fresh.log_format;
+    s->now.log_file = fresh.log_file;
     pen_config_release(&s->reloaded);
-    s->reloaded = s->now = fresh;
-    s->now.store = s->first->store;
-    s->now.store_identity = s->first->store_identity;
-    s->now.store_path = s->first->store_path;
-    s->now.max = s->first->max;
-    s->now.access = s->first->access;
+    s->reloaded = fresh;
     struct pen_log_target target = {
         .level = fresh.log_level, .format = fresh.log_format, .file = fresh.log_file};
     if (!pen_config_log(&target, &st))
@@ -216,25 +222,34 @@ static void handle_signals(struct supervisor *s)
     }
 }
 
-static void handle_message(struct supervisor *s, struct pen_child *child)
+static void handle_message(struct supervisor *s, struct pen_child *child, const char *text)
 {
-    char text[PEN_CONTROL_BYTES];
-    ssize_t got = recv(child->control_fd, text, sizeof text - 1, MSG_DONTWAIT);
-    if (got < 0 && (errno == EAGAIN || errno == EINTR))
-        return;
-    if (got <= 0) { /* the child is ending; SIGCHLD follows */
-        close(child->control_fd);
-        child->control_fd = -1;
-        return;
-    }
-    text[got] = '\0';
     if (strcmp(text, "pong") == 0)
         child->answered = true;
+    if (strcmp(text, "idle") == 0 && !s->draining) {
+        pen_log(PEN_LOG_INFO, "no work for %d s", s->now.until_idle);
+        begin_drain(s);
+    }
     if (strcmp(text, "ready") != 0)
         return;
     pen_child_ready(child);
     if (child == &s->api)
         send_state(s, true);
+}
+
+/* All of them: what a process that ends has sent comes before its end. */
+static void handle_messages(struct supervisor *s, struct pen_child *child)
+{
+    char text[PEN_CONTROL_BYTES];
+    ssize_t got;
+    while ((got = recv(child->control_fd, text, sizeof text - 1, MSG_DONTWAIT)) > 0) {
+        text[got] = '\0';
+        handle_message(s, child, text);
+    }
+    if (got < 0 && (errno == EAGAIN || errno == EINTR))
+        return;
+    close(child->control_fd); /* the child is ending; SIGCHLD follows */
+    child->control_fd = -1;
 }
 
 /* The time until the next start, ping or check of a child's failures is due; a short time when
@@ -265,9 +280,9 @@ static void handle_events(struct supervisor *s)
     if (poll(fds, COUNT, wait_ms(s)) <= 0)
         return;
     if (fds[API].revents)
-        handle_message(s, &s->api);
+        handle_messages(s, &s->api);
     if (fds[WORKER].revents)
-        handle_message(s, &s->worker);
+        handle_messages(s, &s->worker);
     if (fds[SIGNALS].revents) {
         handle_signals(s);
         reap(s);
@@ -276,7 +291,7 @@ static void handle_events(struct supervisor *s)
 
 static bool open_signals(struct supervisor *s, struct pen_status *st)
 {
-    s->signal_fd = pen_signals_open(SIGCHLD);
+    s->signal_fd = pen_signals_open();
     return s->signal_fd >= 0 ||
            pen_fail(st, PEN_IO, "cannot wait for signals: %s", strerror(errno));
 }
@@ -299,13 +314,15 @@ static void run(struct supervisor *s)
     }
 }
 
-int pen_supervisor_run(const struct pen_config *config, int argc, char **argv, int listen_fd)
+int pen_supervisor_run(const struct pen_config *config, const char *store_url, int argc,
+                       char **argv, int listen_fd)
 {
     struct supervisor s = {
         .first = config, .now = *config, .argc = argc, .argv = argv, .listen_fd = listen_fd};
     struct pen_status st;
-    pen_child_init(&s.api, "api");
-    pen_child_init(&s.worker, "worker");
+    s.now.store = store_url;
+    pen_child_init(&s.api, "api", pen_config_serves(config));
+    pen_child_init(&s.worker, "worker", pen_config_renders(config));
     if (!open_signals(&s, &st)) {
         pen_log(PEN_LOG_ERROR, "%s", st.msg);
         return pen_code_exit(st.code);

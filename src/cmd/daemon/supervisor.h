@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* The process that starts and supervises the api and the worker process. It survives their crashes,
- * since it does little itself: it has one thread, parses only its configuration, and opens the
- * store only once, to check it at the start.
+/* The process that starts and supervises the api process, the worker process, or one of each: its
+ * role says which. It survives their crashes, since it does little itself: it has one thread,
+ * parses only its configuration, and opens the store only once, to check it at the start.
  *
  *  - It owns the listening socket. While an api process is replaced, new connections wait in the
  *    socket's queue; none is refused.
  *  - It starts a child that has ended again. If a child ends soon after each start, the pauses
  *    between the starts double. What a job is charged with is not held against the worker.
- *  - The successor of a worker first releases the leases of dead workers.
+ *  - The successor of a worker first releases the leases of its predecessor, and charges a crash.
  *  - The children end when it ends or dies, because their control channel closes.
  *  - SIGTERM and SIGINT drain the daemon within 10 s:
  *     1. the api refuses new jobs and answers all other requests;
  *     2. the worker finishes its batch, or gives it back;
  *     3. the api ends;
  *     4. this process ends, with exit code 0.
- *    A second signal kills the children at once.
+ *    A second signal kills the children at once. A worker that ends as --until-idle says drains it
+ *    like a signal.
  *  - SIGHUP reads the configuration again: the log's level, format and file, and the number of
  *    threads. It also opens the log file anew. */
 #ifndef PEN_CMD_DAEMON_SUPERVISOR_H
@@ -22,8 +23,10 @@
 
 #include "cmd/daemon/config.h"
 
-/* Runs until drained. Returns the exit code. argc and argv are those of main, to read the
- * configuration again on SIGHUP. Owns: *config and listen_fd stay the caller's. */
-int pen_supervisor_run(const struct pen_config *config, int argc, char **argv, int listen_fd);
+/* Runs until drained. Returns the exit code. store_url: what the children open. argc and argv are
+ * those of main, to read the configuration again on SIGHUP. listen_fd: -1 without an api. Owns: all
+ * of them stay the caller's. */
+int pen_supervisor_run(const struct pen_config *config, const char *store_url, int argc,
+                       char **argv, int listen_fd);
 
 #endif

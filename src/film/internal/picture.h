@@ -12,10 +12,11 @@
 enum picture_kind { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
 
 struct pen_picture {
-    int width, height;
+    int width, height, channels; /* 3, or 4 with alpha */
     enum picture_kind kind;
     enum pen_transfer transfer; /* of the samples; floats are not encoded */
-    const void *samples; /* width * height * 3 of unsigned char, uint16_t or float; top row first */
+    const void *samples; /* width * height * channels of unsigned char, uint16_t or float, by kind;
+                          * top row first */
     void *owned;         /* the samples if the picture owns them, else NULL */
     double decoded[256]; /* the linear value of each code, for PICTURE_8 */
 };
@@ -32,10 +33,13 @@ void pen_picture_encoded_part(const struct pen_picture *picture, struct pen_pict
 void pen_picture_linear_part(const struct pen_picture *picture, struct pen_picture_part part,
                              double *out);
 
-/* Makes a picture with zeroed samples. Fails: PEN_SYNTAX (no pixels), PEN_TOO_LARGE, PEN_NO_MEMORY.
- */
-struct pen_picture *pen_picture_new(int64_t width, int64_t height, enum picture_kind kind,
-                                    struct pen_status *st);
+/* Whether the picture is of a PFM file. */
+bool pen_picture_is_pfm(const struct pen_picture *picture);
+
+/* Makes a picture with zeroed samples, of 3 or 4 channels. Fails: PEN_SYNTAX (no pixels),
+ * PEN_TOO_LARGE, PEN_NO_MEMORY. */
+struct pen_picture *pen_picture_new(int64_t width, int64_t height, int channels,
+                                    enum picture_kind kind, struct pen_status *st);
 
 /* Readers of one format each; the bytes begin with the format's signature. Fail as
  * pen_picture_read. */

@@ -5,10 +5,14 @@
 
 #include "render/forecast.h"
 
-/* By which factor the camera rays of all rounds exceed those of the pilot, and the milliseconds by
- * the clock that a ray takes with all that rounds take. Fails: as pen_forecast_make.
- */
-bool pen_forecast_growth(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
-                         struct pen_estimate *growth, double *ray_ms, struct pen_status *st);
+static inline struct pen_estimate pen_estimate_scaled(struct pen_estimate e, double times)
+{
+    return (struct pen_estimate){e.expected * times, e.low * times, e.high * times};
+}
+
+/* Extends a forecast of the pilot to all rounds, if there is a target error. Fails: as
+ * pen_forecast_make. */
+bool pen_forecast_add_rounds(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
+                             struct pen_forecast *out, struct pen_status *st);
 
 #endif

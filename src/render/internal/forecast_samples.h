@@ -18,4 +18,9 @@ struct pen_forecast_samples {
 struct pen_forecast_samples pen_forecast_samples_cut(const struct pen_scene *scene, int view,
                                                      double rays, struct pen_settings *settings);
 
+/* The rays of a pixel, of kind 1 (shadow), 2 (reflection) or 3 (transmission), whose paths do not
+ * fork and meet what traces them at every depth; 0 if the scene has nothing that does. */
+double pen_forecast_path_rays(const struct pen_scene *scene, int view,
+                              const struct pen_settings *settings, int kind);
+
 #endif

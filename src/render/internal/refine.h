@@ -3,6 +3,7 @@
 #ifndef PEN_RENDER_INTERNAL_REFINE_H
 #define PEN_RENDER_INTERNAL_REFINE_H
 
+#include "render/internal/beams.h"
 #include "render/render.h"
 
 /* Samples `first` to `end` - 1 of a pixel's sequence, and the sums to which they are added. `first`
@@ -11,7 +12,8 @@ struct pen_sample_range {
     int x, y;
     uint32_t replicate; /* the number of the sequence */
     uint32_t first, end;
-    struct pen_pixel_sums *sums; /* of the samples before `first` */
+    struct pen_pixel_sums *sums;   /* of the samples before `first` */
+    const struct pen_beams *beams; /* NULL: its samples look for no things */
 };
 
 /* Traces the samples of some pixels, PEN_KERNEL_SAMPLES at a time across pixels, and adds them to

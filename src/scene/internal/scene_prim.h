@@ -10,6 +10,7 @@ struct pen_scene_prim {
     enum pen_prim_kind kind;
     int material;                         /* index, -1: default */
     const struct pen_transform *moved_by; /* to scene units; NULL: not moved */
+    const struct pen_vec3 *own;  /* its vertices before the transforms, in the description */
     struct pen_prim_source from; /* its vertices are in the caller's buffer or in the description */
 };
 

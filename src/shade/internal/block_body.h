@@ -5,7 +5,8 @@
  * The first wave are the camera rays. A wave (block_wave.h) puts its transmitted and reflected
  * paths on two stacks, from which the next waves are taken. When none is left, each pixel adds up
  * what its surfaces sent (block_scratch.h). Pixel samples that are deferred are rendered by the
- * pixel kernel. */
+ * pixel kernel. Where many camera rays of a block meet an effect that its kernel leaves out, the
+ * block is rendered by the block kernel that has all effects. */
 #ifndef PEN_SHADE_INTERNAL_BLOCK_BODY_H
 #define PEN_SHADE_INTERNAL_BLOCK_BODY_H
 
@@ -111,15 +112,30 @@ block_sample_alone(const struct pen_kernel_input *input, struct pen_kernel_scrat
     struct pen_camera_point point = {.x = at->x[i], .y = at->y[i]};
     if (has_lens(input, fx))
         point.lens = (struct pen_point2){at->lens_x[i], at->lens_y[i]};
-    return alone(input, scratch, point, counts);
+    return (input->full ? input->full->sample : alone)(input, scratch, point, counts);
 }
 
-/* One sample of every pixel: its radiance in c. Those that are deferred are rendered by `alone`. */
-static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
+/* Samples of a block that the pixel kernel renders again faster than the block kernel renders all.
+ */
+enum { BLOCK_FEW = 4 };
+
+/* Whether too many samples of the first wave, which is traced, meet an effect that is left out. */
+static ALWAYS_INLINE bool block_meets_left_out(const struct pen_kernel_input *input,
+                                               const struct pen_block_scratch *b, const unsigned fx)
+{
+    return (leaves_out(input, PEN_FX_SKY, fx) || leaves_out(input, PEN_FX_PATTERNS, fx)) &&
+           __builtin_popcountll(b->deferred) > BLOCK_FEW;
+}
+
+/* One sample of every pixel: its radiance in c. Those that are deferred are rendered by `alone`.
+ * Returns false, with nothing done, if `may_refuse` and the kernel with all effects should render
+ * them. */
+static ALWAYS_INLINE bool block_samples(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch,
                                         const struct block_points *at, int pixels,
                                         struct pen_vec3 *c, struct pen_ray_counts *counts,
-                                        pen_kernel_sample_fn *alone, const unsigned fx)
+                                        pen_kernel_sample_fn *alone, bool may_refuse,
+                                        const unsigned fx)
 {
     struct pen_block_scratch *b = scratch->block;
     const struct pen_ray_counts none = {.primary = 0};
@@ -129,10 +145,14 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
         b->surfaces[i] = 0;
     }
     block_camera_rays(input, scratch, b, at, pixels, fx);
+    block_trace(input, b, fx);
+    if (may_refuse && block_meets_left_out(input, b, fx))
+        return false;
     block_wave(input, scratch, b, fx);
     while ((fx & FX_SECONDARY) && (b->transmitted.count > 0 || b->reflected.count > 0)) {
         block_take(b, b->transmitted.count > 0 ? &b->transmitted : &b->reflected);
         block_set_packet(b);
+        block_trace(input, b, fx);
         block_wave(input, scratch, b, fx);
     }
     for (int i = 0; i < pixels; i++) {
@@ -144,6 +164,7 @@ static ALWAYS_INLINE void block_samples(const struct pen_kernel_input *input,
         c[i] = block_sum(b, i, zero);
         pen_ray_counts_add(counts, &b->counts[i]);
     }
+    return true;
 }
 
 /* The pixels of a block along a Z-order curve (Morton, 1966), so that 4 or 16 in sequence are near
@@ -170,6 +191,15 @@ static ALWAYS_INLINE int block_order(struct pen_block_scratch *b, struct pen_rec
     return pixels;
 }
 
+static ALWAYS_INLINE void block_set_point(struct block_points *points, int i,
+                                          const struct pen_camera_point *at)
+{
+    points->x[i] = at->x;
+    points->y[i] = at->y;
+    points->lens_x[i] = at->lens.x;
+    points->lens_y[i] = at->lens.y;
+}
+
 /* Samples of replicates, as the block's pixels: their radiances. */
 static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
                                          struct pen_kernel_scratch *scratch,
@@ -191,11 +221,17 @@ static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
     block_begin_sequences(input, b, b->pixel_sample, count, &sequences, fx);
     memcpy(sequences.index, b->ray, (size_t)count * sizeof *b->ray);
     block_set_points(input, &sequences, count, SEVERAL_SAMPLES, &at, fx);
+    for (int i = 0; i < count; i++)
+        if (samples[i].at)
+            block_set_point(&at, i, samples[i].at);
     if (fx & FX_SAMPLED)
         scratch->key = replicate_key(input, &samples[0]);
+    if (input->trace->nearest_packet &&
+        !block_samples(input, scratch, &at, count, c, counts, alone, true, fx)) {
+        input->full->samples(input, scratch, samples, count, c, counts);
+        return;
+    }
     counts->primary += (uint64_t)count;
-    if (input->trace->nearest_packet)
-        block_samples(input, scratch, &at, count, c, counts, alone, fx);
     for (int i = 0; !input->trace->nearest_packet && i < count; i++)
         c[i] = block_sample_alone(input, scratch, &at, i, counts, alone, fx);
     for (int i = 0; i < count; i++) {
@@ -249,12 +285,15 @@ static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
             block_set_centres(b, pixels, &at);
         else
             block_set_points(input, &sequences, pixels, samples, &at, fx);
-        counts->primary += (uint64_t)pixels;
         for (int i = 0; (fx & FX_SAMPLED) && (fx & PEN_FX_ANTI_ALIASING) && i < pixels; i++) {
             b->pixel_sample[i] = (uint32_t)k;
             b->ray[i] = 0;
         }
-        block_samples(input, scratch, &at, pixels, c, counts, alone, fx);
+        if (!block_samples(input, scratch, &at, pixels, c, counts, alone, k == 0, fx)) {
+            input->full->block(input, scratch, rect, rgb, counts);
+            return;
+        }
+        counts->primary += (uint64_t)pixels;
         for (int i = 0; i < pixels; i++) {
             const bool fits = fits_film(c[i]);
             counts->dropped_samples += !fits;

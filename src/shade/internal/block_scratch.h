@@ -131,6 +131,13 @@ static ALWAYS_INLINE void block_defer(struct pen_block_scratch *b, const struct 
     b->deferred |= UINT64_C(1) << path->pixel;
 }
 
+/* Whether the scene has an effect that this kernel leaves out: what meets it is deferred. */
+static ALWAYS_INLINE bool leaves_out(const struct pen_kernel_input *input, unsigned effect,
+                                     const unsigned fx)
+{
+    return !(fx & effect) && input->full && (input->effects & effect);
+}
+
 static ALWAYS_INLINE int block_groups(const struct pen_block_scratch *b)
 {
     return (b->count + LANES - 1) / LANES;

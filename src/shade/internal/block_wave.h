@@ -87,15 +87,19 @@ static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
 {
     const struct pen_scene *scene = input->scene;
     struct pen_ray_packet *packet = &b->packet;
+    const bool no_sky = leaves_out(input, PEN_FX_SKY, fx);
+    const bool no_patterns = leaves_out(input, PEN_FX_PATTERNS, fx);
     const uint64_t met = input->trace->nearest_packet(scene->accel, packet);
     b->parts_met = 0;
     for (int i = 0; i < b->count; i++) {
         struct block_path *at = b->wave[i];
-        if (!(met >> i & 1)) {
+        if (!(met >> i & 1) && !no_sky) {
             b->record[at->record].radiance =
                 pen_mul(at->path.weight, background_seen(scene, &at->path.ray, fx));
             block_end_path(b, at, fx);
-        } else if (is_layered(input, &at->path, packet->hit[i]) ||
+        } else if (!(met >> i & 1) ||
+                   (no_patterns && prim_is_patterned(scene, packet->hit[i].prim)) ||
+                   is_layered(input, &at->path, packet->hit[i]) ||
                    (refracts(scene, fx) && is_layer_of_solid(scene, packet->hit[i]))) {
             block_defer(b, at);
             block_end_path(b, at, fx);
@@ -431,12 +435,11 @@ static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
         block_transmit(input, scratch, b, b->wave[first + i], s, &bend, i, deeper >> i & 1, fx);
 }
 
-/* Renders the wave, whose packet is made. */
+/* Renders the surfaces of the wave, which is traced. */
 static ALWAYS_INLINE void block_wave(const struct pen_kernel_input *input,
                                      struct pen_kernel_scratch *scratch,
                                      struct pen_block_scratch *b, const unsigned fx)
 {
-    block_trace(input, b, fx);
     block_surfaces(input, b, fx);
     block_shade(input, scratch, b, fx);
     for (int g = 0; g < block_groups(b); g++) {

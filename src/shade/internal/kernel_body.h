@@ -240,6 +240,8 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
         struct pen_hit hit;
         bool continues = false;
         if (!path_nearest(input, scratch, &path, &hit, fx)) {
+            if (fx & PEN_FX_SKY)
+                scratch->met |= PEN_FX_SKY;
             sum = pen_add(sum, path_adds(&path, background_seen(scene, &path.ray, fx), fx));
         } else {
             const struct path *const at_hit = &path;
@@ -248,6 +250,8 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             surface_at(&s, scene, &at_hit, 1, fx);
             if (!lane_mask_bits(s.finite))
                 return no_sample();
+            if ((fx & PEN_FX_PATTERNS) && prim_is_patterned(scene, hit.prim))
+                scratch->met |= PEN_FX_PATTERNS;
             if (fx & FX_SAMPLED)
                 scratch->key.node = path.node;
             struct pen_vec3 here = shade_surface(input, scratch, &s, path.depth == 0, counts, fx);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The compiled kernels: one line each, a name and the mask of the effects that it computes. The
- * masks are the sets of effects that scenes really call for. Adding a kernel is adding a line.
+ * masks are the sets of effects that scenes really call for. A lens and a sky cost next to nothing
+ * where a scene has none, so that they join effects that scenes have with and without them. Adding
+ * a kernel is adding a line.
  *
  * kernel_isa.c compiles the block kernels of the whole list, once for each instruction set of
  * PEN_ISA_LIST (base/cpu.h), pixel_kernels.c the pixel kernels. Names made by token pasting, from a
@@ -24,6 +26,7 @@ enum {
     FX_GLASS = PEN_FX_SHADOW_TRANSMITTANCE | PEN_FX_TRANSMISSION,
     FX_MIRROR = PEN_FX_MIRROR,
     FX_SMOOTH = PEN_FX_ANTI_ALIASING,
+    FX_LENS = FX_SMOOTH | PEN_FX_DEPTH_OF_FIELD,
     FX_ALL = FX_SOFT | FX_GLASS | FX_MIRROR | FX_SMOOTH | PEN_FX_SKY | PEN_FX_DEPTH_OF_FIELD |
              PEN_FX_PATTERNS | PEN_FX_REFRACTION | PEN_FX_GLOSSY | PEN_FX_FROSTED
 };
@@ -38,12 +41,20 @@ _Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the l
     X(hard_glass_mirror, "hard+glass+mirror", FX_HARD | FX_GLASS | FX_MIRROR)                      \
     X(hard_smooth, "hard+smooth", FX_HARD | FX_SMOOTH)                                             \
     X(hard_all, "hard+all", FX_HARD | FX_GLASS | FX_MIRROR | FX_SMOOTH)                            \
+    X(hard_sky, "hard+sky", FX_HARD | PEN_FX_SKY)                                                  \
+    X(hard_patterns, "hard+patterns", FX_HARD | PEN_FX_PATTERNS)                                   \
+    X(hard_patterns_lens, "hard+patterns+lens+sky",                                                \
+      FX_HARD | PEN_FX_PATTERNS | FX_LENS | PEN_FX_SKY)                                            \
+    X(hard_lens, "hard+lens+sky", FX_HARD | FX_LENS | PEN_FX_SKY)                                  \
+    X(hard_glass_mirror_sky, "hard+glass+mirror+sky", FX_HARD | FX_GLASS | FX_MIRROR | PEN_FX_SKY) \
+    X(hard_glass_mirror_lens, "hard+glass+mirror+lens", FX_HARD | FX_GLASS | FX_MIRROR | FX_LENS)  \
     X(hard_glass_mirror_patterns, "hard+glass+mirror+patterns+sky",                                \
       FX_HARD | FX_GLASS | FX_MIRROR | PEN_FX_PATTERNS | PEN_FX_SKY)                               \
+    X(hard_refraction_sky, "hard+refraction+sky",                                                  \
+      FX_HARD | FX_GLASS | FX_MIRROR | PEN_FX_REFRACTION | PEN_FX_SKY)                             \
     X(hard_refraction, "hard+refraction",                                                          \
       FX_HARD | FX_GLASS | FX_MIRROR | PEN_FX_REFRACTION | PEN_FX_SKY | PEN_FX_PATTERNS)           \
-    X(hard_mirror_lens, "hard+mirror+lens+sky",                                                    \
-      FX_HARD | FX_MIRROR | FX_SMOOTH | PEN_FX_DEPTH_OF_FIELD | PEN_FX_SKY)                        \
+    X(hard_mirror_lens, "hard+mirror+lens+sky", FX_HARD | FX_MIRROR | FX_LENS | PEN_FX_SKY)        \
     X(hard_blur, "hard+refraction+blur",                                                           \
       FX_HARD | FX_GLASS | FX_MIRROR | FX_SMOOTH | PEN_FX_REFRACTION | PEN_FX_GLOSSY |             \
           PEN_FX_FROSTED | PEN_FX_SKY | PEN_FX_PATTERNS)                                           \
@@ -53,6 +64,14 @@ _Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the l
     X(soft_glass_mirror, "soft+glass+mirror", FX_SOFT | FX_GLASS | FX_MIRROR)                      \
     X(soft_smooth, "soft+smooth", FX_SOFT | FX_SMOOTH)                                             \
     X(soft_all, "soft+all", FX_SOFT | FX_GLASS | FX_MIRROR | FX_SMOOTH)                            \
+    X(soft_sky, "soft+sky", FX_SOFT | PEN_FX_SKY)                                                  \
+    X(soft_patterns, "soft+patterns", FX_SOFT | PEN_FX_PATTERNS)                                   \
+    X(soft_patterns_lens, "soft+patterns+lens+sky",                                                \
+      FX_SOFT | PEN_FX_PATTERNS | FX_LENS | PEN_FX_SKY)                                            \
+    X(soft_lens, "soft+lens+sky", FX_SOFT | FX_LENS | PEN_FX_SKY)                                  \
+    X(soft_glass_mirror_patterns, "soft+glass+mirror+patterns",                                    \
+      FX_SOFT | FX_GLASS | FX_MIRROR | PEN_FX_PATTERNS)                                            \
+    X(soft_glass_mirror_lens, "soft+glass+mirror+lens", FX_SOFT | FX_GLASS | FX_MIRROR | FX_LENS)  \
     X(all, "all", FX_ALL)
 
 #define PEN_KERNEL_COUNT_ONE(identifier, name, mask) +1

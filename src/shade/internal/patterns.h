@@ -9,6 +9,11 @@
 struct pen_material pen_material_at(const struct pen_scene *scene, uint32_t prim, struct pen_vec3 p,
                                     double bound);
 
+static inline bool prim_is_patterned(const struct pen_scene *scene, uint32_t prim)
+{
+    return scene->materials[scene->prim_material[prim]].patterns != NULL;
+}
+
 /* Its kt where a ray meets it. */
 struct pen_vec3 pen_filter_at(const struct pen_scene *scene, const struct pen_ray *ray,
                               const struct pen_origin_surface *origin, struct pen_hit hit);

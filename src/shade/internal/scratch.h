@@ -58,6 +58,7 @@ struct pen_kernel_scratch {
     uint32_t ray;              /* of a replicate, whose points come after those of earlier ones */
     uint32_t *media;           /* with refraction, the media of paths: media_at */
     size_t media_stride;
+    unsigned met; /* of PEN_FX_MAY_BE_LEFT_OUT, what pixel samples have met */
     bool several; /* the path is at an interface of several surfaces: pen_solids_coincide */
 };
 

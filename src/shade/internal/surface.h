@@ -23,7 +23,8 @@
 struct surface {
     struct pen_hit hit[LANES];
     uint32_t material[LANES];
-    struct pen_material own[LANES]; /* with patterns: the materials at the points */
+    bool patterned;                 /* with patterns: some point has one; then */
+    struct pen_material own[LANES]; /* these are the materials at the points */
     struct lanes3 kd, ks;           /* of the materials */
     lanes shininess;
     struct lanes3 p;    /* on the surface */
@@ -72,18 +73,25 @@ static ALWAYS_INLINE lane_mask surface_hardly_left(const struct lanes_arrived *r
 
 enum { MATERIAL_DOUBLES = sizeof(struct pen_material) / sizeof(double) };
 
+/* Whether the materials are those of the points, not those of the scene. */
+static ALWAYS_INLINE bool surface_is_patterned(const struct surface *s, const unsigned fx)
+{
+    return (fx & PEN_FX_PATTERNS) && s->patterned;
+}
+
 /* The points' colours of one sort, which is the offset of a member of struct pen_material. */
 static ALWAYS_INLINE struct lanes3 surface_colours(const struct surface *s,
                                                    const struct pen_scene *scene, size_t sort,
                                                    const unsigned fx)
 {
-    const struct pen_material *first = fx & PEN_FX_PATTERNS ? s->own : scene->materials;
+    const bool patterned = surface_is_patterned(s, fx);
+    const struct pen_material *first = patterned ? s->own : scene->materials;
     uint32_t own[LANES];
 #pragma GCC unroll 8
     for (int i = 0; i < LANES; i++)
         own[i] = (uint32_t)i;
     return lanes3_rows((const struct pen_vec3 *)((const char *)first + sort), MATERIAL_DOUBLES,
-                       fx & PEN_FX_PATTERNS ? own : s->material);
+                       patterned ? own : s->material);
 }
 
 /* The material at one point. */
@@ -91,7 +99,7 @@ static ALWAYS_INLINE const struct pen_material *surface_material(const struct su
                                                                  const struct pen_scene *scene,
                                                                  int lane, const unsigned fx)
 {
-    return fx & PEN_FX_PATTERNS ? &s->own[lane] : &scene->materials[s->material[lane]];
+    return surface_is_patterned(s, fx) ? &s->own[lane] : &scene->materials[s->material[lane]];
 }
 
 static ALWAYS_INLINE void surface_set_colours(struct surface *s, const struct pen_scene *scene,
@@ -109,7 +117,10 @@ static ALWAYS_INLINE void surface_materials(struct surface *s, const struct pen_
 #pragma GCC unroll 8
     for (int i = 0; i < LANES; i++)
         s->material[i] = i < count ? scene->prim_material[s->hit[i].prim] : 0;
-    if (!(fx & PEN_FX_PATTERNS))
+    s->patterned = false;
+    for (int i = 0; (fx & PEN_FX_PATTERNS) && i < count; i++)
+        s->patterned |= first[s->material[i]].patterns != NULL;
+    if (!surface_is_patterned(s, fx))
         surface_set_colours(s, scene, fx);
     s->shininess = lanes_rows(&first->shininess, MATERIAL_DOUBLES, s->material);
 }
@@ -348,7 +359,7 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
     /* The bound is computed from the point, so it is not finite where the point is not. */
     s->finite = lane_mask_of((1u << count) - 1) &
                 lanes_less(lanes_abs(s->nv - s->bound), lanes_splat(INFINITY));
-    if (fx & PEN_FX_PATTERNS)
+    if (surface_is_patterned(s, fx))
         surface_patterns(s, scene, count, fx);
 }
 

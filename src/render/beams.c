@@ -1,0 +1,495 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/internal/beam_bounds.h"
+
+#include "math/fn.h"
+#include <math.h>
+#include <stdlib.h>
+
+/* Bounds of bright things that take a larger share of a beam are met by samples of the whole beam
+ * as well. */
+static const double LARGE = 0.25;
+
+/* Own light from which on a primitive is bright. */
+static const double BRIGHT = 4;
+
+/* The most small things of a beam that is no texture, and the most bounds that are sampled. */
+enum { SMALL_MOST = 4, BOUNDS_MOST = 16 };
+
+/* A thing, while its beams are found. */
+struct thing {
+    struct pen_hull hull;
+    struct pen_shear shear;
+    struct bounds bounds; /* what all its bounds have in common */
+};
+
+static double largest(struct pen_vec3 c)
+{
+    return pen_larger(c.x, pen_larger(c.y, c.z));
+}
+
+/* What a material shines by itself; of a pattern, more than either of its two colours. */
+static struct pen_vec3 own_light(const struct pen_scene *scene, const struct pen_material *m)
+{
+    struct pen_vec3 sum = pen_add(m->emission, pen_mul(scene->ambient, m->ka));
+    return m->patterns ? pen_scale(sum, 2) : sum;
+}
+
+/* The most that a light brings to some of the bounds of a primitive, for a reflectance of 1. */
+static struct pen_vec3 light_within(const struct pen_light *light, struct pen_box box)
+{
+    if (!light->positional)
+        return light->intensity;
+    const struct pen_vec3 p = light->position;
+    const double x = pen_larger(0, pen_larger(box.lo.x - p.x, p.x - box.hi.x)),
+                 y = pen_larger(0, pen_larger(box.lo.y - p.y, p.y - box.hi.y)),
+                 z = pen_larger(0, pen_larger(box.lo.z - p.z, p.z - box.hi.z));
+    const double dd = x * x + y * y + z * z, d = sqrt(dd);
+    return pen_scale(light->intensity,
+                     1 / pen_larger(light->kc + light->kl * d + light->kq * dd, 1e-6));
+}
+
+/* The most light of a primitive that is seen. */
+static struct pen_vec3 light_of(const struct pen_scene *scene, uint32_t prim)
+{
+    const struct pen_material *m = &scene->materials[scene->prim_material[prim]];
+    struct pen_vec3 sum = own_light(scene, m);
+    const struct pen_vec3 factor = pen_add(m->kd, m->ks), on = pen_add(m->kr, m->kt);
+    const struct pen_box box = pen_prim_bounds(&scene->prims, prim);
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        sum = pen_add(sum, pen_mul(factor, light_within(&scene->lights[i], box)));
+    return pen_add(sum, pen_mul(on, scene->background));
+}
+
+static bool is_bright(const struct pen_scene *scene, uint32_t prim)
+{
+    return largest(own_light(scene, &scene->materials[scene->prim_material[prim]])) > BRIGHT;
+}
+
+static bool add_bounds(struct pen_beams *beams, const struct bounds *bounds)
+{
+    if (beams->count == beams->room) {
+        const size_t room = beams->room > 0 ? 2 * beams->room : 1024;
+        struct bounds *more = realloc(beams->bounds, room * sizeof *more);
+        if (!more)
+            return false;
+        beams->bounds = more;
+        beams->room = room;
+    }
+    beams->bounds[beams->count++] = *bounds;
+    return true;
+}
+
+/* Counts the light of a thing; `part` of the samples look for it. */
+static void add_met(struct pen_beams *beams, const struct bounds *b, double part)
+{
+    struct met *met = &beams->met[b->pixel];
+    const float times = (float)(b->small ? b->share : b->share / part);
+    for (int c = 0; c < 3; c++)
+        *(b->small ? &met->small_light[c] : &met->light[c]) += times * b->light[c];
+    *(b->small ? &met->small_share : &met->share) += times;
+}
+
+static bool add_beam(struct pen_beams *beams, const struct bounds *b)
+{
+    if (b->most > 0) {
+        struct met *met = &beams->met[b->pixel];
+        for (int c = 0; c < 3; c++) {
+            met->blurred[c] += b->light[c];
+            met->most[c] += b->light[c] * b->most;
+        }
+        beams->any = true;
+        return true;
+    }
+    if (b->small || b->share <= LARGE)
+        return add_bounds(beams, b);
+    add_met(beams, b, 1);
+    beams->any = true;
+    return true;
+}
+
+/* The parallelogram around a polygon along one of its edges: from p, i times `along` and k times
+ * across it. */
+static double around(const struct pen_hull *part, struct pen_point2 along, struct bounds *b)
+{
+    double lo_i = INFINITY, hi_i = -INFINITY, lo_k = INFINITY, hi_k = -INFINITY;
+    for (int i = 0; i < part->count; i++) {
+        const struct pen_point2 p = part->p[i];
+        const double u = p.x * along.x + p.y * along.y, v = p.y * along.x - p.x * along.y;
+        lo_i = pen_smaller(lo_i, u);
+        hi_i = pen_larger(hi_i, u);
+        lo_k = pen_smaller(lo_k, v);
+        hi_k = pen_larger(hi_k, v);
+    }
+    b->corner =
+        (struct pen_point2){lo_i * along.x - lo_k * along.y, lo_i * along.y + lo_k * along.x};
+    b->a = (struct pen_point2){(hi_i - lo_i) * along.x, (hi_i - lo_i) * along.y};
+    b->b = (struct pen_point2){-(hi_k - lo_k) * along.y, (hi_k - lo_k) * along.x};
+    return (hi_i - lo_i) * (hi_k - lo_k);
+}
+
+/* The direction of the longest edge of a polygon. */
+static struct pen_point2 longest_edge(const struct pen_hull *part)
+{
+    struct pen_point2 along = {1, 0};
+    double most = 0;
+    for (int i = 0; i < part->count; i++) {
+        const struct pen_point2 p = part->p[i], q = part->p[(i + 1) % part->count];
+        const double x = q.x - p.x, y = q.y - p.y, length = sqrt(x * x + y * y);
+        if (length > most) {
+            most = length;
+            along = (struct pen_point2){x / length, y / length};
+        }
+    }
+    return along;
+}
+
+/* Adds the beam of a pinhole: the part of the polygon that is in the pixel at (x, y). */
+static bool add_pixel(struct pen_beams *beams, const struct thing *thing,
+                      const struct pen_hull *row, int x, int y)
+{
+    struct pen_hull part;
+    struct bounds b = thing->bounds, oblique;
+    pen_hull_clip(row, false, x, x + 1, &part);
+    if (part.count < 3)
+        return true;
+    for (int i = 0; i < part.count; i++) {
+        part.p[i].x -= x;
+        part.p[i].y -= y;
+    }
+    oblique = b;
+    b.share = around(&part, (struct pen_point2){1, 0}, &b);
+    oblique.share = around(&part, longest_edge(&part), &oblique);
+    if (oblique.share < 0.9 * b.share)
+        b = oblique;
+    b.pixel = (size_t)y * (size_t)beams->width + (size_t)x;
+    return !(b.share > 0) || add_beam(beams, &b);
+}
+
+/* Which places of the lens, along one axis, bring lo to hi into 0 to 1. */
+static bool lens_range(double lo, double hi, double shear, double *from, double *to)
+{
+    *from = -1;
+    *to = 1;
+    if (fabs(shear) < 1e-12)
+        return hi > 0 && lo < 1;
+    const double a = -hi / shear, b = (1 - lo) / shear;
+    *from = pen_larger(-1, pen_smaller(a, b));
+    *to = pen_smaller(1, pen_larger(a, b));
+    return *from < *to;
+}
+
+/* Adds the beam of a lens, whose rectangle is lo to hi from the corner of the pixel on. */
+static bool add_lens_pixel(struct pen_beams *beams, const struct thing *thing, struct pen_point2 lo,
+                           struct pen_point2 hi, int x, int y)
+{
+    struct bounds b = thing->bounds;
+    lo.x -= x, hi.x -= x;
+    lo.y -= y, hi.y -= y;
+    if (!lens_range(lo.x, hi.x, thing->shear.x, &b.lens_lo.x, &b.lens_hi.x) ||
+        !lens_range(lo.y, hi.y, thing->shear.y, &b.lens_lo.y, &b.lens_hi.y))
+        return true;
+    /* The place of the rectangle of the lens that is nearest its middle. */
+    const double u = pen_larger(0, pen_larger(b.lens_lo.x, -b.lens_hi.x)),
+                 v = pen_larger(0, pen_larger(b.lens_lo.y, -b.lens_hi.y));
+    if (u * u + v * v >= 1)
+        return true;
+    b.corner = lo;
+    b.a = (struct pen_point2){hi.x - lo.x, 0};
+    b.b = (struct pen_point2){0, hi.y - lo.y};
+    b.shear = thing->shear;
+    b.share =
+        pen_smaller(1, b.a.x) * pen_smaller(1, b.b.y) *
+        pen_smaller(1, (b.lens_hi.x - b.lens_lo.x) * (b.lens_hi.y - b.lens_lo.y) / PEN_BEAM_PI);
+    b.pixel = (size_t)y * (size_t)beams->width + (size_t)x;
+    return add_beam(beams, &b);
+}
+
+static int pixel_within(double at, int count)
+{
+    return at > 0 ? at < count - 1 ? (int)at : count - 1 : 0;
+}
+
+/* Adds all beams that may meet a thing. */
+static bool add_thing(struct pen_beams *beams, const struct thing *thing)
+{
+    struct pen_point2 lo = pen_hull_least(&thing->hull), hi = pen_hull_largest(&thing->hull);
+    const struct pen_point2 own_lo = lo, own_hi = hi;
+    lo.x -= fabs(thing->shear.x), hi.x += fabs(thing->shear.x);
+    lo.y -= fabs(thing->shear.y), hi.y += fabs(thing->shear.y);
+    if (hi.x < 0 || hi.y < 0 || lo.x > beams->width || lo.y > beams->height)
+        return true;
+    const int left = pixel_within(lo.x, beams->width), right = pixel_within(hi.x, beams->width);
+    for (int y = pixel_within(lo.y, beams->height); y <= pixel_within(hi.y, beams->height); y++) {
+        struct pen_hull row;
+        if (beams->lens) {
+            for (int x = left; x <= right; x++)
+                if (!add_lens_pixel(beams, thing, own_lo, own_hi, x, y))
+                    return false;
+            continue;
+        }
+        pen_hull_clip(&thing->hull, true, y, y + 1, &row);
+        if (row.count < 3)
+            continue;
+        const int end = pixel_within(pen_hull_largest(&row).x, beams->width);
+        for (int x = pixel_within(pen_hull_least(&row).x, beams->width); x <= end; x++)
+            if (!add_pixel(beams, thing, &row, x, y))
+                return false;
+    }
+    return true;
+}
+
+/* Whether a polygon is less than a pixel wide in the mean. */
+static bool is_thin(const struct pen_hull *hull)
+{
+    const struct pen_point2 lo = pen_hull_least(hull), hi = pen_hull_largest(hull);
+    const double x = hi.x - lo.x, y = hi.y - lo.y;
+    return pen_hull_area(hull) < pen_larger(1, sqrt(x * x + y * y));
+}
+
+/* Whether a sphere certainly is no thing unless it is bright: the usual case, told quickly. */
+static bool is_wide(const struct pen_kernel_input *input, uint32_t prim)
+{
+    const struct pen_pinhole *p = &input->pinhole;
+    const struct pen_prim_ref ref = input->scene->prims.ref[prim];
+    if (ref.kind != PEN_PRIM_SPHERE)
+        return false;
+    const struct pen_sphere *s = &input->scene->prims.sphere[ref.index];
+    const struct pen_vec3 to = pen_sub(s->c, p->eye);
+    return s->rr * pen_dot(p->middle, p->middle) > 4 * pen_dot(to, to) * pen_dot(p->dx, p->dx);
+}
+
+/* Adds a primitive if it is a thing. */
+static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *input, uint32_t prim)
+{
+    const struct pen_scene *scene = input->scene;
+    const uint32_t kind = scene->prims.ref[prim].kind;
+    const bool bright = is_bright(scene, prim);
+    struct thing thing;
+    if (pen_prim_infinite(kind) || (!bright && is_wide(input, prim)) ||
+        (pen_prim_flat(kind) && !bright))
+        return true;
+    if (!pen_project(input, prim, &thing.hull, &thing.shear) || thing.hull.count < 3)
+        return true;
+    if (!bright && !is_thin(&thing.hull))
+        return true;
+    const struct pen_vec3 light = light_of(scene, prim);
+    thing.bounds = (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
+                                   .small = !bright};
+    return add_thing(beams, &thing);
+}
+
+/* A flat mirror, and how wide the cone of its rays is. */
+struct mirror {
+    struct pen_vec3 point, normal, kr;
+    double blur; /* the tangent of the cone's half-angle */
+};
+
+static bool mirror_of(const struct pen_kernel_input *input, uint32_t prim, struct mirror *mirror)
+{
+    const struct pen_scene *scene = input->scene;
+    const uint32_t material = scene->prim_material[prim];
+    const struct pen_material *m = &scene->materials[material];
+    const struct pen_prim_ref ref = scene->prims.ref[prim];
+    if (!pen_prim_flat(ref.kind) || !(largest(m->kr) > input->settings->min_contribution))
+        return false;
+    const struct pen_outline outline = pen_prim_outline(&scene->prims, prim);
+    const double cosine = 1 - scene->blurs[material].reflection;
+    mirror->kr = m->patterns ? pen_scale(m->kr, 2) : m->kr;
+    mirror->blur = sqrt(1 - cosine * cosine) / pen_larger(cosine, 1e-3);
+    mirror->point = outline.count > 0 ? outline.v[0] : scene->prims.plane[ref.index].q;
+    mirror->normal = pen_prim_normal(&scene->prims, (struct pen_hit){.prim = prim}, mirror->point);
+    return true;
+}
+
+/* Adds the picture of a bright thing in a mirror: that of a sphere around it, as far behind the
+ * mirror. A blurred one is seen in a wider sphere. There a ray meets the thing with a probability
+ * of at most its share of the cone, from as near as the mirror can be. */
+static bool add_mirrored(struct pen_beams *beams, const struct pen_kernel_input *input,
+                         uint32_t prim, const struct mirror *mirror)
+{
+    const struct pen_box box = pen_prim_bounds(&input->scene->prims, prim);
+    const struct pen_vec3 center = pen_box_center(box);
+    const double away = pen_dot(pen_sub(center, mirror->point), mirror->normal),
+                 eye = pen_dot(pen_sub(input->pinhole.eye, mirror->point), mirror->normal);
+    double radius = input->scene->prims.ref[prim].kind == PEN_PRIM_SPHERE
+                        ? 0.5 * (box.hi.x - box.lo.x)
+                        : 0.5 * pen_length(pen_sub(box.hi, box.lo));
+    struct pen_sphere picture;
+    struct thing thing;
+    if (away * eye <= 0)
+        return true;
+    const struct pen_vec3 c = pen_along(center, mirror->normal, -2 * away);
+    const double ratio = radius / (pen_larger(fabs(away) - radius, 1e-9) * mirror->blur);
+    radius += mirror->blur * pen_length(pen_sub(c, input->pinhole.eye));
+    if (!pen_sphere_make(&picture, c, radius) ||
+        !pen_project_sphere(input, &picture, &thing.hull, &thing.shear))
+        return true;
+    const struct pen_vec3 light = pen_mul(light_of(input->scene, prim), mirror->kr);
+    thing.bounds =
+        (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
+                        .most = mirror->blur > 0 ? (float)pen_smaller(1, ratio * ratio) : 0};
+    return add_thing(beams, &thing);
+}
+
+/* Adds what mirrors show of bright things. */
+static bool add_mirrors(struct pen_beams *beams, const struct pen_kernel_input *input)
+{
+    enum { MIRRORS_MOST = 16 };
+    const struct pen_scene *scene = input->scene;
+    struct mirror mirror[MIRRORS_MOST];
+    int count = 0;
+    for (uint32_t i = 0; i < scene->prims.count && count < MIRRORS_MOST; i++)
+        count += mirror_of(input, i, &mirror[count]);
+    for (uint32_t i = 0; count > 0 && i < scene->prims.count; i++) {
+        if (pen_prim_infinite(scene->prims.ref[i].kind) || !is_bright(scene, i))
+            continue;
+        for (int k = 0; k < count; k++)
+            if (!add_mirrored(beams, input, i, &mirror[k]))
+                return false;
+    }
+    return true;
+}
+
+/* The point of a sphere where a light is mirrored to the eye: the normal there is between the
+ * directions to both. Each step brings it nearer. */
+static struct pen_vec3 highlight_at(const struct pen_kernel_input *input,
+                                    const struct pen_sphere *sphere, const struct pen_light *light)
+{
+    enum { STEPS = 50 };
+    struct pen_vec3 p = sphere->c;
+    for (int i = 0; i < STEPS; i++) {
+        const struct pen_vec3 to_eye = pen_normalize(pen_sub(input->pinhole.eye, p)),
+                              to_light = light->positional
+                                             ? pen_normalize(pen_sub(light->position, p))
+                                             : pen_scale(light->direction, -1);
+        p = pen_along(sphere->c, pen_normalize(pen_add(to_eye, to_light)), sphere->r);
+    }
+    return p;
+}
+
+/* Adds the highlight of a light on a sphere if it is less than some pixels wide: it is a small
+ * thing. Where the normal is off by an angle, the mirrored ray is off by twice that. */
+static bool add_highlight(struct pen_beams *beams, const struct pen_kernel_input *input,
+                          const struct pen_sphere *sphere, const struct pen_material *m,
+                          const struct pen_light *light)
+{
+    static const double dark = 4.6 /* -ln 0.01 */, wide = 8;
+    const double angle = sqrt(2 * dark / m->shininess) / 2;
+    struct pen_sphere around;
+    struct thing thing;
+    const struct pen_vec3 p = highlight_at(input, sphere, light);
+    if (!(angle < 0.1) || !pen_sphere_make(&around, p, sphere->r * angle) ||
+        !pen_project_sphere(input, &around, &thing.hull, &thing.shear) || thing.hull.count < 3 ||
+        pen_hull_area(&thing.hull) > wide)
+        return true;
+    const struct pen_vec3 brought =
+        pen_mul(m->ks, light_within(light, (struct pen_box){around.c, around.c}));
+    thing.bounds = (struct bounds){.light = {(float)brought.x, (float)brought.y, (float)brought.z},
+                                   .small = true};
+    return add_thing(beams, &thing);
+}
+
+/* Adds the highlights of all spheres. */
+static bool add_highlights(struct pen_beams *beams, const struct pen_kernel_input *input)
+{
+    const struct pen_scene *scene = input->scene;
+    for (uint32_t i = 0; i < scene->prims.count; i++) {
+        const struct pen_prim_ref ref = scene->prims.ref[i];
+        const struct pen_material *m = &scene->materials[scene->prim_material[i]];
+        if (ref.kind != PEN_PRIM_SPHERE || !(largest(m->ks) > 0) || m->shininess < 100)
+            continue;
+        for (uint32_t k = 0; k < scene->light_count; k++)
+            if (!add_highlight(beams, input, &scene->prims.sphere[ref.index], m, &scene->lights[k]))
+                return false;
+    }
+    return true;
+}
+
+/* Sorts the bounds by pixel, and leaves out those of beams that have too many. */
+static bool sort_bounds(struct pen_beams *beams)
+{
+    const size_t pixels = (size_t)beams->width * (size_t)beams->height;
+    struct bounds *sorted = malloc((beams->count + 1) * sizeof *sorted);
+    beams->first = calloc(pixels + 2, sizeof *beams->first);
+    if (!sorted || !beams->first) {
+        free(sorted);
+        return false;
+    }
+    uint32_t *next = beams->first + 1; /* becomes first */
+    for (size_t i = 0; i < beams->count; i++)
+        next[beams->bounds[i].pixel + 1]++;
+    for (size_t i = 0; i < pixels; i++)
+        next[i + 1] += next[i];
+    for (size_t i = 0; i < beams->count; i++)
+        sorted[next[beams->bounds[i].pixel]++] = beams->bounds[i];
+    size_t count = 0, from = 0;
+    for (size_t pixel = 0; pixel < pixels; pixel++) {
+        const size_t end = beams->first[pixel + 1];
+        int small = 0, kept = 0;
+        for (size_t i = from; i < end; i++)
+            small += sorted[i].small;
+        beams->first[pixel] = (uint32_t)count;
+        for (size_t i = from; i < end; i++) {
+            if (sorted[i].small && small > SMALL_MOST)
+                continue;
+            if (kept == BOUNDS_MOST) {
+                add_met(beams, &sorted[i], 1 - PEN_BEAM_PART);
+                continue;
+            }
+            beams->bounds[count++] = sorted[i];
+            kept++;
+        }
+        for (int i = 0; i < kept; i++)
+            add_met(beams, &beams->bounds[count - 1 - (size_t)i], PEN_BEAM_PART / kept);
+        from = end;
+    }
+    beams->first[pixels] = (uint32_t)count;
+    beams->count = count;
+    beams->any |= count > 0;
+    free(sorted);
+    return true;
+}
+
+static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input)
+{
+    beams->met = calloc((size_t)beams->width * (size_t)beams->height, sizeof *beams->met);
+    if (!beams->met)
+        return false;
+    for (uint32_t i = 0; i < input->scene->prims.count; i++)
+        if (!add_prim(beams, input, i))
+            return false;
+    return add_mirrors(beams, input) && add_highlights(beams, input) && sort_bounds(beams);
+}
+
+bool pen_beams_new(const struct pen_kernel_input *input, struct pen_beams **out,
+                   struct pen_status *st)
+{
+    const struct pen_settings *s = input->settings;
+    struct pen_beams *beams = calloc(1, sizeof *beams);
+    *out = NULL;
+    if (beams) {
+        *beams = (struct pen_beams){.width = s->width,
+                                    .height = s->height,
+                                    .lens = input->lens.open,
+                                    .seed = s->seed,
+                                    .transfer = pen_settings_transfer(s)};
+        if (fill(beams, input)) {
+            *out = beams->any ? beams : NULL;
+            if (!beams->any)
+                pen_beams_free(beams);
+            return true;
+        }
+    }
+    pen_beams_free(beams);
+    return pen_fail(st, PEN_NO_MEMORY, "out of memory for the small and bright things of a view");
+}
+
+void pen_beams_free(struct pen_beams *beams)
+{
+    if (!beams)
+        return;
+    free(beams->met);
+    free(beams->bounds);
+    free(beams->first);
+    free(beams);
+}
