@@ -13,10 +13,10 @@
 /* The sine of the smallest angle between faces that are told apart, squared. */
 #define SINE_SQ_LEAST 0x1p-20
 
-const struct corner *pen_corner_at(const struct corners *corners)
+struct corner *pen_corner_at(struct corners *corners)
 {
     for (int i = 0; i < corners->count; i++)
-        if (corners->at[i].first == corners->surfaces + 1)
+        if (corners->at[i].first == corners->surfaces + 1 && corners->at[i].step > 0)
             return &corners->at[i];
     return NULL;
 }
@@ -31,46 +31,65 @@ static struct corner *corner_of_link(struct corners *corners)
     if (i == CORNERS_MAX)
         return NULL;
     if (i == corners->count || corners->at[i].first != corners->link.first)
-        corners->at[i] = (struct corner){.first = corners->link.first};
+        corners->at[i] = (struct corner){.first = corners->link.first,
+                                         .p = corners->link.p,
+                                         .n = corners->link.n,
+                                         .bound = corners->link.bound};
     corners->count = i + 1;
     return &corners->at[i];
 }
 
-/* Adds to the corner's way the direction along the first surface, of unit normal n, away from a
- * face. Returns the squared sine of their angle; 1 if they are taken for parallel. */
-static double turn_away(struct corner *corner, struct pen_vec3 n, struct pen_vec3 face)
+/* Adds to the corner's way a share of the direction along its surface away from a face. Returns the
+ * squared sine of their angle; 1 if they are taken for parallel. */
+static double turn_away(struct corner *corner, struct pen_vec3 face, double share)
 {
-    const struct pen_vec3 along = pen_along(face, n, -pen_dot(face, n));
+    const struct pen_vec3 along = pen_along(face, corner->n, -pen_dot(face, corner->n));
     const double sine_sq = pen_dot(along, along);
     if (!(sine_sq >= SINE_SQ_LEAST))
         return 1;
-    corner->away = pen_along(corner->away, along, 1 / sqrt(sine_sq));
+    corner->away = pen_along(corner->away, along, share / sqrt(sine_sq));
     return sine_sq;
 }
 
-/* Moves the ray to the link's first surface farther away. */
-static bool move(struct corners *corners, const struct corner_hit *hit)
+/* Moves the ray to the corner's surface farther, away from two faces. The ways away from them have
+ * other shares each time, since some lead to the edge of the two. */
+static bool move_farther(struct corner *corner, struct pen_vec3 face, struct pen_vec3 other)
 {
-    const struct corner_link *link = &corners->link;
-    struct corner *corner = corner_of_link(corners);
-    if (!corner || ++corner->tries > CORNER_TRIES)
+    if (++corner->tries > CORNER_TRIES)
         return false;
-    const double left = turn_away(corner, link->n, link->left);
-    const double met = turn_away(corner, link->n, hit->n);
-    const double bound = fmax(link->bound, hit->bound);
-    const double step = STEP_LEAST * bound / fmin(left, met);
-    corner->step = fmin(fmax(step, 2 * corner->step), STEP_MOST * bound);
+    const double sine_sq = turn_away(corner, face, 1),
+                 other_sq = turn_away(corner, other, 1.0 / (1 + corner->tries));
+    const double step = STEP_LEAST * corner->bound / fmin(sine_sq, other_sq);
+    corner->step = fmin(fmax(step, 2 * corner->step), STEP_MOST * corner->bound);
     return pen_dot(corner->away, corner->away) >= SINE_SQ_LEAST;
+}
+
+/* Whether a point is near a corner's first surface. */
+static bool is_near(struct pen_vec3 p, struct pen_vec3 first, double bound)
+{
+    const struct pen_vec3 apart = pen_sub(p, first);
+    return pen_dot(apart, apart) <= APART_MOST * bound * (APART_MOST * bound);
+}
+
+bool pen_corner_avoid(struct corner *corner, struct pen_vec3 p, struct pen_vec3 n)
+{
+    if (is_near(p, corner->p, corner->bound) && move_farther(corner, n, n))
+        return true;
+    corner->step = 0;
+    corner->tries = CORNER_TRIES;
+    return false;
 }
 
 bool pen_corner_met(struct corners *corners, const struct corner_hit *hit)
 {
     struct corner_link *link = &corners->link;
-    const struct pen_vec3 apart = pen_sub(hit->p, link->p);
-    const double most = APART_MOST * hit->bound;
-    const bool near = link->first > 0 && pen_dot(apart, apart) <= most * most;
+    const bool near = link->first > 0 && is_near(hit->p, link->p, hit->bound);
     corners->surfaces++;
-    corners->again = near && hit->hardly_left && move(corners, hit);
+    corners->again = false;
+    if (near && hit->hardly_left) {
+        struct corner *corner = corner_of_link(corners);
+        corners->again = corner && move_farther(corner, hit->n, link->left);
+    }
     if (!near)
         *link = (struct corner_link){
             .p = hit->p, .n = hit->n, .bound = hit->bound, .first = corners->surfaces};

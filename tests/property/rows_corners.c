@@ -12,7 +12,7 @@ static const double pi = 3.14159265358979323846;
 
 static struct kit kit;
 
-enum { SIDES_MAX = 6, ASIDE = 16 };
+enum { SIDES_MAX = 6, ASIDE = 64, BLOCK = 3, FACES_MAX = SIDES_MAX + 2 };
 
 /* A prism in its own coordinates, about 1 in size, along z from -1 to 1, or half as long: the
  * corners of its base run counter-clockwise. */
@@ -33,16 +33,33 @@ struct corner_case {
 
 enum kind { WEDGE, CORNER, ROOM, ROOM_MIRRORED, GLASS, GLASS_OUTSIDE, KINDS };
 
-static void draw(struct row_draw *d, struct row_case *c)
+static void draw_kinds(struct row_draw *d, struct row_case *c, int first, int count, bool moved)
 {
     struct random *r = &d->random;
-    row_fixed(c, (double)(d->index % KINDS));
+    row_fixed(c, first + (double)(d->index % (uint64_t)count));
     row_fixed(c, random_below(r, 2) ? 1 : gen_power(r, -8, 8));
-    row_fixed(c, random_below(r, 4) ? 0 : random_below(r, 2) ? 1 : 1e3);
+    row_fixed(c, !moved || random_below(r, 4) ? 0 : random_below(r, 2) ? 1 : 1e3);
     row_fixed(c, random_below(r, 3) != 0);
     row_fixed(c, random_below(r, 64));
     row_fixed(c, 2 + random_below(r, 9));
     row_fixed(c, (double)(random_bits(r) >> 40));
+}
+
+static void draw(struct row_draw *d, struct row_case *c)
+{
+    draw_kinds(d, c, 0, KINDS, true);
+}
+
+/* Those that are seen directly. */
+static void draw_direct(struct row_draw *d, struct row_case *c)
+{
+    draw_kinds(d, c, 0, ROOM + 1, false);
+}
+
+/* Those that may follow one another on a path, or that are far from the document's origin. */
+static void draw_chained(struct row_draw *d, struct row_case *c)
+{
+    draw_kinds(d, c, ROOM, KINDS - ROOM, true);
 }
 
 static struct corner_case read(const struct row_case *c)
@@ -138,7 +155,8 @@ static void add_face(const struct prism *p, int i, int material, bool backward)
         if (i < p->sides)
             v[k] = place(p, corner_of(p, i + (k == 1 || k == 2), k < 2 ? -1 : 1));
         else
-            v[k] = place(p, corner_of(p, i == p->sides ? k : count - 1 - k, i == p->sides ? 1 : -1));
+            v[k] =
+                place(p, corner_of(p, i == p->sides ? k : count - 1 - k, i == p->sides ? 1 : -1));
     }
     for (int k = 0; backward && k < count / 2; k++) {
         const vec3 swapped = v[k];
@@ -185,11 +203,12 @@ static vec3 edge_point(const struct prism *p, struct random *r, const struct cor
 {
     const int at = m->kind <= CORNER ? 1 : (int)random_below(r, (uint32_t)p->sides);
     const double z = random_below(r, 3)   ? random_below(r, 2) ? 0 : random_in(r, -1, 1)
-                     : random_below(r, 2) ? 1
+                       : random_below(r, 2) ? 1
                                           : -1;
     vec3 e = corner_of(p, at, m->kind == CORNER && random_below(r, 2) ? 1 : z);
     if (m->kind >= ROOM && random_below(r, 3) == 0) { /* of a cap */
-        const double k = random_below(r, 2) ? .5 : random_unit(r), end = random_below(r, 2) ? 1 : -1;
+        const double k = random_below(r, 2) ? .5 : random_unit(r),
+                     end = random_below(r, 2) ? 1 : -1;
         const vec3 a = corner_of(p, at, end), b = corner_of(p, at + 1, end);
         e = pen_along(a, pen_sub(b, a), k);
     }
@@ -288,8 +307,9 @@ static bool make(const struct row_case *c, vec3 *eye, vec3 *d, vec3 *x, vec3 *y)
     kit.settings.width = kit.settings.height = 1;
     kit.settings.max_depth = (int)m.depth;
     kit.settings.min_contribution = 0;
-    kit.desc.background = kit.desc.sky.horizon = pen_vec3(.5, .5, .5);
+    kit.desc.background = pen_vec3(.5, .5, .5);
     kit.desc.has_sky = true;
+    kit.desc.sky.up = pen_vec3(0, 1, 0);
     kit.desc.sky.zenith = pen_vec3(.1, .3, .9);
     kit.desc.sky.nadir = pen_vec3(.9, .4, .1);
     make_prism(&p, &r, &m);
@@ -322,11 +342,81 @@ static void judge(const struct row_case *c, struct row_verdict *v)
         if (value(o, d, beside) && equal(here, beside))
             return;
     }
-    row_fail(v, "%g %g %g, beside it e.g. %g %g %g", here[0], here[1], here[2], beside[0], beside[1],
-             beside[2]);
+    row_fail(v, "%g %g %g, beside it e.g. %g %g %g", here[0], here[1], here[2], beside[0],
+             beside[1], beside[2]);
 }
 
 void rows_corners(struct pen_row_run *run)
 {
-    row_each(run, draw, judge);
+    row_each(run, draw_direct, judge);
+}
+
+void rows_corner_chains(struct pen_row_run *run)
+{
+    row_each(run, draw_chained, judge);
+}
+
+/* A block and single pixels, round the edge. */
+static void judge_blocks(const struct row_case *c, struct row_verdict *v)
+{
+    static float film[3 * SHOT_PIXELS];
+    vec3 eye, d, x, y;
+    if (!make(c, &eye, &d, &x, &y)) {
+        row_skip(v);
+        return;
+    }
+    kit.settings.width = kit.settings.height = BLOCK;
+    kit.view.camera.position = eye;
+    kit.view.camera.direction = d;
+    kit.view.camera.has_view_plane = true;
+    kit.view.camera.plane_distance = 1;
+    kit.view.camera.plane_width = kit.view.camera.plane_height = 1e-6;
+    shot_take(&kit, film);
+    struct pen_scene *scene = kit_freeze(&kit);
+    for (int i = 0; i < BLOCK * BLOCK; i++) {
+        double rgb[3];
+        struct pen_ray_counts counts;
+        struct pen_status st;
+        if (!row_require(
+                v,
+                pen_render_pixel(scene, 0, &kit.settings, i % BLOCK, i / BLOCK, rgb, &counts, &st),
+                "not rendered"))
+            break;
+        for (int k = 0; k < 3; k++)
+            row_require(v, film[3 * i + k] == (float)rgb[k], "a block has other bits");
+    }
+    pen_scene_free(scene);
+}
+
+void rows_corner_blocks(struct pen_row_run *run)
+{
+    row_each(run, draw, judge_blocks);
+}
+
+/* What a surface keeps, it emits: all is 1, but for what the depth cuts. */
+static void judge_furnace(const struct row_case *c, struct row_verdict *v)
+{
+    vec3 eye, d, x, y;
+    double rgb[3];
+    const struct corner_case m = read(c);
+    if (m.kind < ROOM || !make(c, &eye, &d, &x, &y)) {
+        row_skip(v);
+        return;
+    }
+    for (int i = 0; i < FACES_MAX; i++) {
+        struct pen_material *at = &kit.materials[i];
+        at->emission = pen_vec3(.25, .25, .25);
+        *(m.kind >= GLASS ? &at->kt : &at->kr) = pen_vec3(.75, .75, .75);
+    }
+    kit.desc.has_sky = false;
+    kit.desc.background = pen_vec3(1, 1, 1);
+    if (!row_require(v, value(eye, d, rgb), "not rendered"))
+        return;
+    row_measure(v, "too bright", rgb[0] - 1, 1e-12);
+    row_measure(v, "lost", 1 - rgb[0] - pow(.75, m.depth), 1e-12);
+}
+
+void rows_corner_furnaces(struct pen_row_run *run)
+{
+    row_each(run, draw, judge_furnace);
 }

@@ -25,8 +25,10 @@ struct corner_link {
 
 /* A first surface to which the ray is moved. */
 struct corner {
-    uint32_t first;
+    uint32_t first; /* number of the surface in the pixel sample */
     int tries;
+    struct pen_vec3 p, n; /* where the ray meets it, and the unit normal there */
+    double bound;         /* of p */
     struct pen_vec3 away; /* along the surface, a sum of unit vectors away from edges */
     double step;          /* how far */
 };
@@ -48,7 +50,11 @@ struct corner_hit {
 };
 
 /* By how much the ray to the next surface of the sample is moved; NULL where it is not. */
-const struct corner *pen_corner_at(const struct corners *corners);
+struct corner *pen_corner_at(struct corners *corners);
+
+/* The moved ray meets another surface first, at p, where its normal towards the viewer is n: moves
+ * it farther. False if it is to be left where it is. */
+bool pen_corner_avoid(struct corner *corner, struct pen_vec3 p, struct pen_vec3 n);
 
 /* Goes on with the link at the next surface of the sample. Returns whether the sample is to be
  * begun again, with a ray that is moved farther. */

@@ -211,22 +211,45 @@ static ALWAYS_INLINE void pixel_pop(const struct pen_kernel_input *input,
     scratch->layers.any = false;
 }
 
+/* Moves the path's ray as a corner says, so far that it meets the same surface as before first.
+ * False if it is left where it is. */
+static ALWAYS_INLINE bool path_move(const struct pen_kernel_input *input, struct corner *corner,
+                                    struct pen_hit *hit, struct path *path)
+{
+    const struct pen_t_interval interval = {path->after, INFINITY};
+    const struct pen_ray ray = path->ray;
+    for (;;) {
+        struct pen_hit met;
+        const struct pen_vec3 o =
+            pen_along(ray.o, corner->away, corner->step / pen_length(corner->away));
+        pen_ray_make(&path->ray, o, ray.d);
+        if (!input->trace->nearest(input->scene->accel, &path->ray, &path->origin, &interval, &met))
+            return false;
+        if (met.prim == hit->prim && met.part == hit->part) {
+            *hit = met;
+            return true;
+        }
+        const struct pen_vec3 p = pen_prim_point(&input->scene->prims, met, &path->ray);
+        const struct pen_vec3 n = pen_prim_normal(&input->scene->prims, met, p);
+        if (!pen_corner_avoid(corner, p, pen_dot(n, ray.d) > 0 ? pen_neg(n) : n))
+            return false;
+    }
+}
+
 /* Fills in *s, at the hit that it has. False if the pixel sample is to be begun again: corners.h.
  */
-static ALWAYS_INLINE bool pixel_surface(struct surface *s, const struct pen_scene *scene,
+static ALWAYS_INLINE bool pixel_surface(struct surface *s, const struct pen_kernel_input *input,
                                         struct corners *corners, const struct path *path,
                                         const unsigned fx)
 {
     struct path moved;
-    const struct corner *corner = fx & FX_SECONDARY ? pen_corner_at(corners) : NULL;
+    struct corner *corner = fx & FX_SECONDARY ? pen_corner_at(corners) : NULL;
     if (corner) {
         moved = *path;
-        pen_ray_make(&moved.ray,
-                     pen_along(path->ray.o, corner->away, corner->step / pen_length(corner->away)),
-                     path->ray.d);
-        path = &moved;
+        if (path_move(input, corner, &s->hit[0], &moved))
+            path = &moved;
     }
-    surface_at(s, scene, &path, 1, fx);
+    surface_at(s, input->scene, &path, 1, fx);
     if (!(fx & FX_SECONDARY))
         return true;
     const struct corner_hit hit = {lanes3_at(s->p, 0), lanes3_at(s->n, 0), lanes_at(s->bound, 0),
@@ -280,7 +303,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *i
         } else {
             struct surface s;
             s.hit[0] = hit;
-            if (!pixel_surface(&s, scene, &scratch->corners, &path, fx))
+            if (!pixel_surface(&s, input, &scratch->corners, &path, fx))
                 return sum;
             if (!lane_mask_bits(s.finite))
                 return no_sample();
