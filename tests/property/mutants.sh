@@ -354,7 +354,7 @@ judge
 mutant tree_order h112_path_tree 300 "the path that has waited longest continues first"
 edit src/shade/internal/kernel_body.h 1 \
     's/^(        )\*path = scratch->waiting\[--\*waiting\];$/\1*path = scratch->waiting[0], scratch->waiting[0] = scratch->waiting[--*waiting];/'
-edit src/shade/scratch.c 1 's/waiting = calloc\(scratch->depth, /waiting = calloc(scratch->depth + 8192, /'
+edit src/shade/scratch.c 1 's/scratch->waiting = calloc\(scratch->depth, /scratch->waiting = calloc(scratch->depth + 8192, /'
 judge
 
 mutant tree_uncounted h112_path_tree 300 "of the paths cut off only the transmitted one is counted"

@@ -171,7 +171,7 @@ const struct row row_table_rooms[] = {
         .oracle = "closed form",
         .run = rows_corner_furnaces,
         .full = 1500000,
-        .check = 2000,
+        .check = 60,
     },
     {.id = NULL},
 };
