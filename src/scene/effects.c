@@ -82,7 +82,7 @@ static double largest_channel(struct pen_vec3 c)
 static struct pen_vec3 colour_bound(const struct pen_material *m, enum pen_material_colours colour,
                                     struct pen_vec3 plain)
 {
-    const struct pen_pattern *pattern = pen_material_pattern(m, colour);
+    const struct pen_pattern *pattern = pen_material_pattern(m, (int)colour);
     if (!pattern)
         return plain;
     const struct pen_vec3 a = pattern->a, b = pattern->b;
