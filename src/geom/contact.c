@@ -84,16 +84,24 @@ static double side_of_origin_surface(const struct pen_contact *c)
     return (double)(out - in);
 }
 
+/* Whether Q is curved at p, so that points below its tangent plane may be outside it. */
+static bool is_curved(const struct pen_contact *c)
+{
+    return c->surface.fn->curvature &&
+           c->surface.fn->curvature(c->surface.self, c->q.part, c->p) > 0;
+}
+
 /* The side of Q from which the ray comes, as the sign of a product with n:
  *  1. that on which the path began, if P does not lie on the other side, with p there beyond the
  *     usual rounding: then the path has come round a corner;
- *  2. that on which P lies, if the path passed `through` P or does not tell;
+ *  2. that on which P lies, if the path passed `through` P or does not tell; but not the inside of
+ *     a curved Q that the path comes to from outside: P may be around Q;
  *  3. 0 if nothing tells: P and Q are one surface there. */
 static double side_of_arrival(const struct pen_contact *c)
 {
     double side = pen_contact_path_side(c), lies = side_of_origin_surface(c);
     if (c->origin->through || side == 0)
-        return lies != 0 ? lies : side;
+        return lies == 0 || (lies < 0 && side > 0 && is_curved(c)) ? side : lies;
     bool round_corner = side * lies < 0 && above(c) * lies > USUAL_ROUNDING * c->slack;
     return round_corner ? lies : side;
 }

@@ -13,7 +13,11 @@ void pen_cylinder_set_rim(struct pen_cylinder *c, double rounding)
     struct dd3 a = dd_of3(c->round.a);
     struct dd top = dd_mul((struct dd){c->h, 0}, dd_sqrt(dd_dot(a, a)));
     double size = c->round.r + c->h, most = rounding < size ? rounding : size;
-    c->rim = c->caps ? 0 : 8 * (PEN_U * (pen_norm1(c->round.q) + size) + most);
+    double reach = 8 * (PEN_U * (pen_norm1(c->round.q) + size) + most);
+    double edge_on = reach * c->round.length / c->round.r;
+    c->rim = c->caps ? 0 : reach;
+    c->joint = c->caps ? reach * c->round.length : 0;
+    c->edge_on = !c->caps ? 0 : edge_on < PEN_EDGE_ON_MOST ? edge_on : PEN_EDGE_ON_MOST;
     struct dd end = dd_add(top, (struct dd){c->rim * c->round.length, 0});
     c->slab_base = -c->rim * c->round.length;
     c->slab_top = end.hi;
@@ -34,6 +38,24 @@ bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_
     return true;
 }
 
+bool pen_cylinder_holds(const struct pen_cylinder *c, const struct pen_ray *ray)
+{
+    struct dd3 a = dd_of3(c->round.a), d = dd_of3(ray->d), f = dd_sub3(ray->o, c->round.q);
+    struct dd da = dd_dot(d, a), height = dd_dot(f, a);
+    struct pen_vec3 across = pen_permuted(ray, &c->round.a);
+    if (da.hi != 0) { /* where the line is nearest the axis */
+        struct dd3 m = dd_cross(d, a);
+        double tp = -dd_dot(m, dd_cross(f, a)).hi / dd_dot(m, m).hi;
+        height = dd_add(height, dd_mul(da, (struct dd){tp, 0}));
+    }
+    double above = dd_add(height, (struct dd){-c->slab_base, 0}).hi;
+    double below = dd_add((struct dd){c->slab_top, c->slab_top_low}, dd_neg(height)).hi;
+    bool up = across.x != 0 ? across.x > 0 : across.y > 0;
+    if (!c->caps)
+        return above > 0 && below > 0;
+    return (up ? above >= -c->joint : above > 0) && (up ? below > 0 : below >= -c->joint);
+}
+
 void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray *ray,
                               struct pen_interval *in)
 {
@@ -42,7 +64,7 @@ void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray
     struct dd rest = dd_add((struct dd){c->slab_top, c->slab_top_low}, dd_neg(fa));
     struct dd below = dd_add((struct dd){c->slab_base, 0}, dd_neg(fa));
     double da = dd_dot(dd_of3(ray->d), a).hi, base = below.hi / da, top = rest.hi / da;
-    if (da == 0)
+    if (pen_cylinder_edge_on(c, ray, pen_cylinder_along(c, ray)))
         return;
     if (da > 0)
         *in = (struct pen_interval){base, top, PEN_PART_BASE, PEN_PART_TOP};
@@ -181,8 +203,9 @@ static struct pen_box bounds(const void *self)
     struct pen_vec3 reach =
         pen_vec3(k * sqrt(a.y * a.y + a.z * a.z), k * sqrt(a.z * a.z + a.x * a.x),
                  k * sqrt(a.x * a.x + a.y * a.y));
-    struct pen_vec3 base = pen_along(s->q, axis_unit(c), -c->rim);
-    struct pen_vec3 top = pen_along(s->q, axis_unit(c), c->h + c->rim);
+    double reach_out = c->rim + c->joint / s->length;
+    struct pen_vec3 base = pen_along(s->q, axis_unit(c), -reach_out);
+    struct pen_vec3 top = pen_along(s->q, axis_unit(c), c->h + reach_out);
     struct pen_box b = pen_box_empty();
     b = pen_box_add_point(b, pen_sub(base, reach));
     b = pen_box_add_point(b, pen_add(base, reach));

@@ -5,7 +5,9 @@
  * the caps.
  *
  * An open one reaches out beyond its ends by `rim`, a few roundings: what ends at its rim was told
- * by other numbers, and would leave a crack as wide as the rounding of both. */
+ * by other numbers, and would leave a crack as wide as the rounding of both. A capped one does so
+ * only for lines that run along a cap, and only at the end that owns such lines
+ * (pen_cylinder_holds). */
 #ifndef PEN_GEOM_CYLINDER_H
 #define PEN_GEOM_CYLINDER_H
 
@@ -18,6 +20,8 @@ struct pen_cylinder {
     double slab_base, slab_top, slab_top_low; /* the same with the rim: the side is between */
     double h;                                 /* height */
     double rim;                               /* 0 with caps */
+    double joint;   /* with caps: the same reach, times |a|, for lines along a cap; else 0 */
+    double edge_on; /* a line runs along the caps if |d.a| is at most this share of d's largest */
     bool caps;
 };
 
@@ -43,15 +47,33 @@ static inline double pen_cylinder_along(const struct pen_cylinder *c, const stru
     return pen_dot_guarded(ray->permuted_d, pen_permuted(ray, &c->round.a));
 }
 
+/* Lines are taken as parallel to the caps up to this sine, or less. */
+#define PEN_EDGE_ON_MOST 0x1p-30
+
+/* Whether the ray's line is parallel to the caps, so far as their rounding can tell: within the
+ * cylinder it rises by no more than `joint`. da is pen_cylinder_along. */
+static inline bool pen_cylinder_edge_on(const struct pen_cylinder *c, const struct pen_ray *ray,
+                                        double da)
+{
+    return fabs(da) <= c->edge_on * fabs(ray->permuted_d.z);
+}
+
+/* Whether a line that is parallel to the caps is between them. The half-open rule of flat
+ * primitives (geom/triangle.h) decides on a cap: the line is judged as if it were moved to the
+ * right by an infinitesimal, as seen in ray space, or up where the cap's edge is level. So of two
+ * cylinders with a common cap, exactly one owns the lines in its plane. The owner's end reaches out
+ * by `joint`, so that no line passes between caps that rounding has set apart. */
+bool pen_cylinder_holds(const struct pen_cylinder *c, const struct pen_ray *ray);
+
 /* The t-interval in the slab between the caps; false if the ray is parallel to them and outside. */
 static inline bool pen_cylinder_slab(const struct pen_cylinder *c, const struct pen_ray *ray,
                                      struct pen_interval *in)
 {
     struct pen_vec3 f = pen_sub(ray->permuted_o, pen_permuted(ray, &c->round.q));
     double da = pen_cylinder_along(c, ray), fa = pen_dot(f, pen_permuted(ray, &c->round.a));
-    if (da == 0) {
+    if (pen_cylinder_edge_on(c, ray, da)) {
         *in = (struct pen_interval){-INFINITY, INFINITY, PEN_PART_BASE, PEN_PART_TOP};
-        return fa > c->slab_base && fa < c->slab_top;
+        return pen_cylinder_holds(c, ray);
     }
     double inv = 1.0 / da, base = (c->slab_base - fa) * inv, top = (c->slab_top - fa) * inv;
     if (da > 0)

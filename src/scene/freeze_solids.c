@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds the solids of a scene that refracts, numbers them, and tells which of them the eyes are in.
- */
+/* Finds the solids of a scene that refracts, and numbers them. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -375,45 +374,6 @@ static bool number_solids(struct pen_freezer *freezer, struct finder *f)
     return true;
 }
 
-static bool overlaps_ball(const struct pen_box *b, struct pen_vec3 c, double r)
-{
-    return b->lo.x <= c.x + r && b->hi.x >= c.x - r && b->lo.y <= c.y + r && b->hi.y >= c.y - r &&
-           b->lo.z <= c.z + r && b->hi.z >= c.z - r;
-}
-
-/* Which solids a view's eye is in, and which its lens may be in. */
-static bool find_view(struct finder *f, struct pen_scene_view *view, struct pen_vec3 eye,
-                      double lens)
-{
-    const struct pen_solids *solids = &f->scene->solids;
-    uint32_t *list[2];
-    for (int i = 0; i < 2; i++)
-        if (!(list[i] = pen_arena_alloc(f->scene->arena, solids->count, sizeof *list[i])))
-            return false;
-    for (uint32_t i = 0; i < solids->count; i++) {
-        if (!solids->at[i].closed || !overlaps_ball(&solids->at[i].box, eye, lens))
-            continue;
-        if (lens > 0)
-            list[1][view->maybe.count++] = i;
-        else if (pen_solid_contains(&f->scene->prims, solids, i, eye))
-            list[0][view->inside.count++] = i;
-    }
-    view->inside.solid = list[0];
-    view->maybe.solid = list[1];
-    return true;
-}
-
-static bool find_views(struct pen_freezer *freezer, struct finder *f)
-{
-    for (uint32_t i = 0; i < freezer->scene->view_count; i++) {
-        struct pen_scene_view *view = &freezer->views[i];
-        if (!find_view(f, view, pen_local_point(&freezer->frame, view->frame.eye),
-                       pen_local_length(&freezer->frame, view->camera.aperture_radius)))
-            return false;
-    }
-    return true;
-}
-
 static bool find_all(struct pen_freezer *freezer, struct finder *f)
 {
     const size_t prims = freezer->scene->prims.count;
@@ -425,7 +385,7 @@ static bool find_all(struct pen_freezer *freezer, struct finder *f)
     f->turned = pen_arena_alloc(freezer->scene->arena, prims, sizeof *f->turned);
     return f->face && f->left_out && f->found && f->found_of && f->number && f->turned &&
            find_same(f) && find_solids(freezer, f) && drop_ones(f) && number_solids(freezer, f) &&
-           find_views(freezer, f);
+           pen_freeze_eyes(freezer);
 }
 
 /* Whether light is refracted somewhere. Solids with an index of 1 alone refract nothing. */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/solid.h"
 
+#include <math.h>
+
 /* By how often a ray leaves a primitive's inside more than it enters it. */
 static int times_left(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                       bool turned)
@@ -29,15 +31,48 @@ static bool box_contains(const struct pen_box *b, struct pen_vec3 p)
            p.z <= b->hi.z;
 }
 
+static double length(struct pen_vec3 a)
+{
+    return sqrt(pen_dot(a, a));
+}
+
+/* Half the solid angle of a triangle as seen from the origin, positive from behind. Source: van
+ * Oosterom, Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30(2), 1983.
+ */
+static double half_angle(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c)
+{
+    const double la = length(a), lb = length(b), lc = length(c);
+    return atan2(pen_dot(a, pen_cross(b, c)),
+                 la * lb * lc + pen_dot(a, b) * lc + pen_dot(a, c) * lb + pen_dot(b, c) * la);
+}
+
+/* Whether faces surround p, as their generalised winding number tells. Source: Jacobson, Kavan,
+ * Sorkine-Hornung, "Robust inside-outside segmentation using generalized winding numbers", ACM
+ * Trans. Graph. 32(4), 2013. */
+static bool surrounds(const struct pen_prims *prims, const struct pen_solids *solids,
+                      const struct pen_solid *s, struct pen_vec3 p)
+{
+    double half = 0;
+    for (uint32_t i = 0; i < s->count; i++) {
+        const struct pen_outline line = pen_prim_outline(prims, solids->prim[s->first + i]);
+        const struct pen_vec3 a = pen_sub(line.v[0], p);
+        for (uint32_t k = 1; k + 1 < line.count; k++)
+            half += half_angle(a, pen_sub(line.v[k], p), pen_sub(line.v[k + 1], p));
+    }
+    return fabs(half / (2 * 3.141592653589793) - 1) < 1e-6;
+}
+
 bool pen_solid_contains(const struct pen_prims *prims, const struct pen_solids *solids,
                         uint32_t solid, struct pen_vec3 p)
 {
     const struct pen_solid *s = &solids->at[solid];
     struct pen_ray ray;
     int left = 0;
-    if (!s->closed || !box_contains(&s->box, p) ||
+    if (!box_contains(&s->box, p) ||
         !pen_ray_make(&ray, p, pen_vec3(0.5377, 0.7193, 0.4397))) /* any direction */
         return false;
+    if (!s->closed)
+        return surrounds(prims, solids, s, p);
     for (uint32_t i = 0; i < s->count; i++) {
         const uint32_t prim = solids->prim[s->first + i];
         left += times_left(prims, prim, &ray, solids->turned[prim]);

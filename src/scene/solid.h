@@ -32,8 +32,9 @@ struct pen_solids {
     const uint8_t *turned;      /* by primitive number: its outward side is inside the solid */
 };
 
-/* Whether a closed solid contains p: a line from p leaves it more often than it enters it. Of
- * points on the surface, rounding decides. */
+/* Whether a solid contains p: a line from p leaves it more often than it enters it. One whose faces
+ * do not close contains p if they are seen in all directions from p, from within, but for 1e-6 of
+ * them: at T-junctions faces only just fail to meet. Of points on the surface, rounding decides. */
 bool pen_solid_contains(const struct pen_prims *prims, const struct pen_solids *solids,
                         uint32_t solid, struct pen_vec3 p);
 

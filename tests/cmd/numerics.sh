@@ -14,4 +14,6 @@ pixel() {
 # Of equal solids that overlap, the later in the document tells the index, wherever they are moved
 expect "of equal spheres the later" "$(pixel equal-spheres 8,7)" "0.529 0.485 0.462"
 expect "of equal spheres the later, off the origin" "$(pixel equal-spheres-moved 8,7)" "0.481 0.481 0.481"
+# A column of two parts has no line where they meet
+expect "a column is solid at its joint" "$(pixel column-joint 10,10)" "1.000 0.000 0.000"
 finish

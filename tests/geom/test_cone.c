@@ -80,10 +80,10 @@ START_TEST(test_cone__a_pointed_one_is_met)
         {{0, 0, 3},
          {.25, 0, -1},
          2,
-         {{1.0 / 3, 0, 5.0 / 3}, {.75, 0, 0}}}, /* through both nappes */
-        {{-3, 0, 2}, {1, 0, 0}, NONE},          /* touches the apex */
-        {{-2, 0, -1}, {1, 0, 0}, NONE},         /* below */
-        {{-3, 0, 0}, {1, 0, 0}, NONE}};         /* in the base's plane */
+         {{1.0 / 3, 0, 5.0 / 3}, {.75, 0, 0}}},               /* through both nappes */
+        {{-3, 0, 2}, {1, 0, 0}, NONE},                        /* touches the apex */
+        {{-2, 0, -1}, {1, 0, 0}, NONE},                       /* below */
+        {{-3, 0, 0}, {1, 0, 0}, 2, {{-2, 0, 0}, {2, 0, 0}}}}; /* in the base's plane */
     standing(true, true);
     rows_check(&world, rows, ROWS(rows), 2);
 }

@@ -47,6 +47,35 @@ START_TEST(test_cylinder__h025_at_a_rim_the_cap_wins)
 }
 END_TEST
 
+/* Of two cylinders that share a cap, exactly one owns a line in its plane, whichever way their axes
+ * and the line run. A pair owns the lines of one of its outer caps. */
+START_TEST(test_cylinder__h148_half_open_caps)
+{
+    for (int i = 0; i < 3 * 8 * 8; i++) {
+        const int up = i % 3;
+        const double low = i / 3 & 1 ? -1 : 1, high = i / 6 & 1 ? -1 : 1;
+        const struct pen_vec3 axis = pen_vec3(up == 0 ? 1 : 0, up == 1 ? 1 : 0, up == 2 ? 1 : 0);
+        const double c = cos(0.1 + i / 24 * 0.7), s = sin(0.1 + i / 24 * 0.7);
+        const struct pen_vec3 d = up == 0   ? pen_vec3(0, c, s)
+                                  : up == 1 ? pen_vec3(c, 0, s)
+                                            : pen_vec3(c, s, 0);
+        int count[3];
+        world_clear(&world);
+        world_cylinder(&world, pen_scale(axis, low > 0 ? -2 : 0), pen_scale(axis, low), 1, 2, true);
+        world_cylinder(&world, pen_scale(axis, high > 0 ? 0 : 3), pen_scale(axis, high), 1, 3,
+                       true);
+        for (int k = 0; k < 3; k++) {
+            const double at = k == 0 ? 0 : k == 1 ? -2 : 3;
+            struct pen_hit hit[4];
+            struct pen_ray ray = world_ray(pen_along(pen_scale(d, -4), axis, at), d);
+            count[k] = world_intersections(&world, &ray, &pen_origin_none, INFINITY, hit, 4);
+        }
+        ck_assert_int_eq(count[0], 2);
+        ck_assert_int_eq(count[1] + count[2], 2);
+    }
+}
+END_TEST
+
 START_TEST(test_cylinder__h026_tmax)
 {
     static const struct {
@@ -74,10 +103,10 @@ START_TEST(test_cylinder__caps_are_met_along_the_axis)
          {0, 0, 1},
          ONE(0, 0, 2)}, /* the base centre is no intersection of its own (D6) */
         {{0, 0, 1}, {0, 0, -1}, ONE(0, 0, 0)},
-        {{1, 0, -1}, {0, 0, 1}, NONE}, /* in the side */
-        {{2, 0, -1}, {0, 0, 1}, NONE}, /* beside it */
-        {{-2, 0, 0}, {1, 0, 0}, NONE}, /* in the base's plane */
-        {{-2, 0, 2}, {1, 0, 0}, NONE}, /* in the top's plane */
+        {{1, 0, -1}, {0, 0, 1}, NONE},                       /* in the side */
+        {{2, 0, -1}, {0, 0, 1}, NONE},                       /* beside it */
+        {{-2, 0, 0}, {1, 0, 0}, 2, {{-1, 0, 0}, {1, 0, 0}}}, /* in the base's plane */
+        {{-2, 0, 2}, {1, 0, 0}, NONE},                       /* in the top's plane */
         {{-2, 0, 1}, {1, 0, 0}, 2, {{-1, 0, 1}, {1, 0, 1}}},
         {{0, 0, 1}, {1, 0, 0}, ONE(1, 0, 1)},
         {{-2, 0, 2.5}, {1, 0, -1}, 2, {{-1, 0, 1.5}, {.5, 0, 0}}}};
@@ -210,7 +239,7 @@ START_TEST(test_cylinder__intersections_match_quad)
 }
 END_TEST
 
-PEN_SUITE("cylinder", test_cylinder__h025_normals_go_by_part,
+PEN_SUITE("cylinder", test_cylinder__h148_half_open_caps, test_cylinder__h025_normals_go_by_part,
           test_cylinder__h025_at_a_rim_the_cap_wins, test_cylinder__h026_tmax,
           test_cylinder__caps_are_met_along_the_axis, test_cylinder__an_open_one_has_no_caps,
           test_cylinder__bad_input_is_refused, test_cylinder__rim_intersections_pair_up,

@@ -353,6 +353,14 @@ static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {
     [146] = {"paths that fork at every surface, to any depth", "tests/e2e/bounds.sh", ROW_TESTED,
              NULL},
     [147] = {"equal solids that overlap, wherever groups move them", "", ROW_TESTED, NULL},
+    [148] = {"a line in the plane of two caps that touch", "test_cylinder__h148_half_open_caps",
+             ROW_TESTED, NULL},
+    [149] =
+        {"an eye on a surface of glass, in a bubble of glass with T-junctions, and a ball in "
+         "contact with the glass around it",
+         "test_eyes__h149_on_round_glass test_eyes__h149_on_boxes test_eyes__h149_lens_on_a_face "
+         "test_eyes__h149_bubble_among_t_junctions test_eyes__h149_behind_a_pane",
+         ROW_TESTED, NULL},
 };
 
 const struct catalogue_case *catalogue_case(int number)

@@ -775,6 +775,26 @@ mutant equal_volumes h147_equal_solids 4000 "volumes are compared to the last bi
 edit src/scene/freeze_solids.c 1 's/SAME_VOLUME = 1e-12/SAME_VOLUME = 0/'
 judge
 
+mutant cap_closed h148_joints 4000 "lines along a cap meet nothing there"
+edit src/geom/cylinder.c 1 's/return \(up \? above >= -c->joint : above > 0\) && \(up \? below > 0 : below >= -c->joint\);/return above > 0 \&\& below > 0;/'
+judge
+
+mutant cap_apart h148_joints 4000 "caps that rounding sets apart are not joined"
+edit src/geom/cylinder.c 1 's/c->joint = c->caps \? reach \* c->round\.length : 0;/c->joint = 0;/'
+judge
+
+mutant eye_on_glass shade/test_eyes 0 "an eye on glass stays there"
+edit src/scene/freeze_eyes.c 1 's/^    leave_surfaces\(f, view\);$//'
+judge_test
+
+mutant eye_in_gaps shade/test_eyes 0 "what does not close contains nothing"
+edit src/scene/solid.c 1 's/return surrounds\(prims, solids, s, p\);/return false;/'
+judge_test
+
+mutant tube_around shade/test_media 0 "a ball that touches its tube from inside is not met through it"
+edit src/geom/contact.c 1 's/lies == 0 \|\| \(lies < 0 && side > 0 && is_curved\(c\)\) \? side : lies/lies == 0 ? side : lies/'
+judge_test
+
 mutant verdict_quotient study/test_verdict 0 "a quotient of intervals is that of their ends"
 edit src/study/verdict.c 1 's/out\.low = a->low \/ b->high;/out.low = a->low \/ b->low;/'
 judge_test

@@ -121,6 +121,9 @@ void rows_thin(struct pen_row_run *run);
 void rows_map(struct pen_row_run *run);
 void rows_solids_equal(struct pen_row_run *run);
 
+/* rows_joints.c */
+void rows_joints(struct pen_row_run *run);
+
 /* rows_light_points.c */
 void rows_grid_points(struct pen_row_run *run);
 

@@ -159,6 +159,15 @@ const struct row row_table_space[] = {
         .run = rows_solids_equal,
     },
     {
+        .id = "H148",
+        .name = "h148_joints",
+        .what = "lines along the joints of capped cylinders and cones that stand on each other, "
+                "also those that rounding sets apart: they meet the column, and exactly one part "
+                "where the joint is shared exactly",
+        .oracle = "construction",
+        .run = rows_joints,
+    },
+    {
         .id = "H074",
         .name = "h074_scaled",
         .what =

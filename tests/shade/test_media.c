@@ -371,7 +371,37 @@ START_TEST(test_media__h115_lens_partly_inside)
 }
 END_TEST
 
+/* A ball that touches its glass from inside, all around, is seen where they touch as if there were
+ * a gap, or as if it were in front, since rounding decides which of the two is met first. */
+START_TEST(test_media__h149_ball_touches_its_glass)
+{
+    struct random r = random_begin(557);
+    for (int i = 0; i < random_cases(1000); i++) {
+        const vec3 axis = i & 1 ? pen_vec3(0, 1, 0) : random_direction(&r);
+        const double radius = i & 2 ? 1 : random_in(&r, 0.2, 5), ior = random_in(&r, 1.1, 2);
+        const vec3 out = glass_beside(&r, axis), aside = random_vec(&r, radius);
+        const vec3 eye = pen_add(pen_scale(out, 6 * radius), aside);
+        vec3 seen[2];
+        for (int gap = 0; gap < 2; gap++) {
+            struct pen_ray_counts rays;
+            glass_begin(&kit, 5);
+            kit.desc.background = pen_vec3(0, 1, 0);
+            kit_cylinder(&kit, pen_scale(axis, -4 * radius), axis, radius, 8 * radius,
+                         glass_material(&kit, ior))
+                ->u.cylinder.caps = true;
+            kit_sphere(&kit, middle, gap ? radius * (1 - 1e-9) : radius,
+                       kit_material(&kit, kit_glow(1, 0, 0)));
+            glass_look(&kit, eye, pen_sub(pen_scale(out, radius), eye));
+            seen[gap] = kit_pixel(&kit, 0, 0, &rays);
+        }
+        const bool first = seen[0].x == 1 && seen[0].y == 0;
+        ck_assert_msg(first || pen_norm1(pen_sub(seen[0], seen[1])) < 1e-6,
+                      "case %d: %g %g, not %g %g", i, seen[0].x, seen[0].y, seen[1].x, seen[1].y);
+    }
+}
+END_TEST
+
 PEN_SUITE("media", test_media__h114_balls_in_balls, test_media__h115_eye_in_balls,
-          test_media__h114_any_glasses, test_media__h114_common_faces,
-          test_media__h114_overlaps_and_double_walls, test_media__rays_of_surfaces,
-          test_media__one_pane, test_media__h115_lens_partly_inside)
+          test_media__h114_any_glasses, test_media__h149_ball_touches_its_glass,
+          test_media__h114_common_faces, test_media__h114_overlaps_and_double_walls,
+          test_media__rays_of_surfaces, test_media__one_pane, test_media__h115_lens_partly_inside)

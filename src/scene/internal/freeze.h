@@ -65,6 +65,10 @@ bool pen_freeze_layers(struct pen_freezer *f);
 /* Finds the solids of a scene that refracts; needs the typed arrays. */
 bool pen_freeze_solids(struct pen_freezer *f);
 
+/* Finds which solids the eyes are in, and moves an eye that is on the surface of one off it. Called
+ * by pen_freeze_solids. Fails: returns false when out of memory. */
+bool pen_freeze_eyes(struct pen_freezer *f);
+
 /* Builds the accelerator `manual`; needs the typed arrays. Fails: as pen_accel_build. */
 struct pen_accel *pen_freeze_manual(struct pen_freezer *f);
 
