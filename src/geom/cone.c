@@ -353,10 +353,10 @@ static struct pen_box bounds(const void *self)
     struct pen_vec3 rim =
         pen_vec3(sqrt(axis.y * axis.y + axis.z * axis.z), sqrt(axis.z * axis.z + axis.x * axis.x),
                  sqrt(axis.x * axis.x + axis.y * axis.y));
-    double out = fabs(c->slope) * c->hull.rim;
-    double base_radius = c->base_radius + out, top_radius = c->top_radius + out;
-    struct pen_vec3 base = pen_along(round->q, axis, -c->hull.rim);
-    struct pen_vec3 top = pen_along(round->q, axis, c->hull.h + c->hull.rim);
+    double out = pen_cylinder_reaches_out(&c->hull), wider = fabs(c->slope) * out;
+    double base_radius = c->base_radius + wider, top_radius = c->top_radius + wider;
+    struct pen_vec3 base = pen_along(round->q, axis, -out);
+    struct pen_vec3 top = pen_along(round->q, axis, c->hull.h + out);
     struct pen_box b = pen_box_empty();
     b = pen_box_add_point(b, pen_along(base, rim, -base_radius));
     b = pen_box_add_point(b, pen_along(base, rim, base_radius));

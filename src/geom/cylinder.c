@@ -203,9 +203,9 @@ static struct pen_box bounds(const void *self)
     struct pen_vec3 reach =
         pen_vec3(k * sqrt(a.y * a.y + a.z * a.z), k * sqrt(a.z * a.z + a.x * a.x),
                  k * sqrt(a.x * a.x + a.y * a.y));
-    double reach_out = c->rim + c->joint / s->length;
-    struct pen_vec3 base = pen_along(s->q, axis_unit(c), -reach_out);
-    struct pen_vec3 top = pen_along(s->q, axis_unit(c), c->h + reach_out);
+    double out = pen_cylinder_reaches_out(c);
+    struct pen_vec3 base = pen_along(s->q, axis_unit(c), -out);
+    struct pen_vec3 top = pen_along(s->q, axis_unit(c), c->h + out);
     struct pen_box b = pen_box_empty();
     b = pen_box_add_point(b, pen_sub(base, reach));
     b = pen_box_add_point(b, pen_add(base, reach));

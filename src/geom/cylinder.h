@@ -47,6 +47,12 @@ static inline double pen_cylinder_along(const struct pen_cylinder *c, const stru
     return pen_dot_guarded(ray->permuted_d, pen_permuted(ray, &c->round.a));
 }
 
+/* How far it reaches out beyond its ends, for some lines at least. */
+static inline double pen_cylinder_reaches_out(const struct pen_cylinder *c)
+{
+    return c->rim + c->joint / c->round.length;
+}
+
 /* Lines are taken as parallel to the caps up to this sine, or less. */
 #define PEN_EDGE_ON_MOST 0x1p-30
 
