@@ -32,6 +32,14 @@ static void end_before_apex(struct pen_cone *c)
         hull->slab_top = hull->top;
 }
 
+/* Takes away what would reach out too far: see end_before_apex, and where the side is flat, lines
+ * along a cap would be met far beside it. */
+static void join_within_rounding(struct pen_cone *c)
+{
+    end_before_apex(c);
+    c->hull.joint /= c->slant;
+}
+
 bool pen_cone_make(struct pen_cone *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                    double top_r, double h, bool caps)
 {
@@ -48,7 +56,7 @@ bool pen_cone_make(struct pen_cone *c, struct pen_vec3 base, struct pen_vec3 axi
     c->width = width.hi;
     c->width_low = width.lo;
     c->slant = sqrt(1 + slope.hi * slope.hi);
-    end_before_apex(c);
+    join_within_rounding(c);
     return slope.hi == 0 || (fabs(slope.hi) >= 0x1p-200 && fabs(slope.hi) <= 0x1p200);
 }
 
@@ -299,7 +307,7 @@ static bool make(void *self, const struct pen_prim_source *from)
                        from->length[PEN_TOP_RADIUS], from->length[PEN_HEIGHT], from->caps))
         return false;
     pen_cylinder_set_rim(&c->hull, from->rounding);
-    end_before_apex(c);
+    join_within_rounding(c);
     return true;
 }
 

@@ -53,11 +53,12 @@ static inline double pen_cylinder_reaches_out(const struct pen_cylinder *c)
     return c->rim + c->joint / c->round.length;
 }
 
-/* Lines are taken as parallel to the caps up to this sine, or less. */
-#define PEN_EDGE_ON_MOST 0x1p-30
+/* No line is taken as parallel to the caps whose |d.a| is above this share of d's largest
+ * component: some roundings of d and a. */
+#define PEN_EDGE_ON 0x1p-48
 
-/* Whether the ray's line is parallel to the caps, so far as their rounding can tell: within the
- * cylinder it rises by no more than `joint`. da is pen_cylinder_along. */
+/* Whether the ray's line is parallel to the caps, so far as the rounding of its direction can tell.
+ * da is pen_cylinder_along. */
 static inline bool pen_cylinder_edge_on(const struct pen_cylinder *c, const struct pen_ray *ray,
                                         double da)
 {

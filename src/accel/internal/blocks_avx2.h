@@ -674,7 +674,7 @@ static inline bool test_cylinders4(struct trace *trace, const struct pen_cylinde
     __m256d forward = LESS(zero, da);
     const struct slab4 slab = {_mm256_blendv_pd(top, base, forward),
                                _mm256_blendv_pd(base, top, forward), bits(forward)};
-    __m256d edge_on = splat4(2 * PEN_EDGE_ON_MOST * fabs(trace->ray->permuted_d.z));
+    __m256d edge_on = splat4(PEN_EDGE_ON * fabs(trace->ray->permuted_d.z));
     plain |= entered &
              (bits(LESS_EQUAL(abs4(da), edge_on)) | bits(_mm256_cmp_pd(side.mm, zero, _CMP_EQ_OQ)));
     __m256d t0 = _mm256_max_pd(side.t0, slab.lo), t1 = _mm256_min_pd(side.t1, slab.hi);

@@ -237,7 +237,7 @@ static inline void group_cylinder_slab(const struct ray_group *g, int i,
     out->up = lane_mask_bits(up);
     out->lo = lanes_select(up, base, top);
     out->hi = lanes_select(up, top, base);
-    const lanes edge_on = lanes_splat(2 * PEN_EDGE_ON_MOST) * lanes_abs(d.z);
+    const lanes edge_on = lanes_splat(PEN_EDGE_ON) * lanes_abs(d.z);
     out->special |= lane_mask_bits(lanes_at_most(steep, edge_on)) |
                     (LANES_ALL & ~lane_mask_bits(lanes_at_most(d_size, lanes_splat(8) * steep)));
     out->loses = lane_mask_bits(lanes_less(four * least, f_size) | lanes_less(four * rest, c->top) |
