@@ -354,7 +354,7 @@ judge
 mutant tree_order h112_path_tree 300 "the path that has waited longest continues first"
 edit src/shade/internal/kernel_body.h 1 \
     's/^(        )\*path = scratch->waiting\[--\*waiting\];$/\1*path = scratch->waiting[0], scratch->waiting[0] = scratch->waiting[--*waiting];/'
-edit src/shade/scratch.c 1 's/waiting = calloc\(scratch->depth, /waiting = calloc(scratch->depth + 8192, /'
+edit src/shade/scratch.c 1 's/scratch->waiting = calloc\(scratch->depth, /scratch->waiting = calloc(scratch->depth + 8192, /'
 judge
 
 mutant tree_uncounted h112_path_tree 300 "of the paths cut off only the transmitted one is counted"
@@ -436,7 +436,11 @@ edit src/geom/self_intersection.c 1 's/^    if \(prim == origin->prim && origin-
 judge
 
 mutant hardly_left rooms_flat 100 "a point in a corner brings light although no rule tells where it is"
-edit src/shade/internal/surface.h 1 's/^    if \(path\[0\]->depth > 0\)$/    if (false)/'
+edit src/shade/internal/surface.h 1 's/^    if \(path\[0\]->depth > 0\) \{$/    if (false) {/'
+judge
+
+mutant corner_blocks corner_blocks 2000 "blocks render samples that meet a corner themselves"
+edit src/shade/internal/block_wave.h 1 's/^            finite &= ~lane_mask_bits\(b->surface\[g\]\.hardly_left\);$/            (void)0;/'
 judge
 
 mutant height_of_vertex floor_foot 20000 "heights over a plane are taken from a vertex, however far that is"

@@ -130,5 +130,48 @@ const struct row row_table_rooms[] = {
         .full = 50000,
         .check = 1000,
     },
+    {
+        .id = "H073 H113",
+        .name = "corners",
+        .what = "edges and vertices of mirrored wedges, corners and rooms, at angles, scales, "
+                "turns and "
+                "parities: what the eye sees 1e-6 beside it, on one side at least",
+        .oracle = "itself, beside the edge",
+        .known = "3 of 10 000, at vertices",
+        .run = rows_corners,
+        .full = 1500000,
+        .check = 500,
+    },
+    {
+        .id = "H073 H113",
+        .name = "corner_chains",
+        .what =
+            "the same of rooms and prisms of glass, seen in a mirror, through glass, far from the "
+            "document's origin, or so that one path meets several corners",
+        .oracle = "itself, beside the edge",
+        .known = "7 of 1000: corners that follow one another on a path are moved each for itself",
+        .run = rows_corner_chains,
+        .full = 1000000,
+        .check = 500,
+    },
+    {
+        .id = "H073 H113",
+        .name = "corner_blocks",
+        .what = "the same by blocks and by single pixels",
+        .oracle = "itself, bit for bit",
+        .run = rows_corner_blocks,
+        .full = 1000000,
+        .check = 1000,
+    },
+    {
+        .id = "H113",
+        .name = "corner_furnaces",
+        .what = "there, closed mirrored rooms and prisms of glass that emit what they keep are as "
+                "bright as their surroundings, but for what max_depth cuts",
+        .oracle = "closed form",
+        .run = rows_corner_furnaces,
+        .full = 1500000,
+        .check = 60,
+    },
     {.id = NULL},
 };

@@ -27,16 +27,17 @@ struct surface {
     struct pen_material own[LANES]; /* these are the materials at the points */
     struct lanes3 kd, ks;           /* of the materials */
     lanes shininess;
-    struct lanes3 p;    /* on the surface */
-    struct lanes3 n;    /* unit, turned towards the viewer */
-    struct lanes3 v;    /* unit, from the viewer to p */
-    lanes nv;           /* n.v <= 0 */
-    lanes unsure;       /* on which side the viewer is, rounding decides where -n.v is no more;
-                           INFINITY: it decides also on which side of other surfaces p is */
-    lanes grazing_sine; /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
-    lanes bound;        /* how far p may be off by rounding */
-    lane_mask outside;  /* with refraction: the viewer is on the side of the outward normal */
-    lane_mask finite;   /* there is a point, and it, its normal and its direction are finite */
+    struct lanes3 p;       /* on the surface */
+    struct lanes3 n;       /* unit, turned towards the viewer */
+    struct lanes3 v;       /* unit, from the viewer to p */
+    lanes nv;              /* n.v <= 0 */
+    lanes unsure;          /* on which side the viewer is, rounding decides where -n.v is no more;
+                              INFINITY: it decides also on which side of other surfaces p is */
+    lanes grazing_sine;    /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
+    lanes bound;           /* how far p may be off by rounding */
+    lane_mask outside;     /* with refraction: the viewer is on the side of the outward normal */
+    lane_mask hardly_left; /* with secondary rays: surface_hardly_left */
+    lane_mask finite;      /* there is a point, and it, its normal and its direction are finite */
     struct pen_origin_surface origin[LANES]; /* for rays that start at p on the viewer's side */
 };
 
@@ -353,9 +354,11 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
     const lanes turn = s->bound * at.curvature;
     s->grazing_sine = surface_grazing_sine(turn, outside);
     s->unsure = surface_unsure(turn, outside);
-    if (path[0]->depth > 0)
-        s->unsure =
-            lanes_select(surface_hardly_left(&ray, s->bound), lanes_splat(INFINITY), s->unsure);
+    s->hardly_left = lane_mask_of(0);
+    if (path[0]->depth > 0) {
+        s->hardly_left = surface_hardly_left(&ray, s->bound);
+        s->unsure = lanes_select(s->hardly_left, lanes_splat(INFINITY), s->unsure);
+    }
     /* The bound is computed from the point, so it is not finite where the point is not. */
     s->finite = lane_mask_of((1u << count) - 1) &
                 lanes_less(lanes_abs(s->nv - s->bound), lanes_splat(INFINITY));
