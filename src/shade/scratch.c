@@ -63,13 +63,12 @@ static bool fill(const struct pen_kernel_input *input, struct pen_kernel_scratch
     const size_t lights = input->scene->light_count;
     scratch->last_occluder = calloc(lights + 1, sizeof *scratch->last_occluder);
     scratch->waiting = calloc(scratch->depth, sizeof *scratch->waiting);
-    scratch->corners.waiting = calloc(scratch->depth, sizeof *scratch->corners.waiting);
     if (pen_effects_blur(input->effects))
         scratch->blurred = calloc(scratch->depth, sizeof *scratch->blurred);
     if (pen_effects_blur(input->effects) && !scratch->blurred)
         return false;
-    if (!scratch->last_occluder || !scratch->waiting || !scratch->corners.waiting ||
-        !block_new(scratch) || !media_new(input, scratch))
+    if (!scratch->last_occluder || !scratch->waiting || !block_new(scratch) ||
+        !media_new(input, scratch))
         return false;
     for (size_t i = 0; i < lights; i++)
         scratch->last_occluder[i] = PEN_NO_PRIM;
@@ -97,7 +96,6 @@ void pen_kernel_scratch_free(struct pen_kernel_scratch *scratch)
         return;
     free(scratch->last_occluder);
     free(scratch->waiting);
-    free(scratch->corners.waiting);
     free(scratch->blurred);
     free(scratch->media);
     free(scratch->block_memory);

@@ -161,7 +161,6 @@ static ALWAYS_INLINE int pixel_reflect(const struct pen_kernel_input *input,
         made = paths_reflect(input, s, bend, made, &path, &reflected, fx);
     if (!made)
         return waiting;
-    scratch->corners.waiting[waiting] = scratch->corners.link;
     if (refracts(input->scene, fx))
         media_copy(media_at(scratch, (size_t)waiting), media_at(scratch, media_of_path(scratch)));
     counts->reflection += blurs(input, fx) ? blur_push(input, scratch, (size_t)waiting, s,
@@ -188,7 +187,6 @@ static ALWAYS_INLINE bool pixel_blur_transmitted(const struct pen_kernel_input *
         blurred->origin = surface_origin(s, 0, true);
         blurred->after = pen_after_start;
     }
-    scratch->corners.waiting[waiting] = scratch->corners.link;
     if (refracts(input->scene, fx))
         media_copy(media_at(scratch, (size_t)waiting), media_at(scratch, media_of_path(scratch)));
     counts->transmission += blur_push(input, scratch, (size_t)waiting, s, spread, false);
@@ -200,7 +198,6 @@ static ALWAYS_INLINE void pixel_pop(const struct pen_kernel_input *input,
                                     struct pen_kernel_scratch *scratch, int *waiting,
                                     struct path *path, const unsigned fx)
 {
-    scratch->corners.link = scratch->corners.waiting[*waiting - 1];
     if (refracts(input->scene, fx))
         media_copy(media_at(scratch, media_of_path(scratch)),
                    media_at(scratch, (size_t)*waiting - 1));
@@ -211,62 +208,26 @@ static ALWAYS_INLINE void pixel_pop(const struct pen_kernel_input *input,
     scratch->layers.any = false;
 }
 
-/* Moves the path's ray as a corner says, so far that it meets the same surface as before first.
- * False if it is left where it is. */
-static ALWAYS_INLINE bool path_move(const struct pen_kernel_input *input, struct corner *corner,
-                                    struct pen_hit *hit, struct path *path)
+/* Looks for a corner at the path's hit. A camera ray that has been moved must meet the same surface
+ * first: else a wall is between it and the ray that is not moved. */
+static ALWAYS_INLINE void look_for_corner(const struct pen_prims *prims, struct corner *corner,
+                                          const struct path *path, const struct surface *s)
 {
-    const struct pen_t_interval interval = {path->after, INFINITY};
-    const struct pen_ray ray = path->ray;
-    for (;;) {
-        struct pen_hit met;
-        const struct pen_vec3 o =
-            pen_along(ray.o, corner->away, corner->step / pen_length(corner->away));
-        pen_ray_make(&path->ray, o, ray.d);
-        if (!input->trace->nearest(input->scene->accel, &path->ray, &path->origin, &interval, &met))
-            return false;
-        if (met.prim == hit->prim && met.part == hit->part) {
-            *hit = met;
-            return true;
-        }
-        const struct pen_vec3 p = pen_prim_point(&input->scene->prims, met, &path->ray);
-        const struct pen_vec3 n = pen_prim_normal(&input->scene->prims, met, p);
-        if (!pen_corner_avoid(corner, p, pen_dot(n, ray.d) > 0 ? pen_neg(n) : n))
-            return false;
+    const struct pen_hit hit = s->hit[0];
+    if (path->depth == 0 && corner->moves == 0)
+        corner->first = hit;
+    if (path->depth == 0)
+        corner->met = hit.prim != corner->first.prim || hit.part != corner->first.part;
+    else if (lane_mask_bits(s->hardly_left) && corner->moves < CORNER_MOVES &&
+             path->origin.prim != PEN_NO_PRIM && pen_prim_flat(prims->ref[hit.prim].kind) &&
+             pen_prim_flat(prims->ref[path->origin.prim].kind)) {
+        corner->met = true;
+        corner->bound = lanes_at(s->bound, 0);
     }
 }
 
-/* Fills in *s, at the hit that it has. False if the pixel sample is to be begun again: corners.h.
- */
-static ALWAYS_INLINE bool pixel_surface(struct surface *s, const struct pen_kernel_input *input,
-                                        struct corners *corners, const struct path *path,
-                                        const unsigned fx)
-{
-    struct path moved;
-    struct corner *corner = fx & FX_SECONDARY ? pen_corner_at(corners) : NULL;
-    if (corner) {
-        moved = *path;
-        if (path_move(input, corner, &s->hit[0], &moved))
-            path = &moved;
-    }
-    surface_at(s, input->scene, &path, 1, fx);
-    if (!(fx & FX_SECONDARY))
-        return true;
-    const struct corner_hit hit = {lanes3_at(s->p, 0), lanes3_at(s->n, 0), lanes_at(s->bound, 0),
-                                   lane_mask_bits(s->hardly_left) != 0};
-    return !pen_corner_met(corners, &hit);
-}
-
-/* How the link goes on along the transmitted path. */
-static ALWAYS_INLINE void pixel_link_through(struct corner_link *link, const struct path *path)
-{
-    if (path->after.t > 0) /* it goes straight on: its ray has begun elsewhere */
-        link->first = 0;
-    link->left = pen_neg(link->left);
-}
-
-/* The radiance that arrives along the camera ray through a point of the image, if the sample is not
- * to be begun again. */
+/* The radiance that arrives along the camera ray through a point of the image, or if it has been
+ * moved, beside it. */
 static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *input,
                                                 struct pen_kernel_scratch *scratch,
                                                 struct pen_camera_point at,
@@ -281,6 +242,8 @@ static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *i
     if (!lane_mask_bits(camera_rays(input, &point, &rays, fx)))
         return no_sample();
     lanes_ray_put(&rays, &ray);
+    if ((fx & FX_SECONDARY) && scratch->corner.met)
+        pen_corner_move(&scratch->corner, &input->pinhole, ray);
     path.origin = pen_origin_none;
     path.after = pen_after_start;
     path.weight = pen_vec3(1, 1, 1);
@@ -294,7 +257,6 @@ static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *i
     if (forks)
         scratch->surfaces_left = scratch->surfaces_max;
     scratch->layers.any = false;
-    scratch->corners.surfaces = scratch->corners.link.first = 0;
     for (int waiting = 0;;) {
         struct pen_hit hit;
         bool continues = false;
@@ -303,12 +265,16 @@ static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *i
                 scratch->met |= PEN_FX_SKY;
             sum = pen_add(sum, path_adds(&path, background_seen(scene, &path.ray, fx), fx));
         } else {
+            const struct path *const at_hit = &path;
             struct surface s;
             s.hit[0] = hit;
-            if (!pixel_surface(&s, input, &scratch->corners, &path, fx))
-                return sum;
+            surface_at(&s, scene, &at_hit, 1, fx);
             if (!lane_mask_bits(s.finite))
                 return no_sample();
+            if (fx & FX_SECONDARY)
+                look_for_corner(&scene->prims, &scratch->corner, &path, &s);
+            if ((fx & FX_SECONDARY) && scratch->corner.met)
+                return sum;
             if ((fx & PEN_FX_PATTERNS) && prim_is_patterned(scene, hit.prim))
                 scratch->met |= PEN_FX_PATTERNS;
             if (fx & FX_SAMPLED)
@@ -327,8 +293,6 @@ static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *i
                 pixel_pass(input, scratch, &s);
             if ((fx & PEN_FX_REFRACTION) && continues && !bend.straight)
                 scratch->layers.any = false;
-            if (continues)
-                pixel_link_through(&scratch->corners.link, &path);
             if (continues &&
                 pixel_blur_transmitted(input, scratch, &path, &s, waiting, counts, fx)) {
                 continues = false;
@@ -348,20 +312,22 @@ static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *i
     }
 }
 
-/* The radiance that arrives along the camera ray through a point of the image. */
+/* The same, beside the corners that the ray's paths meet. Rays of the last attempt count. */
 static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
                                                  struct pen_kernel_scratch *scratch,
                                                  struct pen_camera_point at,
                                                  struct pen_ray_counts *counts, const unsigned fx)
 {
+    struct corner *corner = &scratch->corner;
     const struct pen_ray_counts before = *counts;
-    scratch->corners.count = 0;
+    corner->moves = 0;
+    corner->met = false;
     for (;;) {
-        scratch->corners.again = false;
         const struct pen_vec3 c = trace_tree(input, scratch, at, counts, fx);
-        if (!(fx & FX_SECONDARY) || !scratch->corners.again)
+        if (!(fx & FX_SECONDARY) || !corner->met)
             return c;
         *counts = before;
+        corner->met = ++corner->moves < CORNER_MOVES;
     }
 }
 
