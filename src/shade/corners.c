@@ -3,13 +3,13 @@
 
 #include <math.h>
 
-/* The first move is 2^STEP bounds long; it doubles with every second one. */
-enum { STEP = 9 };
+/* The first move is 2^STEP bounds long; it doubles with every third one. */
+enum { STEP = 16 };
 
 void pen_corner_move(const struct corner *corner, const struct pen_pinhole *pinhole,
                      struct pen_ray *ray)
 {
-    const double step = ldexp(corner->bound, STEP + corner->moves / 2);
+    const double step = ldexp(corner->bound, STEP + corner->moves / 3);
     double x = step, y = 0;
     for (int i = 1; i < corner->moves; i++) { /* by 53 degrees, which never comes to a full turn */
         const double turned = .6 * x - .8 * y;

@@ -12,7 +12,7 @@ static const double pi = 3.14159265358979323846;
 
 static struct kit kit;
 
-enum { SIDES_MAX = 6, ASIDE = 64, BLOCK = 3, FACES_MAX = SIDES_MAX + 2 };
+enum { SIDES_MAX = 6, ASIDE = 64, ASIDE_FINE = 4096, BLOCK = 3, FACES_MAX = SIDES_MAX + 2 };
 
 /* A prism in its own coordinates, about 1 in size, along z from -1 to 1, or half as long: the
  * corners of its base run counter-clockwise. */
@@ -215,6 +215,15 @@ static vec3 edge_point(const struct prism *p, struct random *r, const struct cor
     return e;
 }
 
+/* Whether a place is inside, and away from all faces. */
+static bool is_inside(const struct prism *p, vec3 v)
+{
+    for (int i = 0; i < faces(p); i++)
+        if (pen_dot(face_normal(p, i), pen_sub(face_point(p, i), v)) < 1e-3)
+            return false;
+    return true;
+}
+
 /* A place inside. */
 static vec3 inside(const struct prism *p, struct random *r)
 {
@@ -264,7 +273,7 @@ static bool place_eye(const struct prism *p, struct random *r, const struct corn
     if (m->kind == ROOM_MIRRORED) {
         const vec3 back = pen_along(d, n, -2 * nd);
         *eye = pen_scale(pen_add(q, leave(p, q, back, &n)), .5);
-        return true;
+        return is_inside(p, *eye);
     }
     const double k = 1 - ior * ior * (1 - nd * nd);
     if (!(k > 1e-3))
@@ -325,25 +334,35 @@ static bool make(const struct row_case *c, vec3 *eye, vec3 *d, vec3 *x, vec3 *y)
     return true;
 }
 
+/* Whether an eye moved aside in some of `ways` directions sees that value. */
+static bool seen_beside(const double here[3], vec3 eye, vec3 d, vec3 x, vec3 y, int ways)
+{
+    double beside[3];
+    for (int i = 0; i < ways; i++) {
+        const double a = 2 * pi * (i % 2 ? i / 2 + ways / 2 : i / 2) / ways;
+        const vec3 o = pen_along(pen_along(eye, x, cos(a)), y, sin(a));
+        if (value(o, d, beside) && equal(here, beside))
+            return true;
+    }
+    return false;
+}
+
 static void judge(const struct row_case *c, struct row_verdict *v)
 {
     vec3 eye, d, x, y;
-    double here[3], beside[3];
+    double here[3];
     if (!make(c, &eye, &d, &x, &y)) {
         row_skip(v);
         return;
     }
     if (!row_require(v, value(eye, d, here), "not rendered"))
         return;
-    const double aside = 1e-6 * read(c).size;
-    for (int i = 0; i < ASIDE; i++) {
-        const double a = 2 * pi * (i % 2 ? i / 2 + ASIDE / 2 : i / 2) / ASIDE;
-        const vec3 o = pen_along(pen_along(eye, x, aside * cos(a)), y, aside * sin(a));
-        if (value(o, d, beside) && equal(here, beside))
-            return;
-    }
-    row_fail(v, "%g %g %g, beside it e.g. %g %g %g", here[0], here[1], here[2], beside[0],
-             beside[1], beside[2]);
+    x = pen_scale(x, 1e-6 * read(c).size);
+    y = pen_scale(y, 1e-6 * read(c).size);
+    if (seen_beside(here, eye, d, x, y, ASIDE))
+        return;
+    row_tally(v, "seen from less than 6 degrees only");
+    row_require(v, seen_beside(here, eye, d, x, y, ASIDE_FINE), "seen from nowhere beside it");
 }
 
 void rows_corners(struct pen_row_run *run)

@@ -130,7 +130,7 @@ static ALWAYS_INLINE void block_surfaces(const struct pen_kernel_input *input,
         surface_at(&b->surface[g], input->scene, path, count, fx);
         unsigned finite = lane_mask_bits(b->surface[g].finite);
         if (fx & FX_SECONDARY)
-            finite &= ~lane_mask_bits(b->surface[g].hardly_left);
+            finite &= ~lane_mask_bits(b->surface[g].corner);
         for (int i = 0; i < count; i++)
             if (!(finite >> i & 1) || block_blurs(input, &b->surface[g], i, path[i], fx))
                 block_defer(b, b->wave[first + i]);

@@ -11,7 +11,11 @@
 
 /* How often a camera ray is moved. If all its paths meet a corner, the sample is that of the ray
  * that is not moved. */
-enum { CORNER_MOVES = 33 };
+enum { CORNER_MOVES = 28 };
+
+/* How near the hits of a path are in a corner, in rounding bounds. Several mirrors may have brought
+ * a path there, with the rounding of each. */
+#define CORNER_BOUNDS 0x1p12
 
 struct corner {
     bool met;             /* the path has met a corner */

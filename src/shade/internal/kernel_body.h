@@ -209,7 +209,8 @@ static ALWAYS_INLINE void pixel_pop(const struct pen_kernel_input *input,
 }
 
 /* Looks for a corner at the path's hit. A camera ray that has been moved must meet the same surface
- * first: else a wall is between it and the ray that is not moved. */
+ * first: else a wall is between it and the ray that is not moved. Its paths may come nearer to a
+ * corner than those of that ray, as long as they tell their sides. */
 static ALWAYS_INLINE void look_for_corner(const struct pen_prims *prims, struct corner *corner,
                                           const struct path *path, const struct surface *s)
 {
@@ -218,7 +219,8 @@ static ALWAYS_INLINE void look_for_corner(const struct pen_prims *prims, struct 
         corner->first = hit;
     if (path->depth == 0)
         corner->met = hit.prim != corner->first.prim || hit.part != corner->first.part;
-    else if (lane_mask_bits(s->hardly_left) && corner->moves < CORNER_MOVES &&
+    else if (lane_mask_bits(s->corner) && corner->moves < CORNER_MOVES &&
+             (corner->moves == 0 || lanes_at(s->unsure, 0) > 1) &&
              path->origin.prim != PEN_NO_PRIM && pen_prim_flat(prims->ref[hit.prim].kind) &&
              pen_prim_flat(prims->ref[path->origin.prim].kind)) {
         corner->met = true;

@@ -97,7 +97,7 @@ static ALWAYS_INLINE void block_surfaces(const struct pen_kernel_input *input,
         points_at(&b->surface[g], input->scene, path, count);
         unsigned finite = lane_mask_bits(b->surface[g].finite);
         if (path[0]->depth > 0)
-            finite &= ~lane_mask_bits(b->surface[g].hardly_left);
+            finite &= ~lane_mask_bits(b->surface[g].corner);
         for (int i = 0; i < count; i++)
             if (!(finite >> i & 1))
                 block_defer(b, b->wave[first + i]);
