@@ -10,7 +10,7 @@ void pen_corner_move(const struct corner *corner, const struct pen_pinhole *pinh
                      struct pen_ray *ray)
 {
     const double step = ldexp(corner->bound, STEP + corner->moves / 3);
-    double x = step, y = 0;
+    double x = .54 * step, y = .84 * step; /* along no axis of a symmetric scene */
     for (int i = 1; i < corner->moves; i++) { /* by 53 degrees, which never comes to a full turn */
         const double turned = .6 * x - .8 * y;
         y = .8 * x + .6 * y;

@@ -20,8 +20,8 @@ enum { CORNER_MOVES = 28 };
 struct corner {
     bool met;             /* the path has met a corner */
     int moves;            /* the number of the camera ray; 0, and CORNER_MOVES: not moved */
-    double bound;         /* of the point in the corner */
     struct pen_hit first; /* of the ray that is not moved */
+    double bound;         /* of the point there */
 };
 
 /* Moves the camera ray. */

@@ -215,16 +215,16 @@ static ALWAYS_INLINE void look_for_corner(const struct pen_prims *prims, struct 
                                           const struct path *path, const struct surface *s)
 {
     const struct pen_hit hit = s->hit[0];
-    if (path->depth == 0 && corner->moves == 0)
+    if (path->depth == 0 && corner->moves == 0) {
         corner->first = hit;
-    if (path->depth == 0)
-        corner->met = hit.prim != corner->first.prim || hit.part != corner->first.part;
-    else if (lane_mask_bits(s->corner) && corner->moves < CORNER_MOVES &&
-             (corner->moves == 0 || lanes_at(s->unsure, 0) > 1) &&
-             path->origin.prim != PEN_NO_PRIM && pen_prim_flat(prims->ref[hit.prim].kind) &&
-             pen_prim_flat(prims->ref[path->origin.prim].kind)) {
-        corner->met = true;
         corner->bound = lanes_at(s->bound, 0);
+    } else if (path->depth == 0) {
+        corner->met = hit.prim != corner->first.prim || hit.part != corner->first.part;
+    } else if (lane_mask_bits(s->corner) && corner->moves < CORNER_MOVES) {
+        corner->met = (corner->moves == 0 || lanes_at(s->unsure, 0) > 1) &&
+                      pen_prim_flat(prims->ref[hit.prim].kind) &&
+                      path->origin.prim != PEN_NO_PRIM &&
+                      pen_prim_flat(prims->ref[path->origin.prim].kind);
     }
 }
 

@@ -50,7 +50,8 @@ static ALWAYS_INLINE void points_at(struct surface *s, const struct pen_scene *s
     s->unsure = surface_unsure(turn, outside);
     s->corner = lane_mask_of(0);
     if (path[0]->depth > 0) {
-        s->corner = surface_met_within(&ray, CORNER_BOUNDS * s->bound);
+        s->corner = surface_met_within(&ray, CORNER_BOUNDS * s->bound) |
+                    lanes_at_most(-s->nv, lanes_splat(PEN_HORIZON_SINE));
         s->unsure =
             lanes_select(surface_hardly_left(&ray, s->bound), lanes_splat(INFINITY), s->unsure);
     }
