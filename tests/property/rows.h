@@ -137,6 +137,7 @@ void rows_outside(struct pen_row_run *run);
 /* rows_corners.c */
 void rows_corners(struct pen_row_run *run);
 void rows_corner_chains(struct pen_row_run *run);
+void rows_corner_obtuse(struct pen_row_run *run);
 void rows_corner_blocks(struct pen_row_run *run);
 void rows_corner_furnaces(struct pen_row_run *run);
 

@@ -28,12 +28,13 @@ struct prism {
 };
 
 struct corner_case {
-    double kind, size, offset, turned, order, depth, seed;
+    double kind, size, offset, turned, order, depth, seed, obtuse;
 };
 
 enum kind { WEDGE, CORNER, ROOM, ROOM_MIRRORED, GLASS, GLASS_OUTSIDE, KINDS };
 
-static void draw_kinds(struct row_draw *d, struct row_case *c, int first, int count, bool moved)
+static void draw_kinds(struct row_draw *d, struct row_case *c, int first, int count, bool moved,
+                       bool obtuse)
 {
     struct random *r = &d->random;
     row_fixed(c, first + (double)(d->index % (uint64_t)count));
@@ -43,23 +44,29 @@ static void draw_kinds(struct row_draw *d, struct row_case *c, int first, int co
     row_fixed(c, random_below(r, 64));
     row_fixed(c, 2 + random_below(r, 9));
     row_fixed(c, (double)(random_bits(r) >> 40));
+    row_fixed(c, obtuse);
 }
 
 static void draw(struct row_draw *d, struct row_case *c)
 {
-    draw_kinds(d, c, 0, KINDS, true);
+    draw_kinds(d, c, 0, KINDS, true, d->index / KINDS % 2);
 }
 
 /* Those that are seen directly. */
 static void draw_direct(struct row_draw *d, struct row_case *c)
 {
-    draw_kinds(d, c, 0, ROOM + 1, false);
+    draw_kinds(d, c, 0, ROOM + 1, false, false);
 }
 
 /* Those that may follow one another on a path, or that are far from the document's origin. */
 static void draw_chained(struct row_draw *d, struct row_case *c)
 {
-    draw_kinds(d, c, ROOM, KINDS - ROOM, true);
+    draw_kinds(d, c, ROOM, KINDS - ROOM, true, false);
+}
+
+static void draw_obtuse(struct row_draw *d, struct row_case *c)
+{
+    draw_kinds(d, c, 0, KINDS, false, true);
 }
 
 static struct corner_case read(const struct row_case *c)
@@ -73,6 +80,7 @@ static struct corner_case read(const struct row_case *c)
     m.order = row_next(c, &i);
     m.depth = row_next(c, &i);
     m.seed = row_next(c, &i);
+    m.obtuse = row_next(c, &i);
     return m;
 }
 
@@ -86,27 +94,31 @@ static vec3 place(const struct prism *p, vec3 v)
     return pen_scale(pen_add(turn(p, v), gen_offset3(p->offset)), p->size);
 }
 
-static double any_angle(struct random *r)
+/* In degrees, up to 90 or above. */
+static double any_angle(struct random *r, bool obtuse)
 {
-    static const double degrees[] = {90, 60, 45, 30, 36, 72, 120, 22.5};
-    return random_below(r, 4) ? degrees[random_below(r, 8)] : random_in(r, 3, 150);
+    static const double some[] = {90, 60, 45, 30, 36, 72, 22.5, 80}, more[] = {120, 135, 108, 150};
+    if (obtuse)
+        return random_below(r, 4) ? more[random_below(r, 4)] : random_in(r, 90, 150);
+    return random_below(r, 4) ? some[random_below(r, 8)] : random_in(r, 3, 90);
 }
 
-/* The base: a square, a triangle with two or three equal sides, a regular polygon, a kite. */
-static void make_base(struct prism *p, struct random *r)
+/* The base: a square, a triangle with two or three equal sides; obtuse ones, a regular polygon. */
+static void make_base(struct prism *p, struct random *r, bool obtuse)
 {
-    const double a = any_angle(r) * pi / 360;
-    p->sides = 3 + (int)random_below(r, 4);
+    const double a = any_angle(r, obtuse) * pi / 360;
+    p->sides = 3 + (int)random_below(r, 2) + 2 * obtuse;
     for (int i = 0; i < p->sides; i++) {
         const double at = 2 * pi * (i + .5 * (p->sides == 4)) / p->sides;
         p->base[i] = pen_vec3(cos(at) * sqrt(2), sin(at) * sqrt(2), 0);
         if (p->sides == 4)
             p->base[i] = pen_vec3(i == 0 || i == 3 ? 1 : -1, i < 2 ? 1 : -1, 0);
     }
-    if (p->sides == 3 && random_below(r, 2)) {
-        p->base[0] = pen_vec3(cos(a), 0, 0);
-        p->base[1] = pen_vec3(0, sin(a), 0);
-        p->base[2] = pen_vec3(0, -sin(a), 0);
+    if (random_below(r, 3) == 0) {
+        p->sides = 3;
+        p->base[0] = pen_vec3(0, -sin(a), 0);
+        p->base[1] = pen_vec3(cos(a), 0, 0);
+        p->base[2] = pen_vec3(0, sin(a), 0);
     }
 }
 
@@ -116,7 +128,7 @@ static void make_prism(struct prism *p, struct random *r, const struct corner_ca
                         .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                         .size = m->size,
                         .offset = m->offset};
-    make_base(p, r);
+    make_base(p, r, m->obtuse > 0);
     if (m->turned > 0) {
         p->axis[2] = random_direction(r);
         gen_frame(r, p->axis[2], &p->axis[0], &p->axis[1]);
@@ -368,6 +380,11 @@ static void judge(const struct row_case *c, struct row_verdict *v)
 void rows_corners(struct pen_row_run *run)
 {
     row_each(run, draw_direct, judge);
+}
+
+void rows_corner_obtuse(struct pen_row_run *run)
+{
+    row_each(run, draw_obtuse, judge);
 }
 
 void rows_corner_chains(struct pen_row_run *run)

@@ -137,7 +137,6 @@ const struct row row_table_rooms[] = {
                 "turns and "
                 "parities: what the eye sees 1e-6 beside it, on one side at least",
         .oracle = "itself, beside the edge",
-        .known = "3 of 10 000, at vertices",
         .run = rows_corners,
         .full = 1500000,
         .check = 500,
@@ -149,8 +148,17 @@ const struct row row_table_rooms[] = {
             "the same of rooms and prisms of glass, seen in a mirror, through glass, far from the "
             "document's origin, or so that one path meets several corners",
         .oracle = "itself, beside the edge",
-        .known = "7 of 1000: corners that follow one another on a path are moved each for itself",
         .run = rows_corner_chains,
+        .full = 1000000,
+        .check = 500,
+    },
+    {
+        .id = "H073 H113",
+        .name = "corner_obtuse",
+        .what = "the same at edges of more than 90 degrees",
+        .oracle = "itself, beside the edge",
+        .known = "TODO",
+        .run = rows_corner_obtuse,
         .full = 1000000,
         .check = 500,
     },
