@@ -12,7 +12,7 @@ static const double pi = 3.14159265358979323846;
 
 static struct kit kit;
 
-enum { SIDES_MAX = 6, ASIDE = 64, ASIDE_FINE = 4096, BLOCK = 3, FACES_MAX = SIDES_MAX + 2 };
+enum { SIDES_MAX = 6, ASIDE = 64, ASIDE_FINE = 0x10000, BLOCK = 3, FACES_MAX = SIDES_MAX + 2 };
 
 /* A prism in its own coordinates, about 1 in size, along z from -1 to 1, or half as long: the
  * corners of its base run counter-clockwise. */

@@ -1,31 +1,29 @@
 /* SPDX-License-Identifier: MIT */
-/* Corners: a path that meets a flat face, and another one within rounding of where its ray starts,
- * brings no light there and is not mirrored (surface_hardly_left). The edge of two mirrors, or of
- * two faces of glass, would be seen as a dark line. Such a pixel sample is rendered again by the
- * pixel kernel with its camera ray moved a little aside: the value is what an eye there sees.
- * README.md, Corners, says how far. */
+/* Corners: a point of a flat face where a path also meets another one, within rounding. It brings
+ * no light and is not mirrored (surface_hardly_left), so that the edge of two mirrors, or of two
+ * faces of glass, would be a dark line. Such a pixel sample is rendered again by the pixel kernel
+ * with its camera ray moved a little aside: the value is what an eye there sees. README.md,
+ * Corners, derives how far. */
 #ifndef PEN_SHADE_INTERNAL_CORNERS_H
 #define PEN_SHADE_INTERNAL_CORNERS_H
 
 #include "shade/kernel.h"
 
-/* How often a camera ray is moved. If all its paths meet a corner, the sample is that of the ray
- * that is not moved. */
+/* After as many moves the camera ray is traced where it was. */
 enum { CORNER_MOVES = 28 };
 
-/* How near the hits of a path are in a corner, in rounding bounds. Several mirrors may have brought
- * a path there, with the rounding of each. */
+/* Points of a path that are nearer than this to one another are in a corner, in bounds of the
+ * points. Several mirrors may be before it, each with a rounding of its own. */
 #define CORNER_BOUNDS 0x1p12
 
 struct corner {
-    bool met;             /* the path has met a corner */
-    int moves;            /* the number of the camera ray; 0, and CORNER_MOVES: not moved */
-    struct pen_hit first; /* of the ray that is not moved */
-    double bound;         /* of the point there */
+    bool met;     /* the path has met a corner: the sample is to be rendered again */
+    int moves;    /* of the camera ray */
+    double step;  /* the length of the last move */
+    double bound; /* of the first point of the ray that is not moved */
 };
 
 /* Moves the camera ray. */
-void pen_corner_move(const struct corner *corner, const struct pen_pinhole *pinhole,
-                     struct pen_ray *ray);
+void pen_corner_move(struct corner *corner, const struct pen_pinhole *pinhole, struct pen_ray *ray);
 
 #endif

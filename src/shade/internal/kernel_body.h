@@ -208,23 +208,23 @@ static ALWAYS_INLINE void pixel_pop(const struct pen_kernel_input *input,
     scratch->layers.any = false;
 }
 
-/* Looks for a corner at the path's hit. A camera ray that has been moved must meet the same surface
- * first: else a wall is between it and the ray that is not moved. Its paths may come nearer to a
- * corner than those of that ray, as long as they tell their sides. */
+/* Looks for a corner at the path's hit. A camera ray that has been moved must begin on the same
+ * side of what it meets first: else that is a wall through which the eye has been moved. */
 static ALWAYS_INLINE void look_for_corner(const struct pen_prims *prims, struct corner *corner,
                                           const struct path *path, const struct surface *s)
 {
-    const struct pen_hit hit = s->hit[0];
+    const uint32_t left = path->origin.prim;
+    if (corner->moves == CORNER_MOVES)
+        return;
     if (path->depth == 0 && corner->moves == 0) {
-        corner->first = hit;
         corner->bound = lanes_at(s->bound, 0);
     } else if (path->depth == 0) {
-        corner->met = hit.prim != corner->first.prim || hit.part != corner->first.part;
-    } else if (lane_mask_bits(s->corner) && corner->moves < CORNER_MOVES) {
+        const struct pen_vec3 way = pen_sub(path->ray.o, lanes3_at(s->p, 0));
+        corner->met = !(pen_dot(way, lanes3_at(s->n, 0)) > 2 * corner->step);
+    } else if (lane_mask_bits(s->corner)) {
         corner->met = (corner->moves == 0 || lanes_at(s->unsure, 0) > 1) &&
-                      pen_prim_flat(prims->ref[hit.prim].kind) &&
-                      path->origin.prim != PEN_NO_PRIM &&
-                      pen_prim_flat(prims->ref[path->origin.prim].kind);
+                      pen_prim_flat(prims->ref[s->hit[0].prim].kind) && left != PEN_NO_PRIM &&
+                      pen_prim_flat(prims->ref[left].kind);
     }
 }
 

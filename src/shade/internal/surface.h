@@ -36,7 +36,7 @@ struct surface {
     lanes grazing_sine; /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
     lanes bound;        /* how far p may be off by rounding */
     lane_mask outside;  /* with refraction: the viewer is on the side of the outward normal */
-    lane_mask corner;   /* with secondary rays: the path has met a corner, or nearly so */
+    lane_mask corner;   /* of paths that have met another surface: corners.h; or they graze */
     lane_mask finite;   /* there is a point, and it, its normal and its direction are finite */
     struct pen_origin_surface origin[LANES]; /* for rays that start at p on the viewer's side */
 };
@@ -62,8 +62,8 @@ static ALWAYS_INLINE lanes surface_unsure(lanes turn, lane_mask outside)
     return lanes_select(outside & lane_mask_not(lanes_less(unsure, wide)), wide, unsure);
 }
 
-/* Whether a ray that starts on a surface meets another one where it starts, or within this distance
- * of there. Layers are told by the document. */
+/* Whether a ray that starts on a surface meets another one where it starts, or within a distance of
+ * there. The document tells layers apart. */
 static ALWAYS_INLINE lane_mask surface_met_within(const struct lanes_arrived *ray, lanes distance)
 {
     return lanes_at_most(ray->t * ray->t, distance * distance * ray->inv_dd) &
