@@ -140,6 +140,7 @@ void rows_corner_chains(struct pen_row_run *run);
 void rows_corner_obtuse(struct pen_row_run *run);
 void rows_corner_blocks(struct pen_row_run *run);
 void rows_corner_furnaces(struct pen_row_run *run);
+void rows_corner_rooms(struct pen_row_run *run);
 
 /* rows_rooms.c */
 void rows_rooms_flat(struct pen_row_run *run);

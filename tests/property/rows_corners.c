@@ -29,6 +29,7 @@ struct prism {
 
 struct corner_case {
     double kind, size, offset, turned, order, depth, seed, obtuse;
+    double near; /* the eye from a wall, as a share of the way to the edge; 0: anywhere */
 };
 
 enum kind { WEDGE, CORNER, ROOM, ROOM_MIRRORED, GLASS, GLASS_OUTSIDE, KINDS };
@@ -45,6 +46,7 @@ static void draw_kinds(struct row_draw *d, struct row_case *c, int first, int co
     row_fixed(c, 2 + random_below(r, 9));
     row_fixed(c, (double)(random_bits(r) >> 40));
     row_fixed(c, obtuse);
+    row_fixed(c, 0);
 }
 
 static void draw(struct row_draw *d, struct row_case *c)
@@ -69,6 +71,12 @@ static void draw_obtuse(struct row_draw *d, struct row_case *c)
     draw_kinds(d, c, 0, KINDS, false, true);
 }
 
+static void draw_rooms(struct row_draw *d, struct row_case *c)
+{
+    draw_kinds(d, c, ROOM, 1, true, d->index % 2);
+    c->arg[c->count - 1] = gen_power(&d->random, -14, -1);
+}
+
 static struct corner_case read(const struct row_case *c)
 {
     int i = 0;
@@ -81,6 +89,7 @@ static struct corner_case read(const struct row_case *c)
     m.depth = row_next(c, &i);
     m.seed = row_next(c, &i);
     m.obtuse = row_next(c, &i);
+    m.near = row_next(c, &i);
     return m;
 }
 
@@ -273,6 +282,10 @@ static bool place_eye(const struct prism *p, struct random *r, const struct corn
     vec3 n, d = pen_normalize(pen_sub(o, e));
     *at = e;
     *eye = o;
+    if (m->near > 0) {
+        const vec3 behind = leave(p, o, d, &n);
+        *eye = pen_along(behind, pen_sub(e, behind), m->near);
+    }
     if (m->kind <= ROOM)
         return true;
     if (m->kind == GLASS_OUTSIDE) {
@@ -455,4 +468,24 @@ static void judge_furnace(const struct row_case *c, struct row_verdict *v)
 void rows_corner_furnaces(struct pen_row_run *run)
 {
     row_each(run, draw, judge_furnace);
+}
+
+/* The surroundings are bright, the walls are not. */
+static void judge_room(const struct row_case *c, struct row_verdict *v)
+{
+    vec3 eye, d, x, y;
+    double rgb[3];
+    if (!make(c, &eye, &d, &x, &y)) {
+        row_skip(v);
+        return;
+    }
+    for (int i = 0; i < FACES_MAX; i++)
+        kit.materials[i].emission = pen_vec3(0, 0, 0);
+    if (row_require(v, value(eye, d, rgb), "not rendered"))
+        row_measure(v, "light in a closed room", rgb[0] + rgb[1] + rgb[2], 0);
+}
+
+void rows_corner_rooms(struct pen_row_run *run)
+{
+    row_each(run, draw_rooms, judge_room);
 }

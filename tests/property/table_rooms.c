@@ -133,9 +133,9 @@ const struct row row_table_rooms[] = {
     {
         .id = "H073 H113",
         .name = "corners",
-        .what = "edges and vertices of mirrored wedges, corners and rooms, at angles, scales, "
-                "turns and "
-                "parities: what the eye sees 1e-6 beside it, on one side at least",
+        .what =
+            "edges and vertices of mirrored wedges, corners and rooms, of 3 to 90 degrees, at "
+            "scales, turns and parities: what the eye sees 1e-6 beside it, on one side at least",
         .oracle = "itself, beside the edge",
         .run = rows_corners,
         .full = 1500000,
@@ -149,7 +149,7 @@ const struct row row_table_rooms[] = {
             "document's origin, or so that one path meets several corners",
         .oracle = "itself, beside the edge",
         .run = rows_corner_chains,
-        .full = 1000000,
+        .full = 1200000,
         .check = 500,
     },
     {
@@ -157,9 +157,10 @@ const struct row row_table_rooms[] = {
         .name = "corner_obtuse",
         .what = "the same at edges of more than 90 degrees",
         .oracle = "itself, beside the edge",
-        .known = "TODO",
+        .known = "where a path is mirrored once at each of several such edges, the faces it meets "
+                 "are right one by one, but not what one eye sees",
         .run = rows_corner_obtuse,
-        .full = 1000000,
+        .full = 100000,
         .check = 500,
     },
     {
@@ -180,6 +181,16 @@ const struct row row_table_rooms[] = {
         .run = rows_corner_furnaces,
         .full = 1500000,
         .check = 60,
+    },
+    {
+        .id = "H073",
+        .name = "corner_rooms",
+        .what = "closed mirrored rooms, their edges and vertices seen from 1e-14 to 1e-1 of a "
+                "wall: black",
+        .oracle = "black",
+        .run = rows_corner_rooms,
+        .full = 1000000,
+        .check = 1000,
     },
     {.id = NULL},
 };

@@ -43,8 +43,12 @@ START_TEST(test_corners__two_planes)
     kit.desc.background = pen_vec3(1, 1, 1);
     kit.settings.max_depth = 6;
     look(pen_vec3(5, 0, 5), pen_vec3(0, 0, 0), 30, 21, 21);
-    for (int y = 0; y < 21; y += 5)
-        assert_near(pixel(10, y), pen_vec3(.82, .82, .82), 1e-13);
+    for (int y = 0; y < 21; y += 5) {
+        struct pen_ray_counts rays = {0};
+        assert_near(kit_pixel(&kit, 10, y, &rays), pen_vec3(.82, .82, .82), 1e-13);
+        ck_assert_uint_eq(rays.primary, 1);
+        ck_assert_uint_eq(rays.reflection, 2);
+    }
 }
 END_TEST
 
