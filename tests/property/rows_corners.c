@@ -73,8 +73,8 @@ static void draw_obtuse(struct row_draw *d, struct row_case *c)
 
 static void draw_rooms(struct row_draw *d, struct row_case *c)
 {
-    draw_kinds(d, c, ROOM, 1, true, d->index % 2);
-    c->arg[c->count - 1] = gen_power(&d->random, -14, -1);
+    draw_kinds(d, c, ROOM, 1, false, d->index % 2);
+    c->arg[c->count - 1] = gen_power(&d->random, -12, -1);
 }
 
 static struct corner_case read(const struct row_case *c)

@@ -185,7 +185,7 @@ const struct row row_table_rooms[] = {
     {
         .id = "H073",
         .name = "corner_rooms",
-        .what = "closed mirrored rooms, their edges and vertices seen from 1e-14 to 1e-1 of a "
+        .what = "closed mirrored rooms, their edges and vertices seen from 1e-12 to 1e-1 of a "
                 "wall: black",
         .oracle = "black",
         .run = rows_corner_rooms,
