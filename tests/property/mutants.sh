@@ -464,7 +464,7 @@ edit src/shade/internal/surface.h 1 's/lanes_at_most\(-s->nv, lanes_splat\(PEN_H
 judge
 
 mutant corner_wall corner_rooms 40000 "an eye may be moved through a wall"
-edit src/shade/internal/kernel_body.h 1 's/> 2 \* corner->step\)/> -INFINITY)/'
+edit src/shade/corners.c 1 's/hit\.t <= 2\)\)/hit.t <= 0))/'
 judge
 
 mutant corner_rays shade/test_corners 0 "rays of all attempts count"

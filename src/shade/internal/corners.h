@@ -19,11 +19,12 @@ enum { CORNER_MOVES = 28 };
 struct corner {
     bool met;     /* the path has met a corner: the sample is to be rendered again */
     int moves;    /* of the camera ray */
-    double step;  /* the length of the last move */
     double bound; /* of the first point of the ray that is not moved */
 };
 
-/* Moves the camera ray. */
-void pen_corner_move(struct corner *corner, const struct pen_pinhole *pinhole, struct pen_ray *ray);
+/* Moves the camera ray, which has met no corner then. False if some surface is nearer than twice
+ * the way: the eye could leave a room. */
+bool pen_corner_move(struct corner *corner, const struct pen_kernel_input *input,
+                     struct pen_ray *ray);
 
 #endif

@@ -208,24 +208,17 @@ static ALWAYS_INLINE void pixel_pop(const struct pen_kernel_input *input,
     scratch->layers.any = false;
 }
 
-/* Looks for a corner at the path's hit. A camera ray that has been moved must begin on the same
- * side of what it meets first: else that is a wall through which the eye has been moved. */
+/* Looks for a corner at the path's hit. */
 static ALWAYS_INLINE void look_for_corner(const struct pen_prims *prims, struct corner *corner,
                                           const struct path *path, const struct surface *s)
 {
     const uint32_t left = path->origin.prim;
-    if (corner->moves == CORNER_MOVES)
-        return;
-    if (path->depth == 0 && corner->moves == 0) {
+    if (path->depth == 0 && corner->moves == 0)
         corner->bound = lanes_at(s->bound, 0);
-    } else if (path->depth == 0) {
-        const struct pen_vec3 way = pen_sub(path->ray.o, lanes3_at(s->p, 0));
-        corner->met = !(pen_dot(way, lanes3_at(s->n, 0)) > 2 * corner->step);
-    } else if (lane_mask_bits(s->corner)) {
+    if (path->depth > 0 && lane_mask_bits(s->corner) && corner->moves < CORNER_MOVES)
         corner->met = (corner->moves == 0 || lanes_at(s->unsure, 0) > 1) &&
                       pen_prim_flat(prims->ref[s->hit[0].prim].kind) && left != PEN_NO_PRIM &&
                       pen_prim_flat(prims->ref[left].kind);
-    }
 }
 
 /* The radiance that arrives along the camera ray through a point of the image, or if it has been
@@ -244,8 +237,9 @@ static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *i
     if (!lane_mask_bits(camera_rays(input, &point, &rays, fx)))
         return no_sample();
     lanes_ray_put(&rays, &ray);
-    if ((fx & FX_SECONDARY) && scratch->corner.met)
-        pen_corner_move(&scratch->corner, &input->pinhole, ray);
+    if ((fx & FX_SECONDARY) && scratch->corner.met &&
+        !pen_corner_move(&scratch->corner, input, ray))
+        return sum;
     path.origin = pen_origin_none;
     path.after = pen_after_start;
     path.weight = pen_vec3(1, 1, 1);
