@@ -354,7 +354,7 @@ judge
 mutant tree_order h112_path_tree 300 "the path that has waited longest continues first"
 edit src/shade/internal/kernel_body.h 1 \
     's/^(        )\*path = scratch->waiting\[--\*waiting\];$/\1*path = scratch->waiting[0], scratch->waiting[0] = scratch->waiting[--*waiting];/'
-edit src/shade/scratch.c 1 's/waiting = calloc\(scratch->depth, /waiting = calloc(scratch->depth + 8192, /'
+edit src/shade/scratch.c 1 's/scratch->waiting = calloc\(scratch->depth, /scratch->waiting = calloc(scratch->depth + 8192, /'
 judge
 
 mutant tree_uncounted h112_path_tree 300 "of the paths cut off only the transmitted one is counted"
@@ -436,8 +436,40 @@ edit src/geom/self_intersection.c 1 's/^    if \(prim == origin->prim && origin-
 judge
 
 mutant hardly_left rooms_flat 100 "a point in a corner brings light although no rule tells where it is"
-edit src/shade/internal/surface.h 1 's/^    if \(path\[0\]->depth > 0\)$/    if (false)/'
+edit src/shade/internal/surface.h 1 's/^    if \(path\[0\]->depth > 0\) \{$/    if (false) {/'
 judge
+
+mutant corner_blocks corner_blocks 2000 "blocks render samples that meet a corner themselves"
+edit src/shade/internal/block_wave.h 1 's/^            finite &= ~lane_mask_bits\(b->surface\[g\]\.corner\);$/            (void)0;/'
+judge
+
+mutant corner_moves corners 2000 "no ray is moved out of a corner"
+edit src/shade/internal/corners.h 1 's/CORNER_MOVES = 28/CORNER_MOVES = 1/'
+judge
+
+mutant corner_turn corners 2000 "a ray is moved in one direction only"
+edit src/shade/corners.c 1 's/^        x = turned;$/        x = turned, y = x;/'
+judge
+
+mutant corner_step corners 2000 "a ray is moved by some bounds only"
+edit src/shade/corners.c 1 's/STEP = 16/STEP = -4/'
+judge
+
+mutant corner_bounds corner_chains 40000 "a corner ends where one rounding may bring a path"
+edit src/shade/internal/corners.h 1 's/CORNER_BOUNDS 0x1p12/CORNER_BOUNDS 0x1p4/'
+judge
+
+mutant corner_along corner_chains 40000 "a path along a face is in no corner"
+edit src/shade/internal/surface.h 1 's/lanes_at_most\(-s->nv, lanes_splat\(PEN_HORIZON_SINE\)\);/lane_mask_of(0);/'
+judge
+
+mutant corner_wall corner_rooms 40000 "an eye may be moved through a wall"
+edit src/shade/corners.c 1 's/hit\.t <= 2\)\)/hit.t <= 0))/'
+judge
+
+mutant corner_rays shade/test_corners 0 "rays of all attempts count"
+edit src/shade/internal/kernel_body.h 1 's/^        \*counts = before;$/        (void)before;/'
+judge_test
 
 mutant height_of_vertex floor_foot 20000 "heights over a plane are taken from a vertex, however far that is"
 edit src/geom/internal/contact.h 1 \

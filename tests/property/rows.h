@@ -137,6 +137,14 @@ void rows_crossing(struct pen_row_run *run);
 void rows_inside(struct pen_row_run *run);
 void rows_outside(struct pen_row_run *run);
 
+/* rows_corners.c */
+void rows_corners(struct pen_row_run *run);
+void rows_corner_chains(struct pen_row_run *run);
+void rows_corner_obtuse(struct pen_row_run *run);
+void rows_corner_blocks(struct pen_row_run *run);
+void rows_corner_furnaces(struct pen_row_run *run);
+void rows_corner_rooms(struct pen_row_run *run);
+
 /* rows_rooms.c */
 void rows_rooms_flat(struct pen_row_run *run);
 void rows_rooms_crossing(struct pen_row_run *run);

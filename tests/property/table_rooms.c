@@ -130,5 +130,67 @@ const struct row row_table_rooms[] = {
         .full = 50000,
         .check = 1000,
     },
+    {
+        .id = "H073 H113",
+        .name = "corners",
+        .what =
+            "edges and vertices of mirrored wedges, corners and rooms, of 3 to 90 degrees, at "
+            "scales, turns and parities: what the eye sees 1e-6 beside it, on one side at least",
+        .oracle = "itself, beside the edge",
+        .run = rows_corners,
+        .full = 1500000,
+        .check = 500,
+    },
+    {
+        .id = "H073 H113",
+        .name = "corner_chains",
+        .what =
+            "the same of rooms and prisms of glass, seen in a mirror, through glass, far from the "
+            "document's origin, or so that one path meets several corners",
+        .oracle = "itself, beside the edge",
+        .run = rows_corner_chains,
+        .full = 1200000,
+        .check = 500,
+    },
+    {
+        .id = "H073 H113",
+        .name = "corner_obtuse",
+        .what = "the same at edges of more than 90 degrees",
+        .oracle = "itself, beside the edge",
+        .known = "where a path is mirrored once at each of several such edges, the faces it meets "
+                 "are right one by one, but not what one eye sees",
+        .run = rows_corner_obtuse,
+        .full = 100000,
+        .check = 500,
+    },
+    {
+        .id = "H073 H113",
+        .name = "corner_blocks",
+        .what = "the same by blocks and by single pixels",
+        .oracle = "itself, bit for bit",
+        .run = rows_corner_blocks,
+        .full = 1000000,
+        .check = 1000,
+    },
+    {
+        .id = "H113",
+        .name = "corner_furnaces",
+        .what = "there, closed mirrored rooms and prisms of glass that emit what they keep are as "
+                "bright as their surroundings, but for what max_depth cuts",
+        .oracle = "closed form",
+        .run = rows_corner_furnaces,
+        .full = 1500000,
+        .check = 60,
+    },
+    {
+        .id = "H073",
+        .name = "corner_rooms",
+        .what = "closed mirrored rooms, their edges and vertices seen from 1e-12 to 1e-1 of a "
+                "wall: black",
+        .oracle = "black",
+        .run = rows_corner_rooms,
+        .full = 1000000,
+        .check = 1000,
+    },
     {.id = NULL},
 };

@@ -128,7 +128,9 @@ static ALWAYS_INLINE void block_surfaces(const struct pen_kernel_input *input,
         const struct path *path[LANES];
         const int first = g * LANES, count = block_group_paths(b, g, path);
         surface_at(&b->surface[g], input->scene, path, count, fx);
-        const unsigned finite = lane_mask_bits(b->surface[g].finite);
+        unsigned finite = lane_mask_bits(b->surface[g].finite);
+        if (fx & FX_SECONDARY)
+            finite &= ~lane_mask_bits(b->surface[g].corner);
         for (int i = 0; i < count; i++)
             if (!(finite >> i & 1) || block_blurs(input, &b->surface[g], i, path[i], fx))
                 block_defer(b, b->wave[first + i]);

@@ -208,11 +208,25 @@ static ALWAYS_INLINE void pixel_pop(const struct pen_kernel_input *input,
     scratch->layers.any = false;
 }
 
-/* The radiance that arrives along the camera ray through a point of the image. */
-static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
-                                                 struct pen_kernel_scratch *scratch,
-                                                 struct pen_camera_point at,
-                                                 struct pen_ray_counts *counts, const unsigned fx)
+/* Looks for a corner at the path's hit. */
+static ALWAYS_INLINE void look_for_corner(const struct pen_prims *prims, struct corner *corner,
+                                          const struct path *path, const struct surface *s)
+{
+    const uint32_t left = path->origin.prim;
+    if (path->depth == 0 && corner->moves == 0)
+        corner->bound = lanes_at(s->bound, 0);
+    if (path->depth > 0 && lane_mask_bits(s->corner) && corner->moves < CORNER_MOVES)
+        corner->met = (corner->moves == 0 || lanes_at(s->unsure, 0) > 1) &&
+                      pen_prim_flat(prims->ref[s->hit[0].prim].kind) && left != PEN_NO_PRIM &&
+                      pen_prim_flat(prims->ref[left].kind);
+}
+
+/* The radiance that arrives along the camera ray through a point of the image, or if it has been
+ * moved, beside it. */
+static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *input,
+                                                struct pen_kernel_scratch *scratch,
+                                                struct pen_camera_point at,
+                                                struct pen_ray_counts *counts, const unsigned fx)
 {
     const struct pen_scene *scene = input->scene;
     struct pen_vec3 sum = {0, 0, 0};
@@ -223,6 +237,9 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     if (!lane_mask_bits(camera_rays(input, &point, &rays, fx)))
         return no_sample();
     lanes_ray_put(&rays, &ray);
+    if ((fx & FX_SECONDARY) && scratch->corner.met &&
+        !pen_corner_move(&scratch->corner, input, ray))
+        return sum;
     path.origin = pen_origin_none;
     path.after = pen_after_start;
     path.weight = pen_vec3(1, 1, 1);
@@ -250,6 +267,10 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
             surface_at(&s, scene, &at_hit, 1, fx);
             if (!lane_mask_bits(s.finite))
                 return no_sample();
+            if (fx & FX_SECONDARY)
+                look_for_corner(&scene->prims, &scratch->corner, &path, &s);
+            if ((fx & FX_SECONDARY) && scratch->corner.met)
+                return sum;
             if ((fx & PEN_FX_PATTERNS) && prim_is_patterned(scene, hit.prim))
                 scratch->met |= PEN_FX_PATTERNS;
             if (fx & FX_SAMPLED)
@@ -284,6 +305,25 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
         if (waiting == 0)
             return sum;
         pixel_pop(input, scratch, &waiting, &path, fx);
+    }
+}
+
+/* The same, beside the corners that the ray's paths meet. Rays of the last attempt count. */
+static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
+                                                 struct pen_kernel_scratch *scratch,
+                                                 struct pen_camera_point at,
+                                                 struct pen_ray_counts *counts, const unsigned fx)
+{
+    struct corner *corner = &scratch->corner;
+    const struct pen_ray_counts before = *counts;
+    corner->moves = 0;
+    corner->met = false;
+    for (;;) {
+        const struct pen_vec3 c = trace_tree(input, scratch, at, counts, fx);
+        if (!(fx & FX_SECONDARY) || !corner->met)
+            return c;
+        *counts = before;
+        corner->met = ++corner->moves < CORNER_MOVES;
     }
 }
 

@@ -6,6 +6,7 @@
 #define PEN_SHADE_INTERNAL_SCRATCH_H
 
 #include "math/sample.h"
+#include "shade/internal/corners.h"
 #include "shade/internal/layers.h"
 #include "shade/kernel.h"
 
@@ -52,6 +53,7 @@ struct pen_kernel_scratch {
     int surfaces_max;                /* of a pixel sample: pen_tree_surfaces_max */
     int surfaces_left;               /* of these, how many may still be shaded */
     struct layers layers;            /* of the path that is traced */
+    struct corner corner;            /* of the pixel sample */
     struct pen_block_scratch *block; /* block_body.h; in block_memory */
     void *block_memory;
     struct pen_sample_key key; /* of the samples on lights; `light` is set for each light */

@@ -36,6 +36,7 @@ struct surface {
     lanes grazing_sine; /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
     lanes bound;        /* how far p may be off by rounding */
     lane_mask outside;  /* with refraction: the viewer is on the side of the outward normal */
+    lane_mask corner;   /* of paths that have met another surface: corners.h; or they graze */
     lane_mask finite;   /* there is a point, and it, its normal and its direction are finite */
     struct pen_origin_surface origin[LANES]; /* for rays that start at p on the viewer's side */
 };
@@ -61,14 +62,21 @@ static ALWAYS_INLINE lanes surface_unsure(lanes turn, lane_mask outside)
     return lanes_select(outside & lane_mask_not(lanes_less(unsure, wide)), wide, unsure);
 }
 
-/* Whether a ray that starts on a surface meets another one where it starts, or within 16 bounds of
- * there: at a seam or in a corner. The point is then on the border of both within rounding, and on
- * which side of others around the corner, it does not tell. Layers are told by the document. */
-static ALWAYS_INLINE lane_mask surface_hardly_left(const struct lanes_arrived *ray, lanes bound)
+/* Whether a ray that starts on a surface meets another one where it starts, or within a distance of
+ * there. The document tells layers apart. */
+static ALWAYS_INLINE lane_mask surface_met_within(const struct lanes_arrived *ray, lanes distance)
 {
-    return lanes_at_most(ray->t * ray->t, 0x1p8 * (bound * bound) * ray->inv_dd) &
+    return lanes_at_most(ray->t * ray->t, distance * distance * ray->inv_dd) &
            (lanes_less(lanes_splat(PEN_LAST_LAYER_T), ray->t) |
             lanes_at_most(ray->t, lanes_splat(PEN_FIRST_T)));
+}
+
+/* Whether that is within 16 bounds: at a seam or in a corner. The point is then on the border of
+ * both surfaces within rounding, and on which side of others around the corner, it does not tell.
+ */
+static ALWAYS_INLINE lane_mask surface_hardly_left(const struct lanes_arrived *ray, lanes bound)
+{
+    return surface_met_within(ray, 0x1p4 * bound);
 }
 
 enum { MATERIAL_DOUBLES = sizeof(struct pen_material) / sizeof(double) };
@@ -353,9 +361,13 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
     const lanes turn = s->bound * at.curvature;
     s->grazing_sine = surface_grazing_sine(turn, outside);
     s->unsure = surface_unsure(turn, outside);
-    if (path[0]->depth > 0)
+    s->corner = lane_mask_of(0);
+    if (path[0]->depth > 0) {
+        s->corner = surface_met_within(&ray, CORNER_BOUNDS * s->bound) |
+                    lanes_at_most(-s->nv, lanes_splat(PEN_HORIZON_SINE));
         s->unsure =
             lanes_select(surface_hardly_left(&ray, s->bound), lanes_splat(INFINITY), s->unsure);
+    }
     /* The bound is computed from the point, so it is not finite where the point is not. */
     s->finite = lane_mask_of((1u << count) - 1) &
                 lanes_less(lanes_abs(s->nv - s->bound), lanes_splat(INFINITY));

@@ -95,7 +95,9 @@ static ALWAYS_INLINE void block_surfaces(const struct pen_kernel_input *input,
         const struct path *path[LANES];
         const int first = g * LANES, count = block_group_paths(b, g, path);
         points_at(&b->surface[g], input->scene, path, count);
-        const unsigned finite = lane_mask_bits(b->surface[g].finite);
+        unsigned finite = lane_mask_bits(b->surface[g].finite);
+        if (path[0]->depth > 0)
+            finite &= ~lane_mask_bits(b->surface[g].corner);
         for (int i = 0; i < count; i++)
             if (!(finite >> i & 1))
                 block_defer(b, b->wave[first + i]);

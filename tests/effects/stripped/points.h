@@ -48,9 +48,13 @@ static ALWAYS_INLINE void points_at(struct surface *s, const struct pen_scene *s
     const lanes turn = s->bound * at.curvature;
     s->grazing_sine = surface_grazing_sine(turn, outside);
     s->unsure = surface_unsure(turn, outside);
-    if (path[0]->depth > 0)
+    s->corner = lane_mask_of(0);
+    if (path[0]->depth > 0) {
+        s->corner = surface_met_within(&ray, CORNER_BOUNDS * s->bound) |
+                    lanes_at_most(-s->nv, lanes_splat(PEN_HORIZON_SINE));
         s->unsure =
             lanes_select(surface_hardly_left(&ray, s->bound), lanes_splat(INFINITY), s->unsure);
+    }
     s->finite = lane_mask_of((1u << count) - 1) &
                 lanes_less(lanes_abs(s->nv - s->bound), lanes_splat(INFINITY));
 }
