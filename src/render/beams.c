@@ -15,18 +15,6 @@ static const double BRIGHT = 4;
 /* The most small things of a beam that is no texture, and the most bounds that are sampled. */
 enum { SMALL_MOST = 4, BOUNDS_MOST = 16 };
 
-/* A thing, while its beams are found. */
-struct thing {
-    struct pen_hull hull;
-    struct pen_shear shear;
-    struct bounds bounds; /* what all its bounds have in common */
-};
-
-static double largest(struct pen_vec3 c)
-{
-    return pen_larger(c.x, pen_larger(c.y, c.z));
-}
-
 /* What a material shines by itself; of a pattern, more than either of its two colours. */
 static struct pen_vec3 own_light(const struct pen_scene *scene, const struct pen_material *m)
 {
@@ -34,8 +22,7 @@ static struct pen_vec3 own_light(const struct pen_scene *scene, const struct pen
     return m->patterns ? pen_scale(sum, 2) : sum;
 }
 
-/* The most that a light brings to some of the bounds of a primitive, for a reflectance of 1. */
-static struct pen_vec3 light_within(const struct pen_light *light, struct pen_box box)
+struct pen_vec3 pen_beam_light_within(const struct pen_light *light, struct pen_box box)
 {
     if (!light->positional)
         return light->intensity;
@@ -48,21 +35,20 @@ static struct pen_vec3 light_within(const struct pen_light *light, struct pen_bo
                      1 / pen_larger(light->kc + light->kl * d + light->kq * dd, 1e-6));
 }
 
-/* The most light of a primitive that is seen. */
-static struct pen_vec3 light_of(const struct pen_scene *scene, uint32_t prim)
+struct pen_vec3 pen_beam_light(const struct pen_scene *scene, uint32_t prim)
 {
     const struct pen_material *m = &scene->materials[scene->prim_material[prim]];
     struct pen_vec3 sum = own_light(scene, m);
     const struct pen_vec3 factor = pen_add(m->kd, m->ks), on = pen_add(m->kr, m->kt);
     const struct pen_box box = pen_prim_bounds(&scene->prims, prim);
     for (uint32_t i = 0; i < scene->light_count; i++)
-        sum = pen_add(sum, pen_mul(factor, light_within(&scene->lights[i], box)));
+        sum = pen_add(sum, pen_mul(factor, pen_beam_light_within(&scene->lights[i], box)));
     return pen_add(sum, pen_mul(on, scene->background));
 }
 
-static bool is_bright(const struct pen_scene *scene, uint32_t prim)
+bool pen_beam_bright(const struct pen_scene *scene, uint32_t prim)
 {
-    return largest(own_light(scene, &scene->materials[scene->prim_material[prim]])) > BRIGHT;
+    return pen_beam_largest(own_light(scene, &scene->materials[scene->prim_material[prim]])) > BRIGHT;
 }
 
 static bool add_bounds(struct pen_beams *beams, const struct bounds *bounds)
@@ -143,6 +129,29 @@ static struct pen_point2 longest_edge(const struct pen_hull *part)
     return along;
 }
 
+static bool is_dim(const struct bounds *b)
+{
+    return pen_larger((double)b->light[0],
+                      pen_larger((double)b->light[1], (double)b->light[2])) <= BRIGHT;
+}
+
+static double outside(double from, double to, double at)
+{
+    return pen_larger(0, pen_larger(from - at, at - to));
+}
+
+/* Lowers the light of a thing whose light falls to what it may have in the pixel at (x, y). */
+static void fall_to(const struct thing *thing, struct bounds *b, int x, int y)
+{
+    const struct pen_point2 lo = pen_hull_least(&thing->hull), hi = pen_hull_largest(&thing->hull);
+    const double u = outside(x, x + 1, 0.5 * (lo.x + hi.x)) / (0.5 * (hi.x - lo.x)),
+                 v = outside(y, y + 1, 0.5 * (lo.y + hi.y)) / (0.5 * (hi.y - lo.y));
+    const double off = pen_larger(u, v);
+    const float left = (float)pen_pow(thing->fall, off * off);
+    for (int c = 0; c < 3; c++)
+        b->light[c] *= left;
+}
+
 /* Adds the beam of a pinhole: the part of the polygon that is in the pixel at (x, y). */
 static bool add_pixel(struct pen_beams *beams, const struct thing *thing,
                       const struct pen_hull *row, int x, int y)
@@ -162,6 +171,10 @@ static bool add_pixel(struct pen_beams *beams, const struct thing *thing,
     if (oblique.share < 0.9 * b.share)
         b = oblique;
     b.pixel = (size_t)y * (size_t)beams->width + (size_t)x;
+    if (thing->fall > 0) {
+        fall_to(thing, &b, x, y);
+        b.small = is_dim(&b);
+    }
     return !(b.share > 0) || add_beam(beams, &b);
 }
 
@@ -201,6 +214,7 @@ static bool add_lens_pixel(struct pen_beams *beams, const struct thing *thing, s
         pen_smaller(1, b.a.x) * pen_smaller(1, b.b.y) *
         pen_smaller(1, (b.lens_hi.x - b.lens_lo.x) * (b.lens_hi.y - b.lens_lo.y) / PEN_BEAM_PI);
     b.pixel = (size_t)y * (size_t)beams->width + (size_t)x;
+    b.small |= thing->fall > 0 && is_dim(&b);
     return add_beam(beams, &b);
 }
 
@@ -209,8 +223,7 @@ static int pixel_within(double at, int count)
     return at > 0 ? at < count - 1 ? (int)at : count - 1 : 0;
 }
 
-/* Adds all beams that may meet a thing. */
-static bool add_thing(struct pen_beams *beams, const struct thing *thing)
+bool pen_beam_add_thing(struct pen_beams *beams, const struct thing *thing)
 {
     struct pen_point2 lo = pen_hull_least(&thing->hull), hi = pen_hull_largest(&thing->hull);
     const struct pen_point2 own_lo = lo, own_hi = hi;
@@ -263,8 +276,8 @@ static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *inp
 {
     const struct pen_scene *scene = input->scene;
     const uint32_t kind = scene->prims.ref[prim].kind;
-    const bool bright = is_bright(scene, prim);
-    struct thing thing;
+    const bool bright = pen_beam_bright(scene, prim);
+    struct thing thing = {.fall = 0};
     if (pen_prim_infinite(kind) || (!bright && is_wide(input, prim)) ||
         (pen_prim_flat(kind) && !bright))
         return true;
@@ -272,137 +285,10 @@ static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *inp
         return true;
     if (!bright && !is_thin(&thing.hull))
         return true;
-    const struct pen_vec3 light = light_of(scene, prim);
+    const struct pen_vec3 light = pen_beam_light(scene, prim);
     thing.bounds = (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
                                    .small = !bright};
-    return add_thing(beams, &thing);
-}
-
-/* A flat mirror, and how wide the cone of its rays is. */
-struct mirror {
-    struct pen_vec3 point, normal, kr;
-    double blur; /* the tangent of the cone's half-angle */
-};
-
-static bool mirror_of(const struct pen_kernel_input *input, uint32_t prim, struct mirror *mirror)
-{
-    const struct pen_scene *scene = input->scene;
-    const uint32_t material = scene->prim_material[prim];
-    const struct pen_material *m = &scene->materials[material];
-    const struct pen_prim_ref ref = scene->prims.ref[prim];
-    if (!pen_prim_flat(ref.kind) || !(largest(m->kr) > input->settings->min_contribution))
-        return false;
-    const struct pen_outline outline = pen_prim_outline(&scene->prims, prim);
-    const double cosine = 1 - scene->blurs[material].reflection;
-    mirror->kr = m->patterns ? pen_scale(m->kr, 2) : m->kr;
-    mirror->blur = sqrt(1 - cosine * cosine) / pen_larger(cosine, 1e-3);
-    mirror->point = outline.count > 0 ? outline.v[0] : scene->prims.plane[ref.index].q;
-    mirror->normal = pen_prim_normal(&scene->prims, (struct pen_hit){.prim = prim}, mirror->point);
-    return true;
-}
-
-/* Adds the picture of a bright thing in a mirror: that of a sphere around it, as far behind the
- * mirror. A blurred one is seen in a wider sphere. There a ray meets the thing with a probability
- * of at most its share of the cone, from as near as the mirror can be. */
-static bool add_mirrored(struct pen_beams *beams, const struct pen_kernel_input *input,
-                         uint32_t prim, const struct mirror *mirror)
-{
-    const struct pen_box box = pen_prim_bounds(&input->scene->prims, prim);
-    const struct pen_vec3 center = pen_box_center(box);
-    const double away = pen_dot(pen_sub(center, mirror->point), mirror->normal),
-                 eye = pen_dot(pen_sub(input->pinhole.eye, mirror->point), mirror->normal);
-    double radius = input->scene->prims.ref[prim].kind == PEN_PRIM_SPHERE
-                        ? 0.5 * (box.hi.x - box.lo.x)
-                        : 0.5 * pen_length(pen_sub(box.hi, box.lo));
-    struct pen_sphere picture;
-    struct thing thing;
-    if (away * eye <= 0)
-        return true;
-    const struct pen_vec3 c = pen_along(center, mirror->normal, -2 * away);
-    const double ratio = radius / (pen_larger(fabs(away) - radius, 1e-9) * mirror->blur);
-    radius += mirror->blur * pen_length(pen_sub(c, input->pinhole.eye));
-    if (!pen_sphere_make(&picture, c, radius) ||
-        !pen_project_sphere(input, &picture, &thing.hull, &thing.shear))
-        return true;
-    const struct pen_vec3 light = pen_mul(light_of(input->scene, prim), mirror->kr);
-    thing.bounds =
-        (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
-                        .most = mirror->blur > 0 ? (float)pen_smaller(1, ratio * ratio) : 0};
-    return add_thing(beams, &thing);
-}
-
-/* Adds what mirrors show of bright things. */
-static bool add_mirrors(struct pen_beams *beams, const struct pen_kernel_input *input)
-{
-    enum { MIRRORS_MOST = 16 };
-    const struct pen_scene *scene = input->scene;
-    struct mirror mirror[MIRRORS_MOST];
-    int count = 0;
-    for (uint32_t i = 0; i < scene->prims.count && count < MIRRORS_MOST; i++)
-        count += mirror_of(input, i, &mirror[count]);
-    for (uint32_t i = 0; count > 0 && i < scene->prims.count; i++) {
-        if (pen_prim_infinite(scene->prims.ref[i].kind) || !is_bright(scene, i))
-            continue;
-        for (int k = 0; k < count; k++)
-            if (!add_mirrored(beams, input, i, &mirror[k]))
-                return false;
-    }
-    return true;
-}
-
-/* The point of a sphere where a light is mirrored to the eye: the normal there is between the
- * directions to both. Each step brings it nearer. */
-static struct pen_vec3 highlight_at(const struct pen_kernel_input *input,
-                                    const struct pen_sphere *sphere, const struct pen_light *light)
-{
-    enum { STEPS = 50 };
-    struct pen_vec3 p = sphere->c;
-    for (int i = 0; i < STEPS; i++) {
-        const struct pen_vec3 to_eye = pen_normalize(pen_sub(input->pinhole.eye, p)),
-                              to_light = light->positional
-                                             ? pen_normalize(pen_sub(light->position, p))
-                                             : pen_scale(light->direction, -1);
-        p = pen_along(sphere->c, pen_normalize(pen_add(to_eye, to_light)), sphere->r);
-    }
-    return p;
-}
-
-/* Adds the highlight of a light on a sphere if it is less than some pixels wide: it is a small
- * thing. Where the normal is off by an angle, the mirrored ray is off by twice that. */
-static bool add_highlight(struct pen_beams *beams, const struct pen_kernel_input *input,
-                          const struct pen_sphere *sphere, const struct pen_material *m,
-                          const struct pen_light *light)
-{
-    static const double dark = 4.6 /* -ln 0.01 */, wide = 8;
-    const double angle = sqrt(2 * dark / m->shininess) / 2;
-    struct pen_sphere around;
-    struct thing thing;
-    const struct pen_vec3 p = highlight_at(input, sphere, light);
-    if (!(angle < 0.1) || !pen_sphere_make(&around, p, sphere->r * angle) ||
-        !pen_project_sphere(input, &around, &thing.hull, &thing.shear) || thing.hull.count < 3 ||
-        pen_hull_area(&thing.hull) > wide)
-        return true;
-    const struct pen_vec3 brought =
-        pen_mul(m->ks, light_within(light, (struct pen_box){around.c, around.c}));
-    thing.bounds = (struct bounds){.light = {(float)brought.x, (float)brought.y, (float)brought.z},
-                                   .small = true};
-    return add_thing(beams, &thing);
-}
-
-/* Adds the highlights of all spheres. */
-static bool add_highlights(struct pen_beams *beams, const struct pen_kernel_input *input)
-{
-    const struct pen_scene *scene = input->scene;
-    for (uint32_t i = 0; i < scene->prims.count; i++) {
-        const struct pen_prim_ref ref = scene->prims.ref[i];
-        const struct pen_material *m = &scene->materials[scene->prim_material[i]];
-        if (ref.kind != PEN_PRIM_SPHERE || !(largest(m->ks) > 0) || m->shininess < 100)
-            continue;
-        for (uint32_t k = 0; k < scene->light_count; k++)
-            if (!add_highlight(beams, input, &scene->prims.sphere[ref.index], m, &scene->lights[k]))
-                return false;
-    }
-    return true;
+    return pen_beam_add_thing(beams, &thing);
 }
 
 /* Sorts the bounds by pixel, and leaves out those of beams that have too many. */
@@ -458,7 +344,7 @@ static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input)
     for (uint32_t i = 0; i < input->scene->prims.count; i++)
         if (!add_prim(beams, input, i))
             return false;
-    return add_mirrors(beams, input) && add_highlights(beams, input) && sort_bounds(beams);
+    return pen_beam_add_images(beams, input) && sort_bounds(beams);
 }
 
 bool pen_beams_new(const struct pen_kernel_input *input, struct pen_beams **out,

@@ -33,6 +33,15 @@ struct bounds {
     bool small;
 };
 
+/* A thing, while its beams are found. */
+struct thing {
+    struct pen_hull hull;
+    struct pen_shear shear;
+    struct bounds bounds; /* what all its bounds have in common */
+    double fall;          /* above 0: its light falls from the middle of the polygon to this part of
+                           * it at the border, by a normal distribution */
+};
+
 /* The things of a beam. */
 struct met {
     float blurred[3],
@@ -51,5 +60,25 @@ struct pen_beams {
     size_t count, room;
     uint32_t *first; /* bounds of pixel i are first[i] to first[i + 1] - 1 */
 };
+
+static inline double pen_beam_largest(struct pen_vec3 c)
+{
+    return pen_larger(c.x, pen_larger(c.y, c.z));
+}
+
+/* Whether a primitive shines by itself so much that it is a thing whatever its size. */
+bool pen_beam_bright(const struct pen_scene *scene, uint32_t prim);
+
+/* The most light of a primitive that is seen. */
+struct pen_vec3 pen_beam_light(const struct pen_scene *scene, uint32_t prim);
+
+/* The most that a light brings to some of a box, for a reflectance of 1. */
+struct pen_vec3 pen_beam_light_within(const struct pen_light *light, struct pen_box box);
+
+/* Adds the thing to all beams that may meet it. False: out of memory. */
+bool pen_beam_add_thing(struct pen_beams *beams, const struct thing *thing);
+
+/* Adds the images of things in surfaces (beam_images.c). False: out of memory. */
+bool pen_beam_add_images(struct pen_beams *beams, const struct pen_kernel_input *input);
 
 #endif
