@@ -85,6 +85,7 @@ struct pen_adaptive {
     struct pen_pixel_estimate *estimates;
     float *unseen;         /* mean square errors of edges that no sample may have seen */
     float *errors;         /* those of estimates, but at least unseen */
+    float *things;         /* what unseen things may add to that, at most */
     uint16_t *priority;    /* 1 + that of pen_adaptive_select; 0: no more samples are allowed */
     unsigned char *wanted; /* pixels that the next round refines */
     bool refined;          /* a round after the pilot has been selected */

@@ -11,6 +11,7 @@
 struct mirror {
     struct pen_vec3 point, normal, kr;
     double blur; /* the tangent of the cone's half-angle */
+    float near;  /* as that of bounds */
 };
 
 /* The tangent of the half-angle of a material's reflected rays. */
@@ -47,6 +48,9 @@ static bool mirror_of(const struct pen_kernel_input *input, uint32_t prim, struc
     const struct pen_outline outline = pen_prim_outline(&scene->prims, prim);
     mirror->kr = mirrored_by(scene, prim);
     mirror->blur = blur_of(scene, prim);
+    mirror->near = pen_prim_infinite(ref.kind)
+                       ? 0
+                       : pen_beam_depth(input, pen_prim_bounds(&scene->prims, prim));
     mirror->point = outline.count > 0 ? outline.v[0] : scene->prims.plane[ref.index].q;
     mirror->normal = pen_prim_normal(&scene->prims, (struct pen_hit){.prim = prim}, mirror->point);
     return true;
@@ -90,6 +94,7 @@ static bool add_mirrored(struct pen_beams *beams, const struct pen_kernel_input 
         return true;
     if (mirror->blur > 0)
         thing.bounds.most = (float)pen_smaller(1, ratio * ratio);
+    thing.bounds.near = mirror->near;
     set_light(&thing.bounds, pen_mul(pen_beam_light(input->scene, prim), mirror->kr));
     return pen_beam_add_thing(beams, &thing);
 }
@@ -194,8 +199,8 @@ static void place_on_cylinder(const struct pen_kernel_input *input,
         at->normal = next;
         const struct pen_vec3 from = pen_along(side->q, next, side->r);
         const struct pen_vec3 to = source->far ? source->at : pen_sub(source->at, from);
-        at->p = pen_along(
-            from, axis, along_line(pen_sub(input->pinhole.eye, from), to, source->far, axis));
+        at->p = pen_along(from, axis,
+                          along_line(pen_sub(input->pinhole.eye, from), to, source->far, axis));
     }
     at->along = axis;
     at->curved[0] = 0;
@@ -234,8 +239,7 @@ static bool place_on(const struct pen_kernel_input *input, uint32_t prim,
     else if (ref.kind == PEN_PRIM_INFINITE_CYLINDER)
         place_on_cylinder(input, &prims->infinite_cylinder[ref.index].round, source, at);
     else if (ref.kind == PEN_PRIM_PLANE || outline.count > 0) {
-        const struct pen_vec3 q =
-            outline.count > 0 ? outline.v[0] : prims->plane[ref.index].q;
+        const struct pen_vec3 q = outline.count > 0 ? outline.v[0] : prims->plane[ref.index].q;
         return place_on_plane(input, q, pen_prim_normal(prims, (struct pen_hit){.prim = prim}, q),
                               source, at);
     } else
@@ -258,9 +262,13 @@ static double reach(const struct place *at, const struct pen_kernel_input *input
 
 static bool is_near(struct pen_box box, struct pen_vec3 p, double distance)
 {
-    return p.x >= box.lo.x - distance && p.x <= box.hi.x + distance &&
-           p.y >= box.lo.y - distance && p.y <= box.hi.y + distance &&
-           p.z >= box.lo.z - distance && p.z <= box.hi.z + distance;
+    return p.x >= box.lo.x - distance && p.x <= box.hi.x + distance && p.y >= box.lo.y - distance &&
+           p.y <= box.hi.y + distance && p.z >= box.lo.z - distance && p.z <= box.hi.z + distance;
+}
+
+static struct pen_vec3 absolute(struct pen_vec3 v)
+{
+    return pen_vec3(fabs(v.x), fabs(v.y), fabs(v.z));
 }
 
 /* The bounds of an image that has so large a half-angle as seen from its place. False if the
@@ -279,6 +287,10 @@ static bool image_in(const struct pen_kernel_input *input, uint32_t prim,
     const struct pen_vec3 axes[] = {
         pen_scale(at->along, i), pen_scale(pen_cross(at->normal, at->along), k),
         pen_scale(at->normal, 0.5 * (i * i * at->curved[0] + k * k * at->curved[1]))};
+    const struct pen_vec3 off =
+        pen_add(pen_add(absolute(axes[0]), absolute(axes[1])), absolute(axes[2]));
+    thing->bounds.near =
+        pen_beam_depth(input, (struct pen_box){pen_sub(at->p, off), pen_add(at->p, off)});
     if (!pen_prim_infinite(prims->ref[prim].kind) &&
         !is_near(pen_prim_bounds(prims, prim), at->p, i + k))
         return false;
@@ -319,9 +331,8 @@ static bool add_highlights(struct pen_beams *beams, const struct pen_kernel_inpu
     const struct pen_scene *scene = input->scene;
     for (uint32_t i = 0; i < scene->prims.count; i++) {
         const struct pen_material *m = material_of(scene, i);
-        for (uint32_t k = 0; pen_beam_largest(m->ks) > 0 && m->shininess >= narrow &&
-                             k < scene->light_count;
-             k++)
+        for (uint32_t k = 0;
+             pen_beam_largest(m->ks) > 0 && m->shininess >= narrow && k < scene->light_count; k++)
             if (!add_highlight(beams, input, i, &scene->lights[k]))
                 return false;
     }
@@ -334,8 +345,7 @@ static bool add_image(struct pen_beams *beams, const struct pen_kernel_input *in
 {
     const struct pen_scene *scene = input->scene;
     const double radius = radius_around(scene, prim), blur = blur_of(scene, mirror);
-    const struct source source = {
-        false, pen_box_center(pen_prim_bounds(&scene->prims, prim))};
+    const struct source source = {false, pen_box_center(pen_prim_bounds(&scene->prims, prim))};
     struct place at;
     struct thing thing = {.fall = 0};
     if (mirror == prim || !place_on(input, mirror, &source, &at))

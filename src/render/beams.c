@@ -48,7 +48,8 @@ struct pen_vec3 pen_beam_light(const struct pen_scene *scene, uint32_t prim)
 
 bool pen_beam_bright(const struct pen_scene *scene, uint32_t prim)
 {
-    return pen_beam_largest(own_light(scene, &scene->materials[scene->prim_material[prim]])) > BRIGHT;
+    return pen_beam_largest(own_light(scene, &scene->materials[scene->prim_material[prim]])) >
+           BRIGHT;
 }
 
 static bool add_bounds(struct pen_beams *beams, const struct bounds *bounds)
@@ -75,21 +76,21 @@ static void add_met(struct pen_beams *beams, const struct bounds *b, double part
     *(b->small ? &met->small_share : &met->share) += times;
 }
 
+/* What takes all of a beam is met by its samples. So much of that may be in a picture that it is
+ * not kept as bounds. */
 static bool add_beam(struct pen_beams *beams, const struct bounds *b)
 {
-    if (b->most > 0) {
-        struct met *met = &beams->met[b->pixel];
-        for (int c = 0; c < 3; c++) {
-            met->blurred[c] += b->light[c];
-            met->most[c] += b->light[c] * b->most;
-        }
-        beams->any = true;
-        return true;
-    }
-    if (b->small || b->share <= LARGE)
-        return add_bounds(beams, b);
-    add_met(beams, b, 1);
+    static const double all = 0.999;
+    struct met *met = &beams->met[b->pixel];
     beams->any = true;
+    if (b->most == 0 && (b->small || b->share < all))
+        return add_bounds(beams, b);
+    if (b->most == 0)
+        add_met(beams, b, 1);
+    for (int c = 0; c < 3 && b->most > 0; c++) {
+        met->blurred[c] += b->light[c];
+        met->most[c] += b->light[c] * b->most;
+    }
     return true;
 }
 
@@ -131,8 +132,8 @@ static struct pen_point2 longest_edge(const struct pen_hull *part)
 
 static bool is_dim(const struct bounds *b)
 {
-    return pen_larger((double)b->light[0],
-                      pen_larger((double)b->light[1], (double)b->light[2])) <= BRIGHT;
+    return pen_larger((double)b->light[0], pen_larger((double)b->light[1], (double)b->light[2])) <=
+           BRIGHT;
 }
 
 static double outside(double from, double to, double at)
@@ -286,12 +287,14 @@ static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *inp
     if (!bright && !is_thin(&thing.hull))
         return true;
     const struct pen_vec3 light = pen_beam_light(scene, prim);
-    thing.bounds = (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
-                                   .small = !bright};
+    thing.bounds =
+        (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
+                        .near = pen_beam_depth(input, pen_prim_bounds(&scene->prims, prim)),
+                        .small = !bright};
     return pen_beam_add_thing(beams, &thing);
 }
 
-/* Sorts the bounds by pixel, and leaves out those of beams that have too many. */
+/* Sorts the bounds by pixel. */
 static bool sort_bounds(struct pen_beams *beams)
 {
     const size_t pixels = (size_t)beams->width * (size_t)beams->height;
@@ -308,35 +311,50 @@ static bool sort_bounds(struct pen_beams *beams)
         next[i + 1] += next[i];
     for (size_t i = 0; i < beams->count; i++)
         sorted[next[beams->bounds[i].pixel]++] = beams->bounds[i];
-    size_t count = 0, from = 0;
-    for (size_t pixel = 0; pixel < pixels; pixel++) {
-        const size_t end = beams->first[pixel + 1];
-        int small = 0, kept = 0;
-        for (size_t i = from; i < end; i++)
-            small += sorted[i].small;
-        beams->first[pixel] = (uint32_t)count;
-        for (size_t i = from; i < end; i++) {
-            if (sorted[i].small && small > SMALL_MOST)
-                continue;
-            if (kept == BOUNDS_MOST) {
-                add_met(beams, &sorted[i], 1 - PEN_BEAM_PART);
-                continue;
-            }
-            beams->bounds[count++] = sorted[i];
-            kept++;
-        }
-        for (int i = 0; i < kept; i++)
-            add_met(beams, &beams->bounds[count - 1 - (size_t)i], PEN_BEAM_PART / kept);
-        from = end;
-    }
-    beams->first[pixels] = (uint32_t)count;
-    beams->count = count;
-    beams->any |= count > 0;
-    free(sorted);
+    free(beams->bounds);
+    beams->bounds = sorted;
     return true;
 }
 
-static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input)
+/* Keeps the bounds of a pixel that samples are drawn from, from number `count` on; of the others
+ * only the light counts. */
+static void keep_bounds(struct pen_beams *beams, const struct bounds *from, size_t n, size_t count)
+{
+    int small = 0, kept = 0;
+    for (size_t i = 0; i < n; i++)
+        small += from[i].small && from[i].share > 0;
+    for (size_t i = 0; i < n; i++) {
+        const struct bounds b = from[i];
+        if (b.share == 0 || (b.small && small > SMALL_MOST))
+            continue;
+        if (!b.small && b.share > LARGE)
+            add_met(beams, &b, 1);
+        else if (kept == BOUNDS_MOST)
+            add_met(beams, &b, 1 - PEN_BEAM_PART);
+        else
+            beams->bounds[count + (size_t)kept++] = b;
+    }
+    for (int i = 0; i < kept; i++)
+        add_met(beams, &beams->bounds[count + (size_t)i], PEN_BEAM_PART / kept);
+    beams->count = count + (size_t)kept;
+}
+
+static void keep_all_bounds(struct pen_beams *beams)
+{
+    const size_t pixels = (size_t)beams->width * (size_t)beams->height;
+    size_t from = 0;
+    beams->count = 0;
+    for (size_t pixel = 0; pixel < pixels; pixel++) {
+        const size_t end = beams->first[pixel + 1];
+        beams->first[pixel] = (uint32_t)beams->count;
+        keep_bounds(beams, &beams->bounds[from], end - from, beams->count);
+        from = end;
+    }
+    beams->first[pixels] = (uint32_t)beams->count;
+}
+
+static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input,
+                 struct pen_thread_pool *pool)
 {
     beams->met = calloc((size_t)beams->width * (size_t)beams->height, sizeof *beams->met);
     if (!beams->met)
@@ -344,11 +362,16 @@ static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input)
     for (uint32_t i = 0; i < input->scene->prims.count; i++)
         if (!add_prim(beams, input, i))
             return false;
-    return pen_beam_add_images(beams, input) && sort_bounds(beams);
+    if (!pen_beam_add_images(beams, input) || !sort_bounds(beams))
+        return false;
+    if (beams->count > 0)
+        pen_beam_hide(beams, input, pool);
+    keep_all_bounds(beams);
+    return true;
 }
 
-bool pen_beams_new(const struct pen_kernel_input *input, struct pen_beams **out,
-                   struct pen_status *st)
+bool pen_beams_new(const struct pen_kernel_input *input, struct pen_thread_pool *pool,
+                   struct pen_beams **out, struct pen_status *st)
 {
     const struct pen_settings *s = input->settings;
     struct pen_beams *beams = calloc(1, sizeof *beams);
@@ -359,7 +382,7 @@ bool pen_beams_new(const struct pen_kernel_input *input, struct pen_beams **out,
                                     .lens = input->lens.open,
                                     .seed = s->seed,
                                     .transfer = pen_settings_transfer(s)};
-        if (fill(beams, input)) {
+        if (fill(beams, input, pool)) {
             *out = beams->any ? beams : NULL;
             if (!beams->any)
                 pen_beams_free(beams);

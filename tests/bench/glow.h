@@ -71,8 +71,8 @@ static inline void bench_glow_ray(struct bench_glow *g, uint32_t sphere, struct 
                           any = fabs(n.x) < 0.6 ? pen_vec3(1, 0, 0) : pen_vec3(0, 1, 0),
                           u = pen_normalize(pen_cross(n, any)), v = pen_cross(n, u);
     const double c = 1 - at.x * part, sine = sqrt(at.x * part * (1 + c));
-    const struct pen_vec3 w = pen_along(pen_along(pen_scale(n, c), u, sine * cos(tau * at.y)), v,
-                                        sine * sin(tau * at.y));
+    const struct pen_vec3 w =
+        pen_along(pen_along(pen_scale(n, c), u, sine * cos(tau * at.y)), v, sine * sin(tau * at.y));
     const double along = c * sqrt(dd);
     const double distance = along - sqrt(pen_larger(0, s->rr - dd * (1 - c) * (1 + c)));
     const double mm = pen_dot(p->middle, p->middle), forward = pen_dot(w, p->middle);
@@ -85,10 +85,8 @@ static inline void bench_glow_ray(struct bench_glow *g, uint32_t sphere, struct 
     if (!(x >= 0 && x < g->width && y >= 0 && y < g->height))
         return;
     const double slope = forward / sqrt(mm);
-    const double share =
-        tau * part * mm / (sqrt(xx * yy) * slope * slope * slope * rays);
-    const struct pen_vec3 light =
-        g->scene->materials[g->scene->prim_material[sphere]].emission;
+    const double share = tau * part * mm / (sqrt(xx * yy) * slope * slope * slope * rays);
+    const struct pen_vec3 light = g->scene->materials[g->scene->prim_material[sphere]].emission;
     double *sum = &g->sum[4 * ((size_t)y * (size_t)g->width + (size_t)x)];
     sum[0] += share;
     sum[1] += share * light.x;

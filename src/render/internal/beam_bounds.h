@@ -29,6 +29,7 @@ struct bounds {
     struct pen_point2 lens_lo, lens_hi;
     double share; /* of the beam */
     float light[3];
+    float near; /* the depth where the thing begins, in lengths of the pinhole's `middle` */
     float most; /* above 0: seen in a blurred mirror, by at most this part of its rays */
     bool small;
 };
@@ -77,6 +78,14 @@ struct pen_vec3 pen_beam_light_within(const struct pen_light *light, struct pen_
 
 /* Adds the thing to all beams that may meet it. False: out of memory. */
 bool pen_beam_add_thing(struct pen_beams *beams, const struct thing *thing);
+
+/* Sets the shares of bounds to 0 that something else is in front of (beam_hidden.c). Threads: as
+ * pen_render_run. */
+void pen_beam_hide(struct pen_beams *beams, const struct pen_kernel_input *input,
+                   struct pen_thread_pool *pool);
+
+/* The depth from which on a box may be seen, with some room for rounding. */
+float pen_beam_depth(const struct pen_kernel_input *input, struct pen_box box);
 
 /* Adds the images of things in surfaces (beam_images.c). False: out of memory. */
 bool pen_beam_add_images(struct pen_beams *beams, const struct pen_kernel_input *input);

@@ -17,14 +17,15 @@
 #ifndef PEN_RENDER_INTERNAL_BEAMS_H
 #define PEN_RENDER_INTERNAL_BEAMS_H
 
+#include "base/thread_pool.h"
 #include "shade/kernel.h"
 
 struct pen_beams;
 
 /* The things that the beams of a picture may meet: *beams is NULL if none does. It borrows nothing.
  * Owns: free with pen_beams_free. Fails: PEN_NO_MEMORY. */
-bool pen_beams_new(const struct pen_kernel_input *input, struct pen_beams **beams,
-                   struct pen_status *st);
+bool pen_beams_new(const struct pen_kernel_input *input, struct pen_thread_pool *pool,
+                   struct pen_beams **beams, struct pen_status *st);
 void pen_beams_free(struct pen_beams *beams);
 
 /* The things whose bounds samples of a pixel's beam are drawn from. */
