@@ -105,11 +105,15 @@ void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel, float rgb[3])
     a->estimates[pixel].error = (float)(error / 3);
 }
 
-bool pen_pixel_agrees(const struct pen_adaptive *a, size_t pixel)
+bool pen_pixel_same(const struct pen_adaptive *a, size_t pixel)
 {
     static const double apart = 1.0 / 512;
-    return a->sums[pixel].looks == PEN_LOOKS_UNDECIDED &&
-           (double)a->estimates[pixel].error <= apart * apart;
+    return (double)a->estimates[pixel].error <= apart * apart;
+}
+
+bool pen_pixel_agrees(const struct pen_adaptive *a, size_t pixel)
+{
+    return a->sums[pixel].looks == PEN_LOOKS_UNDECIDED && pen_pixel_same(a, pixel);
 }
 
 const struct pen_beams *pen_adaptive_beams(const struct pen_adaptive *a, size_t pixel)

@@ -12,6 +12,10 @@ static const double LARGE = 0.25;
 /* Own light from which on a primitive is bright. */
 static const double BRIGHT = 4;
 
+/* A round primitive is small if it is less than a pixel wide; if it is brighter than white, as many
+ * times that, but at most so many pixels. */
+static const double WIDTH_MOST = 8;
+
 /* The most small things of a beam that is no texture, and the most bounds that are sampled. */
 enum { SMALL_MOST = 4, BOUNDS_MOST = 16 };
 
@@ -35,21 +39,41 @@ struct pen_vec3 pen_beam_light_within(const struct pen_light *light, struct pen_
                      1 / pen_larger(light->kc + light->kl * d + light->kq * dd, 1e-6));
 }
 
+/* What lights bring to some of a box, at most. */
+static struct pen_vec3 lights_within(const struct pen_scene *scene, struct pen_box box)
+{
+    struct pen_vec3 sum = {0, 0, 0};
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        sum = pen_add(sum, pen_beam_light_within(&scene->lights[i], box));
+    return sum;
+}
+
+static const struct pen_material *material_of(const struct pen_scene *scene, uint32_t prim)
+{
+    return &scene->materials[scene->prim_material[prim]];
+}
+
 struct pen_vec3 pen_beam_light(const struct pen_scene *scene, uint32_t prim)
 {
-    const struct pen_material *m = &scene->materials[scene->prim_material[prim]];
-    struct pen_vec3 sum = own_light(scene, m);
-    const struct pen_vec3 factor = pen_add(m->kd, m->ks), on = pen_add(m->kr, m->kt);
-    const struct pen_box box = pen_prim_bounds(&scene->prims, prim);
-    for (uint32_t i = 0; i < scene->light_count; i++)
-        sum = pen_add(sum, pen_mul(factor, pen_beam_light_within(&scene->lights[i], box)));
-    return pen_add(sum, pen_mul(on, scene->background));
+    const struct pen_material *m = material_of(scene, prim);
+    const struct pen_vec3 lit = pen_mul(pen_add(m->kd, m->ks),
+                                        lights_within(scene, pen_prim_bounds(&scene->prims, prim)));
+    return pen_add(pen_add(own_light(scene, m), lit),
+                   pen_mul(pen_add(m->kr, m->kt), scene->background));
+}
+
+/* How bright most of a primitive may be: highlights are things of their own. */
+static double brightness(const struct pen_scene *scene, uint32_t prim)
+{
+    const struct pen_material *m = material_of(scene, prim);
+    const struct pen_vec3 lit =
+        pen_mul(m->kd, lights_within(scene, pen_prim_bounds(&scene->prims, prim)));
+    return pen_beam_largest(pen_add(own_light(scene, m), lit));
 }
 
 bool pen_beam_bright(const struct pen_scene *scene, uint32_t prim)
 {
-    return pen_beam_largest(own_light(scene, &scene->materials[scene->prim_material[prim]])) >
-           BRIGHT;
+    return pen_beam_largest(own_light(scene, material_of(scene, prim))) > BRIGHT;
 }
 
 static bool add_bounds(struct pen_beams *beams, const struct bounds *bounds)
@@ -83,6 +107,10 @@ static bool add_beam(struct pen_beams *beams, const struct bounds *b)
     static const double all = 0.999;
     struct met *met = &beams->met[b->pixel];
     beams->any = true;
+    if (b->deep) {
+        pen_beam_add_depth(met, b);
+        return true;
+    }
     if (b->most == 0 && (b->small || b->share < all))
         return add_bounds(beams, b);
     if (b->most == 0)
@@ -252,12 +280,12 @@ bool pen_beam_add_thing(struct pen_beams *beams, const struct thing *thing)
     return true;
 }
 
-/* Whether a polygon is less than a pixel wide in the mean. */
-static bool is_thin(const struct pen_hull *hull)
+/* Whether a polygon is less than so many pixels wide in the mean. */
+static bool is_thin(const struct pen_hull *hull, double pixels)
 {
     const struct pen_point2 lo = pen_hull_least(hull), hi = pen_hull_largest(hull);
     const double x = hi.x - lo.x, y = hi.y - lo.y;
-    return pen_hull_area(hull) < pen_larger(1, sqrt(x * x + y * y));
+    return pen_hull_area(hull) < pixels * pen_larger(pixels, sqrt(x * x + y * y));
 }
 
 /* Whether a sphere certainly is no thing unless it is bright: the usual case, told quickly. */
@@ -269,7 +297,8 @@ static bool is_wide(const struct pen_kernel_input *input, uint32_t prim)
         return false;
     const struct pen_sphere *s = &input->scene->prims.sphere[ref.index];
     const struct pen_vec3 to = pen_sub(s->c, p->eye);
-    return s->rr * pen_dot(p->middle, p->middle) > 4 * pen_dot(to, to) * pen_dot(p->dx, p->dx);
+    return s->rr * pen_dot(p->middle, p->middle) >
+           WIDTH_MOST * WIDTH_MOST * pen_dot(to, to) * pen_dot(p->dx, p->dx);
 }
 
 /* Adds a primitive if it is a thing. */
@@ -277,20 +306,20 @@ static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *inp
 {
     const struct pen_scene *scene = input->scene;
     const uint32_t kind = scene->prims.ref[prim].kind;
-    const bool bright = pen_beam_bright(scene, prim);
+    const bool shines = pen_beam_bright(scene, prim);
     struct thing thing = {.fall = 0};
-    if (pen_prim_infinite(kind) || (!bright && is_wide(input, prim)) ||
-        (pen_prim_flat(kind) && !bright))
+    if (pen_prim_infinite(kind) || (!shines && (pen_prim_flat(kind) || is_wide(input, prim))))
         return true;
     if (!pen_project(input, prim, &thing.hull, &thing.shear) || thing.hull.count < 3)
         return true;
-    if (!bright && !is_thin(&thing.hull))
+    const double bright = brightness(scene, prim);
+    if (!shines && !is_thin(&thing.hull, pen_larger(1, pen_smaller(bright, WIDTH_MOST))))
         return true;
     const struct pen_vec3 light = pen_beam_light(scene, prim);
     thing.bounds =
         (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
                         .near = pen_beam_depth(input, pen_prim_bounds(&scene->prims, prim)),
-                        .small = !bright};
+                        .small = !shines && bright <= BRIGHT};
     return pen_beam_add_thing(beams, &thing);
 }
 
@@ -362,7 +391,7 @@ static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input,
     for (uint32_t i = 0; i < input->scene->prims.count; i++)
         if (!add_prim(beams, input, i))
             return false;
-    if (!pen_beam_add_images(beams, input) || !sort_bounds(beams))
+    if (!pen_beam_add_images(beams, input) || !pen_beam_add_depths(beams, input) || !sort_bounds(beams))
         return false;
     if (beams->count > 0)
         pen_beam_hide(beams, input, pool);

@@ -170,7 +170,8 @@ static double unseen_things(struct pen_adaptive *a, const struct pass *pass,
     struct pen_beam_view view = {.samples = a->sums[at].samples,
                                  .times = 1,
                                  .looks = a->sums[at].looks == PEN_LOOKS,
-                                 .agree = pen_pixel_agrees(a, at)};
+                                 .agree = pen_pixel_agrees(a, at),
+                                 .same = pen_pixel_same(a, at)};
     const double probable = pen_beam_unseen(a->beams, at, linear, &view);
     view.times = 4;
     const double possible = pen_beam_unseen(a->beams, at, linear, &view);

@@ -32,6 +32,7 @@ struct bounds {
     float near; /* the depth where the thing begins, in lengths of the pinhole's `middle` */
     float most; /* above 0: seen in a blurred mirror, by at most this part of its rays */
     bool small;
+    bool deep; /* of a surface that may show things somewhere: pen_beam_add_depths */
 };
 
 /* A thing, while its beams are found. */
@@ -48,6 +49,7 @@ struct met {
     float blurred[3],
         most[3];           /* of bright ones in a blurred mirror: 1 / n of it, but at most `most` */
     float light[3], share; /* of bright ones: with n samples 1 / n of the sums is unseen */
+    float deep[3];                     /* of the brightest thing that is shown somewhere */
     float small_light[3], small_share; /* of small ones, as their bounds have them */
 };
 
@@ -61,6 +63,13 @@ struct pen_beams {
     size_t count, room;
     uint32_t *first; /* bounds of pixel i are first[i] to first[i + 1] - 1 */
 };
+
+/* Notes what a surface may show somewhere in a beam. */
+static inline void pen_beam_add_depth(struct met *met, const struct bounds *b)
+{
+    for (int c = 0; c < 3; c++)
+        met->deep[c] = met->deep[c] > b->light[c] ? met->deep[c] : b->light[c];
+}
 
 static inline double pen_beam_largest(struct pen_vec3 c)
 {
@@ -86,6 +95,10 @@ void pen_beam_hide(struct pen_beams *beams, const struct pen_kernel_input *input
 
 /* The depth from which on a box may be seen, with some room for rounding. */
 float pen_beam_depth(const struct pen_kernel_input *input, struct pen_box box);
+
+/* Adds what surfaces may show at places that are not computed (beam_depths.c). False: out of
+ * memory. */
+bool pen_beam_add_depths(struct pen_beams *beams, const struct pen_kernel_input *input);
 
 /* Adds the images of things in surfaces (beam_images.c). False: out of memory. */
 bool pen_beam_add_images(struct pen_beams *beams, const struct pen_kernel_input *input);

@@ -48,6 +48,7 @@ struct pen_beam_view {
     double times;   /* what is asked for: 1, what is probable; 4, what is possible */
     bool looks;     /* samples look for small things, */
     bool agree;     /* or they do not yet, and agree */
+    bool same;      /* all samples so far agree */
 };
 
 /* The mean square error of a pixel's encoded values, if what it may not have seen is in it. */
