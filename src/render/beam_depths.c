@@ -37,12 +37,10 @@ static struct pen_vec3 shown_by(const struct pen_kernel_input *input, uint32_t p
     const struct pen_material *m = &scene->materials[material];
     const double least = input->settings->min_contribution;
     struct pen_vec3 sum = {0, 0, 0};
-    if (pen_beam_largest(m->kt) > least &&
-        (m->ior != 1 || scene->blurs[material].transmission > 0))
+    if (pen_beam_largest(m->kt) > least && (m->ior != 1 || scene->blurs[material].transmission > 0))
         sum = pen_add(sum, m->kt);
-    if (pen_beam_largest(m->kr) > least &&
-        (scene->prims.ref[prim].kind == PEN_PRIM_CONE || hidden->mirrors > 1 ||
-         pen_beam_largest(sum) > 0))
+    if (pen_beam_largest(m->kr) > least && (scene->prims.ref[prim].kind == PEN_PRIM_CONE ||
+                                            hidden->mirrors > 1 || pen_beam_largest(sum) > 0))
         sum = pen_add(sum, m->kr);
     return m->patterns ? pen_scale(sum, 2) : sum;
 }
@@ -64,8 +62,8 @@ bool pen_beam_add_depths(struct pen_beams *beams, const struct pen_kernel_input 
         return true;
     for (uint32_t i = 0; i < scene->prims.count; i++) {
         const struct pen_vec3 light = pen_mul(shown_by(input, i, &hidden), hidden.light);
-        struct thing thing = {.bounds = {.light = {(float)light.x, (float)light.y, (float)light.z},
-                                         .deep = true}};
+        struct thing thing = {
+            .bounds = {.light = {(float)light.x, (float)light.y, (float)light.z}, .deep = true}};
         if (!(pen_beam_largest(light) > 0))
             continue;
         if (pen_prim_infinite(scene->prims.ref[i].kind) ||

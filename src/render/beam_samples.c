@@ -113,8 +113,8 @@ double pen_beam_sample(const struct pen_beams *beams, const struct pen_camera_sa
 static const double BLURRED_RAYS = 4;
 
 /* What is shown somewhere counts as seen if so many samples of a pixel agree: with as many of its
- * neighbours each, they miss what takes a hundredth of these with a probability of 0.003. */
-static const double ENOUGH = 64;
+ * neighbours each, they miss what takes a thirtieth of these with a probability of 0.01. */
+static const double ENOUGH = 16;
 
 /* The mean square of what values change if a share of so much light is added, or lost. */
 static double change(const struct pen_beams *beams, const double linear[3], const double light[3],

@@ -56,8 +56,8 @@ static const struct pen_material *material_of(const struct pen_scene *scene, uin
 struct pen_vec3 pen_beam_light(const struct pen_scene *scene, uint32_t prim)
 {
     const struct pen_material *m = material_of(scene, prim);
-    const struct pen_vec3 lit = pen_mul(pen_add(m->kd, m->ks),
-                                        lights_within(scene, pen_prim_bounds(&scene->prims, prim)));
+    const struct pen_vec3 lit =
+        pen_mul(pen_add(m->kd, m->ks), lights_within(scene, pen_prim_bounds(&scene->prims, prim)));
     return pen_add(pen_add(own_light(scene, m), lit),
                    pen_mul(pen_add(m->kr, m->kt), scene->background));
 }
@@ -391,7 +391,8 @@ static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input,
     for (uint32_t i = 0; i < input->scene->prims.count; i++)
         if (!add_prim(beams, input, i))
             return false;
-    if (!pen_beam_add_images(beams, input) || !pen_beam_add_depths(beams, input) || !sort_bounds(beams))
+    if (!pen_beam_add_images(beams, input) || !pen_beam_add_depths(beams, input) ||
+        !sort_bounds(beams))
         return false;
     if (beams->count > 0)
         pen_beam_hide(beams, input, pool);

@@ -161,8 +161,8 @@ static float unseen_edge(const struct pen_adaptive *a, const struct pass *pass, 
 /* Counts the things that a pixel may not have seen. A share v of a beam is missed by n samples with
  * a probability of (1 - v)^n: 1 / n with 0.16 to 0.39, 4 / n with 0.01. Returns what the error is
  * more if a share of 1 / n is unseen; sets what it is if 4 / n is. */
-static double unseen_things(struct pen_adaptive *a, const struct pass *pass,
-                            struct slice *slice, size_t at)
+static double unseen_things(struct pen_adaptive *a, const struct pass *pass, struct slice *slice,
+                            size_t at)
 {
     const double error = (double)a->errors[at];
     double linear[3];

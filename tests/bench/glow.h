@@ -98,7 +98,7 @@ static inline void bench_glow_ray(struct bench_glow *g, uint32_t sphere, struct 
 static inline bool bench_glow_render(const struct pen_scene *scene, const struct pen_settings *s,
                                      uint64_t seed, float *rgb)
 {
-    enum { RAYS = 1 << 20 };
+    const uint32_t rays = 1 << (scene->prims.count > 4 ? 18 : 20); /* to each sphere */
     const size_t pixels = (size_t)s->width * (size_t)s->height;
     struct bench_glow g = {.scene = scene,
                            .pinhole = pen_scene_pinhole(scene, 0, s->width, s->height),
@@ -113,9 +113,9 @@ static inline bool bench_glow_render(const struct pen_scene *scene, const struct
         const uint64_t lens = pen_sample_hash(&key);
         key.purpose = PEN_PURPOSE_LIGHT;
         const uint64_t light = pen_sample_hash(&key);
-        for (uint32_t k = 0; k < RAYS; k++)
+        for (uint32_t k = 0; k < rays; k++)
             bench_glow_ray(&g, i, pen_disk_of_square(pen_sobol2(lens, k)), pen_sobol2(light, k),
-                           RAYS);
+                           rays);
     }
     for (size_t i = 0; i < pixels; i++) {
         const double left = pen_larger(0, 1 - g.sum[4 * i]);

@@ -49,7 +49,7 @@ struct met {
     float blurred[3],
         most[3];           /* of bright ones in a blurred mirror: 1 / n of it, but at most `most` */
     float light[3], share; /* of bright ones: with n samples 1 / n of the sums is unseen */
-    float deep[3];                     /* of the brightest thing that is shown somewhere */
+    float deep[3];         /* of the brightest thing that is shown somewhere */
     float small_light[3], small_share; /* of small ones, as their bounds have them */
 };
 
