@@ -12,7 +12,7 @@ static const double LARGE = 0.25;
 /* Own light from which on a primitive is bright. */
 static const double BRIGHT = 4;
 
-/* A round primitive is small if it is less than a pixel wide; if it is brighter than white, as many
+/* A primitive is small if it is less than a pixel wide; if it is brighter than white, as many
  * times that, but at most so many pixels. */
 static const double WIDTH_MOST = 8;
 
@@ -301,6 +301,28 @@ static bool is_wide(const struct pen_kernel_input *input, uint32_t prim)
            WIDTH_MOST * WIDTH_MOST * pen_dot(to, to) * pen_dot(p->dx, p->dx);
 }
 
+static bool share_a_corner(struct pen_outline a, struct pen_outline b)
+{
+    for (uint32_t i = 0; i < a.count; i++)
+        for (uint32_t k = 0; k < b.count; k++)
+            if (a.v[i].x == b.v[k].x && a.v[i].y == b.v[k].y && a.v[i].z == b.v[k].z)
+                return true;
+    return false;
+}
+
+/* Whether a flat primitive is part of a surface: it shares a corner with one that stands near it in
+ * the document. Small ones of a surface are no things. */
+static bool is_facet(const struct pen_prims *prims, uint32_t prim)
+{
+    enum { NEAR = 4 };
+    const struct pen_outline own = pen_prim_outline(prims, prim);
+    const uint32_t first = prim > NEAR ? prim - NEAR : 0;
+    for (uint32_t i = first; i < prims->count && i <= prim + NEAR; i++)
+        if (i != prim && share_a_corner(own, pen_prim_outline(prims, i)))
+            return true;
+    return false;
+}
+
 /* Adds a primitive if it is a thing. */
 static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *input, uint32_t prim)
 {
@@ -308,12 +330,14 @@ static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *inp
     const uint32_t kind = scene->prims.ref[prim].kind;
     const bool shines = pen_beam_bright(scene, prim);
     struct thing thing = {.fall = 0};
-    if (pen_prim_infinite(kind) || (!shines && (pen_prim_flat(kind) || is_wide(input, prim))))
+    if (pen_prim_infinite(kind) || (!shines && is_wide(input, prim)) ||
+        (!shines && pen_prim_flat(kind) && is_facet(&scene->prims, prim)))
         return true;
     if (!pen_project(input, prim, &thing.hull, &thing.shear) || thing.hull.count < 3)
         return true;
     const double bright = brightness(scene, prim);
-    if (!shines && !is_thin(&thing.hull, pen_larger(1, pen_smaller(bright, WIDTH_MOST))))
+    const double wide = pen_larger(1, pen_smaller(bright, WIDTH_MOST));
+    if (!shines && !is_thin(&thing.hull, wide))
         return true;
     const struct pen_vec3 light = pen_beam_light(scene, prim);
     thing.bounds =

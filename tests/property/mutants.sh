@@ -580,6 +580,10 @@ mutant beam_hidden render/test_beams 0 "samples look for things that are hidden"
 edit src/render/beam_hidden.c 1 's/^            b->share = 0;/            b->share *= 1;/'
 judge_test
 
+mutant beam_triangles render/test_beams 0 "small triangles are all taken for facets of a surface"
+edit src/render/beams.c 1 's/if \(i != prim && share_a_corner/if (share_a_corner/'
+judge_test
+
 mutant beam_glass render/test_beams 0 "glass hides what is behind it"
 edit src/render/beam_hidden.c 1 's/if \(scene->see_through\[prim\]\)/if (scene->see_through[prim] > 1)/'
 judge_test

@@ -113,6 +113,23 @@ START_TEST(test_beams__dots_smaller_than_a_pixel_are_seen)
 }
 END_TEST
 
+/* Triangles that share no corners, each within a pixel. */
+START_TEST(test_beams__small_triangles_are_seen)
+{
+    static float want[SIDE * SIDE];
+    begin(0.002);
+    for (int i = 0; i < 16; i++) {
+        const int x = 5 + 6 * (i % 4), y = 5 + 6 * (i / 4);
+        const double side = 0.02 + 0.008 * i;
+        const struct pen_vec3 a = {(x + 0.1) / 4 - 4, 4 - (y + 0.9) / 4, 0};
+        kit_triangle(&kit, a, pen_vec3(a.x + side, a.y, 0), pen_vec3(a.x, a.y + side, 0),
+                     kit_material(&kit, kit_glow(1, 1, 1)));
+        want[y * SIDE + x] = (float)(side * side / 2 * 16);
+    }
+    ck_assert_int_eq(pictures_beyond(want), 0);
+}
+END_TEST
+
 /* A wire across all pixels of a row shows each of them its width. */
 START_TEST(test_beams__a_wire_is_seen_in_every_pixel)
 {
@@ -322,4 +339,4 @@ PEN_SUITE("beams", test_beams__the_rim_of_a_lamp_is_seen,
           test_beams__a_light_out_of_focus_keeps_its_light, test_beams__a_lamp_in_a_mirror_is_seen,
           test_beams__highlights_on_a_plane_are_seen, test_beams__highlights_on_a_cylinder_are_seen,
           test_beams__a_lamp_in_a_mirror_ball_is_seen, test_beams__what_is_hidden_takes_no_samples,
-          test_beams__what_glass_may_show_is_not_proven)
+          test_beams__small_triangles_are_seen, test_beams__what_glass_may_show_is_not_proven)

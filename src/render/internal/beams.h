@@ -2,7 +2,8 @@
 /* Small and bright things, and the beams that may meet them. A beam is all that a pixel's samples
  * can be: the points of the pixel, with a lens each with a point of the lens.
  *
- * A thing is a primitive whose own light is well above white, a small round one, or an image of
+ * A thing is a primitive whose own light is well above white, a small one that is no facet of a
+ * surface, or an image of
  * these or of a light in a surface: what samples of a whole beam miss. Four samples miss what
  * covers a tenth of a pixel two times in three, and then all agree: no variance is no evidence. But
  * where it is is known: bounds of its projection. A beam is proven to have no thing in it if
@@ -19,7 +20,7 @@
  * not computed, samples do not look for it, but what they may not have seen counts.
  *
  * What is large is told by neighbours, which do not agree with a pixel whose samples miss it:
- * unseen_edge in decide.c. Small flat primitives and small shadows are not known. */
+ * unseen_edge in decide.c. Small shadows are not known. */
 #ifndef PEN_RENDER_INTERNAL_BEAMS_H
 #define PEN_RENDER_INTERNAL_BEAMS_H
 
