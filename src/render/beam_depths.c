@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Bright things that may be seen in surfaces at places that are not computed: through refraction or
- * frosted glass, in cones, and in mirrors that mirrors show. Samples of beams that meet such a
- * surface look for nothing, but what they may not have seen counts while they agree. */
+ * frosted glass, in cones, and in mirrors that mirrors show; and highlights of cones. Samples of
+ * beams that meet such a surface look for nothing, but what they may not have seen counts while
+ * they agree. */
 #include "render/internal/beam_bounds.h"
 
 /* What surfaces may show. */
@@ -45,6 +46,17 @@ static struct pen_vec3 shown_by(const struct pen_kernel_input *input, uint32_t p
     return m->patterns ? pen_scale(sum, 2) : sum;
 }
 
+/* The highlights of a cone. */
+static struct pen_vec3 highlights_of(const struct pen_scene *scene, uint32_t prim)
+{
+    const struct pen_material *m = &scene->materials[scene->prim_material[prim]];
+    const struct pen_box box = pen_prim_bounds(&scene->prims, prim);
+    struct pen_vec3 sum = {0, 0, 0};
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        sum = pen_add(sum, pen_mul(m->ks, pen_beam_light_within(&scene->lights[i], box)));
+    return m->shininess >= PEN_BEAM_NARROW ? sum : pen_vec3(0, 0, 0);
+}
+
 /* Adds a surface that may be anywhere in the picture. */
 static void add_everywhere(struct pen_beams *beams, const struct bounds *b)
 {
@@ -58,10 +70,12 @@ bool pen_beam_add_depths(struct pen_beams *beams, const struct pen_kernel_input 
 {
     const struct pen_scene *scene = input->scene;
     const struct hidden hidden = hidden_in(input);
-    if (!(pen_beam_largest(hidden.light) > 0))
-        return true;
     for (uint32_t i = 0; i < scene->prims.count; i++) {
-        const struct pen_vec3 light = pen_mul(shown_by(input, i, &hidden), hidden.light);
+        struct pen_vec3 light = {0, 0, 0};
+        if (pen_beam_largest(hidden.light) > 0)
+            light = pen_mul(shown_by(input, i, &hidden), hidden.light);
+        if (scene->prims.ref[i].kind == PEN_PRIM_CONE)
+            light = pen_add(light, highlights_of(scene, i));
         struct thing thing = {
             .bounds = {.light = {(float)light.x, (float)light.y, (float)light.z}, .deep = true}};
         if (!(pen_beam_largest(light) > 0))

@@ -327,12 +327,12 @@ static bool add_highlight(struct pen_beams *beams, const struct pen_kernel_input
 
 static bool add_highlights(struct pen_beams *beams, const struct pen_kernel_input *input)
 {
-    static const double narrow = 100;
     const struct pen_scene *scene = input->scene;
     for (uint32_t i = 0; i < scene->prims.count; i++) {
         const struct pen_material *m = material_of(scene, i);
-        for (uint32_t k = 0;
-             pen_beam_largest(m->ks) > 0 && m->shininess >= narrow && k < scene->light_count; k++)
+        for (uint32_t k = 0; pen_beam_largest(m->ks) > 0 && m->shininess >= PEN_BEAM_NARROW &&
+                             k < scene->light_count;
+             k++)
             if (!add_highlight(beams, input, i, &scene->lights[k]))
                 return false;
     }

@@ -589,7 +589,7 @@ edit src/render/beam_hidden.c 1 's/if \(scene->see_through\[prim\]\)/if (scene->
 judge_test
 
 mutant beam_highlights render/test_beams 0 "highlights are nowhere looked for"
-edit src/render/beam_images.c 1 's/^(    static const double narrow = )100;/\11e99;/'
+edit src/render/internal/beam_bounds.h 1 's/^(#define PEN_BEAM_NARROW )100$/\11e99/'
 judge_test
 
 mutant beam_round render/test_beams 0 "round mirrors show no lamps"

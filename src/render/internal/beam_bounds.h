@@ -20,6 +20,9 @@ static inline double pen_smaller(double a, double b)
 /* The part of a beam's samples that is drawn from the bounds of things. */
 #define PEN_BEAM_PART 0.5
 
+/* The shininess from which on highlights are things. */
+#define PEN_BEAM_NARROW 100
+
 /* Bounds of a thing in one beam. With a lens: a rectangle, which moves with the point of the lens,
  * and the part of the lens from which it can be in the pixel. */
 struct bounds {
