@@ -7,6 +7,7 @@
  * lines that lead from it back to the lens: so all rays of the beam meet it that are between these.
  * Of a convex body seen through a rectangle, the corners of that show what is farthest: so it is
  * before the thing if it is so there. */
+#include <fenv.h>
 #include <math.h>
 #include <stdatomic.h>
 
@@ -38,8 +39,17 @@ static bool is_screen(const struct pen_scene *scene, uint32_t prim)
     return false;
 }
 
+/* Whether a ray comes to a primitive from outside. From inside a convex body, what is farthest is
+ * not at the corners. */
+static bool is_outside(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray)
+{
+    const struct pen_vec3 p = pen_prim_point(prims, hit, ray);
+    return pen_prim_flat(prims->ref[hit.prim].kind) ||
+           pen_dot(pen_prim_normal(prims, hit, p), ray->d) < 0;
+}
+
 /* The first primitive on the ray through a point of the image and of the lens, and its depth in
- * lengths of the pinhole's `middle`. */
+ * lengths of the pinhole's `middle`. False if it cannot hide anything. */
 static bool first_on(const struct pen_kernel_input *input, struct pen_point2 at,
                      struct pen_point2 lens, uint32_t *prim, double *depth)
 {
@@ -56,7 +66,8 @@ static bool first_on(const struct pen_kernel_input *input, struct pen_point2 at,
         d = pen_sub(pen_scale(d, input->lens.focus), aside);
     }
     if (!pen_ray_make(&ray, o, d) ||
-        !input->trace->nearest(input->scene->accel, &ray, &pen_origin_none, &all, &hit))
+        !input->trace->nearest(input->scene->accel, &ray, &pen_origin_none, &all, &hit) ||
+        !is_screen(input->scene, hit.prim) || !is_outside(&input->scene->prims, hit, &ray))
         return false;
     *prim = hit.prim;
     *depth = hit.t * (input->lens.open ? input->lens.focus : 1);
@@ -90,8 +101,6 @@ static double hidden_from(const struct pen_kernel_input *input, const struct bou
             x + b->corner.x + u * b->a.x + v * b->b.x + b->shear.x * lens.x,
             y + b->corner.y + u * b->a.y + v * b->b.y + b->shear.y * lens.y};
         if (!first_on(input, at, lens, &prim, &depth) || (i > 0 && prim != screen))
-            return INFINITY;
-        if (i == 0 && !is_screen(input->scene, prim))
             return INFINITY;
         screen = prim;
         most = pen_larger(most, depth);
@@ -151,10 +160,14 @@ static void hide_in_block(const struct pass *pass, int left, int top)
 static void hide(void *user, int thread)
 {
     struct pass *pass = user;
+    fenv_t caller;
     int i;
     (void)thread;
+    fegetenv(&caller);
+    fesetenv(FE_DFL_ENV);
     while ((i = atomic_fetch_add_explicit(&pass->next, 1, memory_order_relaxed)) < pass->count)
         hide_in_block(pass, i % pass->across * PEN_BLOCK_SIDE, i / pass->across * PEN_BLOCK_SIDE);
+    fesetenv(&caller);
 }
 
 void pen_beam_hide(struct pen_beams *beams, const struct pen_kernel_input *input,

@@ -2,6 +2,7 @@
 #include "render/internal/beam_bounds.h"
 
 #include "math/fn.h"
+#include <fenv.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -429,22 +430,26 @@ bool pen_beams_new(const struct pen_kernel_input *input, struct pen_thread_pool 
 {
     const struct pen_settings *s = input->settings;
     struct pen_beams *beams = calloc(1, sizeof *beams);
+    fenv_t caller;
+    bool ok = false;
     *out = NULL;
+    fegetenv(&caller);
+    fesetenv(FE_DFL_ENV);
     if (beams) {
         *beams = (struct pen_beams){.width = s->width,
                                     .height = s->height,
                                     .lens = input->lens.open,
                                     .seed = s->seed,
                                     .transfer = pen_settings_transfer(s)};
-        if (fill(beams, input, pool)) {
-            *out = beams->any ? beams : NULL;
-            if (!beams->any)
-                pen_beams_free(beams);
-            return true;
-        }
+        ok = fill(beams, input, pool);
     }
-    pen_beams_free(beams);
-    return pen_fail(st, PEN_NO_MEMORY, "out of memory for the small and bright things of a view");
+    fesetenv(&caller);
+    if (ok && beams->any)
+        *out = beams;
+    else
+        pen_beams_free(beams);
+    return ok ||
+           pen_fail(st, PEN_NO_MEMORY, "out of memory for the small and bright things of a view");
 }
 
 void pen_beams_free(struct pen_beams *beams)

@@ -98,7 +98,9 @@ static inline void bench_glow_ray(struct bench_glow *g, uint32_t sphere, struct 
 static inline bool bench_glow_render(const struct pen_scene *scene, const struct pen_settings *s,
                                      uint64_t seed, float *rgb)
 {
-    const uint32_t rays = 1 << (scene->prims.count > 4 ? 18 : 20); /* to each sphere */
+    uint32_t rays = 1 << 20; /* to each sphere; fewer to each of many */
+    while (rays > 1 << 14 && rays / 4 * scene->prims.count > 1 << 20)
+        rays /= 2;
     const size_t pixels = (size_t)s->width * (size_t)s->height;
     struct bench_glow g = {.scene = scene,
                            .pinhole = pen_scene_pinhole(scene, 0, s->width, s->height),
