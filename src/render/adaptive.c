@@ -19,7 +19,7 @@ static size_t pixels_of(const struct pen_adaptive *a)
 /* What the arrays of a state take for each pixel, the ones with the strictest alignment first. */
 enum {
     BYTES_PER_PIXEL = sizeof(struct pen_pixel_sums) + sizeof(struct pen_pixel_estimate) +
-                      2 * sizeof(float) + sizeof(uint16_t) + sizeof(unsigned char)
+                      3 * sizeof(float) + sizeof(uint16_t) + sizeof(unsigned char)
 };
 
 struct pen_adaptive *pen_adaptive_new(const struct pen_settings *settings, struct pen_status *st)
@@ -34,7 +34,8 @@ struct pen_adaptive *pen_adaptive_new(const struct pen_settings *settings, struc
         a->estimates = (struct pen_pixel_estimate *)(a->sums + pixels);
         a->errors = (float *)(a->estimates + pixels);
         a->unseen = a->errors + pixels;
-        a->priority = (uint16_t *)(a->unseen + pixels);
+        a->things = a->unseen + pixels;
+        a->priority = (uint16_t *)(a->things + pixels);
         a->wanted = (unsigned char *)(a->priority + pixels);
         memset(a->wanted, 1, pixels);
         return a;
@@ -104,11 +105,15 @@ void pen_adaptive_estimate(struct pen_adaptive *a, size_t pixel, float rgb[3])
     a->estimates[pixel].error = (float)(error / 3);
 }
 
-bool pen_pixel_agrees(const struct pen_adaptive *a, size_t pixel)
+bool pen_pixel_same(const struct pen_adaptive *a, size_t pixel)
 {
     static const double apart = 1.0 / 512;
-    return a->sums[pixel].looks == PEN_LOOKS_UNDECIDED &&
-           (double)a->estimates[pixel].error <= apart * apart;
+    return (double)a->estimates[pixel].error <= apart * apart;
+}
+
+bool pen_pixel_agrees(const struct pen_adaptive *a, size_t pixel)
+{
+    return a->sums[pixel].looks == PEN_LOOKS_UNDECIDED && pen_pixel_same(a, pixel);
 }
 
 const struct pen_beams *pen_adaptive_beams(const struct pen_adaptive *a, size_t pixel)

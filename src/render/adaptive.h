@@ -85,6 +85,7 @@ struct pen_adaptive {
     struct pen_pixel_estimate *estimates;
     float *unseen;         /* mean square errors of edges that no sample may have seen */
     float *errors;         /* those of estimates, but at least unseen */
+    float *things;         /* what unseen things may add to that, at most */
     uint16_t *priority;    /* 1 + that of pen_adaptive_select; 0: no more samples are allowed */
     unsigned char *wanted; /* pixels that the next round refines */
     bool refined;          /* a round after the pilot has been selected */
@@ -107,8 +108,10 @@ void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3]);
  * Threads: any number, for different pixels. */
 void pen_adaptive_estimate(struct pen_adaptive *adaptive, size_t pixel, float rgb[3]);
 
-/* Whether the samples of a pixel, which are those of the pilot, agree: their variance is no
- * evidence. */
+/* Whether the halves of a pixel's samples agree: their variance is no evidence. */
+bool pen_pixel_same(const struct pen_adaptive *adaptive, size_t pixel);
+
+/* The same, if it is not decided yet whether its samples look for small things. */
 bool pen_pixel_agrees(const struct pen_adaptive *adaptive, size_t pixel);
 
 /* What samples of a pixel look for; NULL: for nothing. */

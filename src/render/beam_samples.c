@@ -112,6 +112,10 @@ double pen_beam_sample(const struct pen_beams *beams, const struct pen_camera_sa
 /* The rays of a blurred mirror for each camera ray: pen_settings_sampling. */
 static const double BLURRED_RAYS = 4;
 
+/* What is shown somewhere counts as seen if so many samples of a pixel agree: with as many of its
+ * neighbours each, they miss what takes a thirtieth of these with a probability of 0.01. */
+static const double ENOUGH = 16;
+
 /* The mean square of what values change if a share of so much light is added, or lost. */
 static double change(const struct pen_beams *beams, const double linear[3], const double light[3],
                      double share, double lost)
@@ -141,11 +145,14 @@ double pen_beam_unseen(const struct pen_beams *beams, size_t pixel, const double
     const double bounds = beams->first[pixel + 1] - beams->first[pixel];
     if (met->small_share > 0 && view->looks)
         small = pen_smaller(1, view->times * pen_pow(2, -PEN_BEAM_PART * view->samples / bounds));
-    if (met->share == 0 && small == 0 && met->most[0] + met->most[1] + met->most[2] == 0)
+    const double deep = view->same && view->samples < ENOUGH ? part : 0;
+    if (met->share == 0 && small == 0 && met->most[0] + met->most[1] + met->most[2] == 0 &&
+        deep * (double)(met->deep[0] + met->deep[1] + met->deep[2]) == 0)
         return 0;
     double light[3];
     for (int c = 0; c < 3; c++)
         light[c] = part * (double)met->light[c] + small * (double)met->small_light[c] +
+                   deep * (double)met->deep[c] +
                    pen_smaller(part / BLURRED_RAYS * (double)met->blurred[c], (double)met->most[c]);
     const double lost = pen_smaller(1, small * (double)met->small_share);
     return change(beams, linear, light, part * (double)met->share + lost, lost);

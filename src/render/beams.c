@@ -2,6 +2,7 @@
 #include "render/internal/beam_bounds.h"
 
 #include "math/fn.h"
+#include <fenv.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -12,20 +13,12 @@ static const double LARGE = 0.25;
 /* Own light from which on a primitive is bright. */
 static const double BRIGHT = 4;
 
+/* A primitive is small if it is less than a pixel wide; if it is brighter than white, as many
+ * times that, but at most so many pixels. */
+static const double WIDTH_MOST = 8;
+
 /* The most small things of a beam that is no texture, and the most bounds that are sampled. */
 enum { SMALL_MOST = 4, BOUNDS_MOST = 16 };
-
-/* A thing, while its beams are found. */
-struct thing {
-    struct pen_hull hull;
-    struct pen_shear shear;
-    struct bounds bounds; /* what all its bounds have in common */
-};
-
-static double largest(struct pen_vec3 c)
-{
-    return pen_larger(c.x, pen_larger(c.y, c.z));
-}
 
 /* What a material shines by itself; of a pattern, more than either of its two colours. */
 static struct pen_vec3 own_light(const struct pen_scene *scene, const struct pen_material *m)
@@ -34,8 +27,7 @@ static struct pen_vec3 own_light(const struct pen_scene *scene, const struct pen
     return m->patterns ? pen_scale(sum, 2) : sum;
 }
 
-/* The most that a light brings to some of the bounds of a primitive, for a reflectance of 1. */
-static struct pen_vec3 light_within(const struct pen_light *light, struct pen_box box)
+struct pen_vec3 pen_beam_light_within(const struct pen_light *light, struct pen_box box)
 {
     if (!light->positional)
         return light->intensity;
@@ -48,21 +40,41 @@ static struct pen_vec3 light_within(const struct pen_light *light, struct pen_bo
                      1 / pen_larger(light->kc + light->kl * d + light->kq * dd, 1e-6));
 }
 
-/* The most light of a primitive that is seen. */
-static struct pen_vec3 light_of(const struct pen_scene *scene, uint32_t prim)
+/* What lights bring to some of a box, at most. */
+static struct pen_vec3 lights_within(const struct pen_scene *scene, struct pen_box box)
 {
-    const struct pen_material *m = &scene->materials[scene->prim_material[prim]];
-    struct pen_vec3 sum = own_light(scene, m);
-    const struct pen_vec3 factor = pen_add(m->kd, m->ks), on = pen_add(m->kr, m->kt);
-    const struct pen_box box = pen_prim_bounds(&scene->prims, prim);
+    struct pen_vec3 sum = {0, 0, 0};
     for (uint32_t i = 0; i < scene->light_count; i++)
-        sum = pen_add(sum, pen_mul(factor, light_within(&scene->lights[i], box)));
-    return pen_add(sum, pen_mul(on, scene->background));
+        sum = pen_add(sum, pen_beam_light_within(&scene->lights[i], box));
+    return sum;
 }
 
-static bool is_bright(const struct pen_scene *scene, uint32_t prim)
+static const struct pen_material *material_of(const struct pen_scene *scene, uint32_t prim)
 {
-    return largest(own_light(scene, &scene->materials[scene->prim_material[prim]])) > BRIGHT;
+    return &scene->materials[scene->prim_material[prim]];
+}
+
+struct pen_vec3 pen_beam_light(const struct pen_scene *scene, uint32_t prim)
+{
+    const struct pen_material *m = material_of(scene, prim);
+    const struct pen_vec3 lit =
+        pen_mul(pen_add(m->kd, m->ks), lights_within(scene, pen_prim_bounds(&scene->prims, prim)));
+    return pen_add(pen_add(own_light(scene, m), lit),
+                   pen_mul(pen_add(m->kr, m->kt), scene->background));
+}
+
+/* How bright most of a primitive may be: highlights are things of their own. */
+static double brightness(const struct pen_scene *scene, uint32_t prim)
+{
+    const struct pen_material *m = material_of(scene, prim);
+    const struct pen_vec3 lit =
+        pen_mul(m->kd, lights_within(scene, pen_prim_bounds(&scene->prims, prim)));
+    return pen_beam_largest(pen_add(own_light(scene, m), lit));
+}
+
+bool pen_beam_bright(const struct pen_scene *scene, uint32_t prim)
+{
+    return pen_beam_largest(own_light(scene, material_of(scene, prim))) > BRIGHT;
 }
 
 static bool add_bounds(struct pen_beams *beams, const struct bounds *bounds)
@@ -89,21 +101,25 @@ static void add_met(struct pen_beams *beams, const struct bounds *b, double part
     *(b->small ? &met->small_share : &met->share) += times;
 }
 
+/* What takes all of a beam is met by its samples. So much of that may be in a picture that it is
+ * not kept as bounds. */
 static bool add_beam(struct pen_beams *beams, const struct bounds *b)
 {
-    if (b->most > 0) {
-        struct met *met = &beams->met[b->pixel];
-        for (int c = 0; c < 3; c++) {
-            met->blurred[c] += b->light[c];
-            met->most[c] += b->light[c] * b->most;
-        }
-        beams->any = true;
+    static const double all = 0.999;
+    struct met *met = &beams->met[b->pixel];
+    beams->any = true;
+    if (b->deep) {
+        pen_beam_add_depth(met, b);
         return true;
     }
-    if (b->small || b->share <= LARGE)
+    if (b->most == 0 && (b->small || b->share < all))
         return add_bounds(beams, b);
-    add_met(beams, b, 1);
-    beams->any = true;
+    if (b->most == 0)
+        add_met(beams, b, 1);
+    for (int c = 0; c < 3 && b->most > 0; c++) {
+        met->blurred[c] += b->light[c];
+        met->most[c] += b->light[c] * b->most;
+    }
     return true;
 }
 
@@ -143,6 +159,29 @@ static struct pen_point2 longest_edge(const struct pen_hull *part)
     return along;
 }
 
+static bool is_dim(const struct bounds *b)
+{
+    return pen_larger((double)b->light[0], pen_larger((double)b->light[1], (double)b->light[2])) <=
+           BRIGHT;
+}
+
+static double outside(double from, double to, double at)
+{
+    return pen_larger(0, pen_larger(from - at, at - to));
+}
+
+/* Lowers the light of a thing whose light falls to what it may have in the pixel at (x, y). */
+static void fall_to(const struct thing *thing, struct bounds *b, int x, int y)
+{
+    const struct pen_point2 lo = pen_hull_least(&thing->hull), hi = pen_hull_largest(&thing->hull);
+    const double u = outside(x, x + 1, 0.5 * (lo.x + hi.x)) / (0.5 * (hi.x - lo.x)),
+                 v = outside(y, y + 1, 0.5 * (lo.y + hi.y)) / (0.5 * (hi.y - lo.y));
+    const double off = pen_larger(u, v);
+    const float left = (float)pen_pow(thing->fall, off * off);
+    for (int c = 0; c < 3; c++)
+        b->light[c] *= left;
+}
+
 /* Adds the beam of a pinhole: the part of the polygon that is in the pixel at (x, y). */
 static bool add_pixel(struct pen_beams *beams, const struct thing *thing,
                       const struct pen_hull *row, int x, int y)
@@ -162,6 +201,10 @@ static bool add_pixel(struct pen_beams *beams, const struct thing *thing,
     if (oblique.share < 0.9 * b.share)
         b = oblique;
     b.pixel = (size_t)y * (size_t)beams->width + (size_t)x;
+    if (thing->fall > 0) {
+        fall_to(thing, &b, x, y);
+        b.small = is_dim(&b);
+    }
     return !(b.share > 0) || add_beam(beams, &b);
 }
 
@@ -201,6 +244,7 @@ static bool add_lens_pixel(struct pen_beams *beams, const struct thing *thing, s
         pen_smaller(1, b.a.x) * pen_smaller(1, b.b.y) *
         pen_smaller(1, (b.lens_hi.x - b.lens_lo.x) * (b.lens_hi.y - b.lens_lo.y) / PEN_BEAM_PI);
     b.pixel = (size_t)y * (size_t)beams->width + (size_t)x;
+    b.small |= thing->fall > 0 && is_dim(&b);
     return add_beam(beams, &b);
 }
 
@@ -209,8 +253,7 @@ static int pixel_within(double at, int count)
     return at > 0 ? at < count - 1 ? (int)at : count - 1 : 0;
 }
 
-/* Adds all beams that may meet a thing. */
-static bool add_thing(struct pen_beams *beams, const struct thing *thing)
+bool pen_beam_add_thing(struct pen_beams *beams, const struct thing *thing)
 {
     struct pen_point2 lo = pen_hull_least(&thing->hull), hi = pen_hull_largest(&thing->hull);
     const struct pen_point2 own_lo = lo, own_hi = hi;
@@ -238,12 +281,12 @@ static bool add_thing(struct pen_beams *beams, const struct thing *thing)
     return true;
 }
 
-/* Whether a polygon is less than a pixel wide in the mean. */
-static bool is_thin(const struct pen_hull *hull)
+/* Whether a polygon is less than so many pixels wide in the mean. */
+static bool is_thin(const struct pen_hull *hull, double pixels)
 {
     const struct pen_point2 lo = pen_hull_least(hull), hi = pen_hull_largest(hull);
     const double x = hi.x - lo.x, y = hi.y - lo.y;
-    return pen_hull_area(hull) < pen_larger(1, sqrt(x * x + y * y));
+    return pen_hull_area(hull) < pixels * pen_larger(pixels, sqrt(x * x + y * y));
 }
 
 /* Whether a sphere certainly is no thing unless it is bright: the usual case, told quickly. */
@@ -255,7 +298,30 @@ static bool is_wide(const struct pen_kernel_input *input, uint32_t prim)
         return false;
     const struct pen_sphere *s = &input->scene->prims.sphere[ref.index];
     const struct pen_vec3 to = pen_sub(s->c, p->eye);
-    return s->rr * pen_dot(p->middle, p->middle) > 4 * pen_dot(to, to) * pen_dot(p->dx, p->dx);
+    return s->rr * pen_dot(p->middle, p->middle) >
+           WIDTH_MOST * WIDTH_MOST * pen_dot(to, to) * pen_dot(p->dx, p->dx);
+}
+
+static bool share_a_corner(struct pen_outline a, struct pen_outline b)
+{
+    for (uint32_t i = 0; i < a.count; i++)
+        for (uint32_t k = 0; k < b.count; k++)
+            if (a.v[i].x == b.v[k].x && a.v[i].y == b.v[k].y && a.v[i].z == b.v[k].z)
+                return true;
+    return false;
+}
+
+/* Whether a flat primitive is part of a surface: it shares a corner with one that stands near it in
+ * the document. Small ones of a surface are no things. */
+static bool is_facet(const struct pen_prims *prims, uint32_t prim)
+{
+    enum { NEAR = 4 };
+    const struct pen_outline own = pen_prim_outline(prims, prim);
+    const uint32_t first = prim > NEAR ? prim - NEAR : 0;
+    for (uint32_t i = first; i < prims->count && i <= prim + NEAR; i++)
+        if (i != prim && share_a_corner(own, pen_prim_outline(prims, i)))
+            return true;
+    return false;
 }
 
 /* Adds a primitive if it is a thing. */
@@ -263,149 +329,26 @@ static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *inp
 {
     const struct pen_scene *scene = input->scene;
     const uint32_t kind = scene->prims.ref[prim].kind;
-    const bool bright = is_bright(scene, prim);
-    struct thing thing;
-    if (pen_prim_infinite(kind) || (!bright && is_wide(input, prim)) ||
-        (pen_prim_flat(kind) && !bright))
+    const bool shines = pen_beam_bright(scene, prim);
+    struct thing thing = {.fall = 0};
+    if (pen_prim_infinite(kind) || (!shines && is_wide(input, prim)) ||
+        (!shines && pen_prim_flat(kind) && is_facet(&scene->prims, prim)))
         return true;
     if (!pen_project(input, prim, &thing.hull, &thing.shear) || thing.hull.count < 3)
         return true;
-    if (!bright && !is_thin(&thing.hull))
+    const double bright = brightness(scene, prim);
+    const double wide = pen_larger(1, pen_smaller(bright, WIDTH_MOST));
+    if (!shines && !is_thin(&thing.hull, wide))
         return true;
-    const struct pen_vec3 light = light_of(scene, prim);
-    thing.bounds = (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
-                                   .small = !bright};
-    return add_thing(beams, &thing);
-}
-
-/* A flat mirror, and how wide the cone of its rays is. */
-struct mirror {
-    struct pen_vec3 point, normal, kr;
-    double blur; /* the tangent of the cone's half-angle */
-};
-
-static bool mirror_of(const struct pen_kernel_input *input, uint32_t prim, struct mirror *mirror)
-{
-    const struct pen_scene *scene = input->scene;
-    const uint32_t material = scene->prim_material[prim];
-    const struct pen_material *m = &scene->materials[material];
-    const struct pen_prim_ref ref = scene->prims.ref[prim];
-    if (!pen_prim_flat(ref.kind) || !(largest(m->kr) > input->settings->min_contribution))
-        return false;
-    const struct pen_outline outline = pen_prim_outline(&scene->prims, prim);
-    const double cosine = 1 - scene->blurs[material].reflection;
-    mirror->kr = m->patterns ? pen_scale(m->kr, 2) : m->kr;
-    mirror->blur = sqrt(1 - cosine * cosine) / pen_larger(cosine, 1e-3);
-    mirror->point = outline.count > 0 ? outline.v[0] : scene->prims.plane[ref.index].q;
-    mirror->normal = pen_prim_normal(&scene->prims, (struct pen_hit){.prim = prim}, mirror->point);
-    return true;
-}
-
-/* Adds the picture of a bright thing in a mirror: that of a sphere around it, as far behind the
- * mirror. A blurred one is seen in a wider sphere. There a ray meets the thing with a probability
- * of at most its share of the cone, from as near as the mirror can be. */
-static bool add_mirrored(struct pen_beams *beams, const struct pen_kernel_input *input,
-                         uint32_t prim, const struct mirror *mirror)
-{
-    const struct pen_box box = pen_prim_bounds(&input->scene->prims, prim);
-    const struct pen_vec3 center = pen_box_center(box);
-    const double away = pen_dot(pen_sub(center, mirror->point), mirror->normal),
-                 eye = pen_dot(pen_sub(input->pinhole.eye, mirror->point), mirror->normal);
-    double radius = input->scene->prims.ref[prim].kind == PEN_PRIM_SPHERE
-                        ? 0.5 * (box.hi.x - box.lo.x)
-                        : 0.5 * pen_length(pen_sub(box.hi, box.lo));
-    struct pen_sphere picture;
-    struct thing thing;
-    if (away * eye <= 0)
-        return true;
-    const struct pen_vec3 c = pen_along(center, mirror->normal, -2 * away);
-    const double ratio = radius / (pen_larger(fabs(away) - radius, 1e-9) * mirror->blur);
-    radius += mirror->blur * pen_length(pen_sub(c, input->pinhole.eye));
-    if (!pen_sphere_make(&picture, c, radius) ||
-        !pen_project_sphere(input, &picture, &thing.hull, &thing.shear))
-        return true;
-    const struct pen_vec3 light = pen_mul(light_of(input->scene, prim), mirror->kr);
+    const struct pen_vec3 light = pen_beam_light(scene, prim);
     thing.bounds =
         (struct bounds){.light = {(float)light.x, (float)light.y, (float)light.z},
-                        .most = mirror->blur > 0 ? (float)pen_smaller(1, ratio * ratio) : 0};
-    return add_thing(beams, &thing);
+                        .near = pen_beam_depth(input, pen_prim_bounds(&scene->prims, prim)),
+                        .small = !shines && bright <= BRIGHT};
+    return pen_beam_add_thing(beams, &thing);
 }
 
-/* Adds what mirrors show of bright things. */
-static bool add_mirrors(struct pen_beams *beams, const struct pen_kernel_input *input)
-{
-    enum { MIRRORS_MOST = 16 };
-    const struct pen_scene *scene = input->scene;
-    struct mirror mirror[MIRRORS_MOST];
-    int count = 0;
-    for (uint32_t i = 0; i < scene->prims.count && count < MIRRORS_MOST; i++)
-        count += mirror_of(input, i, &mirror[count]);
-    for (uint32_t i = 0; count > 0 && i < scene->prims.count; i++) {
-        if (pen_prim_infinite(scene->prims.ref[i].kind) || !is_bright(scene, i))
-            continue;
-        for (int k = 0; k < count; k++)
-            if (!add_mirrored(beams, input, i, &mirror[k]))
-                return false;
-    }
-    return true;
-}
-
-/* The point of a sphere where a light is mirrored to the eye: the normal there is between the
- * directions to both. Each step brings it nearer. */
-static struct pen_vec3 highlight_at(const struct pen_kernel_input *input,
-                                    const struct pen_sphere *sphere, const struct pen_light *light)
-{
-    enum { STEPS = 50 };
-    struct pen_vec3 p = sphere->c;
-    for (int i = 0; i < STEPS; i++) {
-        const struct pen_vec3 to_eye = pen_normalize(pen_sub(input->pinhole.eye, p)),
-                              to_light = light->positional
-                                             ? pen_normalize(pen_sub(light->position, p))
-                                             : pen_scale(light->direction, -1);
-        p = pen_along(sphere->c, pen_normalize(pen_add(to_eye, to_light)), sphere->r);
-    }
-    return p;
-}
-
-/* Adds the highlight of a light on a sphere if it is less than some pixels wide: it is a small
- * thing. Where the normal is off by an angle, the mirrored ray is off by twice that. */
-static bool add_highlight(struct pen_beams *beams, const struct pen_kernel_input *input,
-                          const struct pen_sphere *sphere, const struct pen_material *m,
-                          const struct pen_light *light)
-{
-    static const double dark = 4.6 /* -ln 0.01 */, wide = 8;
-    const double angle = sqrt(2 * dark / m->shininess) / 2;
-    struct pen_sphere around;
-    struct thing thing;
-    const struct pen_vec3 p = highlight_at(input, sphere, light);
-    if (!(angle < 0.1) || !pen_sphere_make(&around, p, sphere->r * angle) ||
-        !pen_project_sphere(input, &around, &thing.hull, &thing.shear) || thing.hull.count < 3 ||
-        pen_hull_area(&thing.hull) > wide)
-        return true;
-    const struct pen_vec3 brought =
-        pen_mul(m->ks, light_within(light, (struct pen_box){around.c, around.c}));
-    thing.bounds = (struct bounds){.light = {(float)brought.x, (float)brought.y, (float)brought.z},
-                                   .small = true};
-    return add_thing(beams, &thing);
-}
-
-/* Adds the highlights of all spheres. */
-static bool add_highlights(struct pen_beams *beams, const struct pen_kernel_input *input)
-{
-    const struct pen_scene *scene = input->scene;
-    for (uint32_t i = 0; i < scene->prims.count; i++) {
-        const struct pen_prim_ref ref = scene->prims.ref[i];
-        const struct pen_material *m = &scene->materials[scene->prim_material[i]];
-        if (ref.kind != PEN_PRIM_SPHERE || !(largest(m->ks) > 0) || m->shininess < 100)
-            continue;
-        for (uint32_t k = 0; k < scene->light_count; k++)
-            if (!add_highlight(beams, input, &scene->prims.sphere[ref.index], m, &scene->lights[k]))
-                return false;
-    }
-    return true;
-}
-
-/* Sorts the bounds by pixel, and leaves out those of beams that have too many. */
+/* Sorts the bounds by pixel. */
 static bool sort_bounds(struct pen_beams *beams)
 {
     const size_t pixels = (size_t)beams->width * (size_t)beams->height;
@@ -422,35 +365,50 @@ static bool sort_bounds(struct pen_beams *beams)
         next[i + 1] += next[i];
     for (size_t i = 0; i < beams->count; i++)
         sorted[next[beams->bounds[i].pixel]++] = beams->bounds[i];
-    size_t count = 0, from = 0;
-    for (size_t pixel = 0; pixel < pixels; pixel++) {
-        const size_t end = beams->first[pixel + 1];
-        int small = 0, kept = 0;
-        for (size_t i = from; i < end; i++)
-            small += sorted[i].small;
-        beams->first[pixel] = (uint32_t)count;
-        for (size_t i = from; i < end; i++) {
-            if (sorted[i].small && small > SMALL_MOST)
-                continue;
-            if (kept == BOUNDS_MOST) {
-                add_met(beams, &sorted[i], 1 - PEN_BEAM_PART);
-                continue;
-            }
-            beams->bounds[count++] = sorted[i];
-            kept++;
-        }
-        for (int i = 0; i < kept; i++)
-            add_met(beams, &beams->bounds[count - 1 - (size_t)i], PEN_BEAM_PART / kept);
-        from = end;
-    }
-    beams->first[pixels] = (uint32_t)count;
-    beams->count = count;
-    beams->any |= count > 0;
-    free(sorted);
+    free(beams->bounds);
+    beams->bounds = sorted;
     return true;
 }
 
-static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input)
+/* Keeps the bounds of a pixel that samples are drawn from, from number `count` on; of the others
+ * only the light counts. */
+static void keep_bounds(struct pen_beams *beams, const struct bounds *from, size_t n, size_t count)
+{
+    int small = 0, kept = 0;
+    for (size_t i = 0; i < n; i++)
+        small += from[i].small && from[i].share > 0;
+    for (size_t i = 0; i < n; i++) {
+        const struct bounds b = from[i];
+        if (b.share == 0 || (b.small && small > SMALL_MOST))
+            continue;
+        if (!b.small && b.share > LARGE)
+            add_met(beams, &b, 1);
+        else if (kept == BOUNDS_MOST)
+            add_met(beams, &b, 1 - PEN_BEAM_PART);
+        else
+            beams->bounds[count + (size_t)kept++] = b;
+    }
+    for (int i = 0; i < kept; i++)
+        add_met(beams, &beams->bounds[count + (size_t)i], PEN_BEAM_PART / kept);
+    beams->count = count + (size_t)kept;
+}
+
+static void keep_all_bounds(struct pen_beams *beams)
+{
+    const size_t pixels = (size_t)beams->width * (size_t)beams->height;
+    size_t from = 0;
+    beams->count = 0;
+    for (size_t pixel = 0; pixel < pixels; pixel++) {
+        const size_t end = beams->first[pixel + 1];
+        beams->first[pixel] = (uint32_t)beams->count;
+        keep_bounds(beams, &beams->bounds[from], end - from, beams->count);
+        from = end;
+    }
+    beams->first[pixels] = (uint32_t)beams->count;
+}
+
+static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input,
+                 struct pen_thread_pool *pool)
 {
     beams->met = calloc((size_t)beams->width * (size_t)beams->height, sizeof *beams->met);
     if (!beams->met)
@@ -458,30 +416,40 @@ static bool fill(struct pen_beams *beams, const struct pen_kernel_input *input)
     for (uint32_t i = 0; i < input->scene->prims.count; i++)
         if (!add_prim(beams, input, i))
             return false;
-    return add_mirrors(beams, input) && add_highlights(beams, input) && sort_bounds(beams);
+    if (!pen_beam_add_images(beams, input) || !pen_beam_add_depths(beams, input) ||
+        !sort_bounds(beams))
+        return false;
+    if (beams->count > 0)
+        pen_beam_hide(beams, input, pool);
+    keep_all_bounds(beams);
+    return true;
 }
 
-bool pen_beams_new(const struct pen_kernel_input *input, struct pen_beams **out,
-                   struct pen_status *st)
+bool pen_beams_new(const struct pen_kernel_input *input, struct pen_thread_pool *pool,
+                   struct pen_beams **out, struct pen_status *st)
 {
     const struct pen_settings *s = input->settings;
     struct pen_beams *beams = calloc(1, sizeof *beams);
+    fenv_t caller;
+    bool ok = false;
     *out = NULL;
+    fegetenv(&caller);
+    fesetenv(FE_DFL_ENV);
     if (beams) {
         *beams = (struct pen_beams){.width = s->width,
                                     .height = s->height,
                                     .lens = input->lens.open,
                                     .seed = s->seed,
                                     .transfer = pen_settings_transfer(s)};
-        if (fill(beams, input)) {
-            *out = beams->any ? beams : NULL;
-            if (!beams->any)
-                pen_beams_free(beams);
-            return true;
-        }
+        ok = fill(beams, input, pool);
     }
-    pen_beams_free(beams);
-    return pen_fail(st, PEN_NO_MEMORY, "out of memory for the small and bright things of a view");
+    fesetenv(&caller);
+    if (ok && beams->any)
+        *out = beams;
+    else
+        pen_beams_free(beams);
+    return ok ||
+           pen_fail(st, PEN_NO_MEMORY, "out of memory for the small and bright things of a view");
 }
 
 void pen_beams_free(struct pen_beams *beams)

@@ -159,24 +159,27 @@ static float unseen_edge(const struct pen_adaptive *a, const struct pass *pass, 
 }
 
 /* Counts the things that a pixel may not have seen. A share v of a beam is missed by n samples with
- * a probability of (1 - v)^n: 1 / n with 0.16 to 0.39, 4 / n with 0.01. Returns the error if a
- * share of 1 / n is unseen. */
-static float unseen_things(const struct pen_adaptive *a, const struct pass *pass,
-                           struct slice *slice, size_t at, float error)
+ * a probability of (1 - v)^n: 1 / n with 0.16 to 0.39, 4 / n with 0.01. Returns what the error is
+ * more if a share of 1 / n is unseen; sets what it is if 4 / n is. */
+static double unseen_things(struct pen_adaptive *a, const struct pass *pass, struct slice *slice,
+                            size_t at)
 {
+    const double error = (double)a->errors[at];
     double linear[3];
     pen_pixel_mean(&a->sums[at], linear);
     struct pen_beam_view view = {.samples = a->sums[at].samples,
                                  .times = 1,
                                  .looks = a->sums[at].looks == PEN_LOOKS,
-                                 .agree = pen_pixel_agrees(a, at)};
+                                 .agree = pen_pixel_agrees(a, at),
+                                 .same = pen_pixel_same(a, at)};
     const double probable = pen_beam_unseen(a->beams, at, linear, &view);
     view.times = 4;
     const double possible = pen_beam_unseen(a->beams, at, linear, &view);
-    const double most = probable > (double)error ? probable : (double)error;
+    const double most = probable > error ? probable : error;
     slice->hidden += possible > most ? possible - most : 0;
     slice->unproven += possible > pass->target * pass->target;
-    return (float)probable;
+    a->things[at] = possible > error ? (float)(possible - error) : 0;
+    return most - error;
 }
 
 /* Adds up what doublings have brought. */
@@ -238,13 +241,9 @@ static void visit_own(struct pen_adaptive *a, const struct pass *pass, struct sl
             a->unseen[at] = unseen_edge(a, pass, x, y);
             const double told = (double)a->estimates[at].error;
             const float own = (float)(told * pass->truth[size_of(a->sums[at].samples)]);
-            if (a->beams) {
-                const float things =
-                    unseen_things(a, pass, slice, at, own > a->unseen[at] ? own : a->unseen[at]);
-                a->unseen[at] = things > a->unseen[at] ? things : a->unseen[at];
-            }
             a->errors[at] = own > a->unseen[at] ? own : a->unseen[at];
-            const double error = (double)a->errors[at];
+            const double things = a->beams ? unseen_things(a, pass, slice, at) : 0;
+            const double error = (double)a->errors[at] + things;
             slice->error += error;
             slice->squares += error * error;
             slice->told += told;
@@ -260,7 +259,8 @@ static double error_with(const struct pass *pass, double error, uint32_t samples
 }
 
 /* The error of a pixel as its neighbours tell it: the mean of theirs, as if they had as many
- * samples, and of an edge that it may have. */
+ * samples, and of an edge that it may have; and its own unseen things, of which neighbours tell
+ * nothing. */
 static double error_around(const struct pen_adaptive *a, const struct pass *pass, int x, int y)
 {
     const int width = a->settings->width, height = a->settings->height;
@@ -276,7 +276,7 @@ static double error_around(const struct pen_adaptive *a, const struct pass *pass
                 sum += error_with(pass, (double)a->errors[other], a->sums[other].samples,
                                   a->sums[at].samples);
         }
-    return sum / count;
+    return sum / count + (double)a->things[at];
 }
 
 /* The binary exponent and the first three bits after it are those of the number. */
@@ -404,7 +404,7 @@ static struct pen_decision decision_of(const struct slice *all, double pixels,
     if (goal->samples != UINT64_MAX && aim < high * STEP * STEP)
         aim = high * STEP * STEP;
     /* The sum of errors at which the upper end of the interval would be the target; the errors that
-     * neighbours tell add up to the pixels' own, but for chance. */
+     * neighbours tell add up to the pixels' own, but for chance, and to what may be hidden. */
     const double sum = high > 0 ? aim / high * all->around - all->capped_error : 0;
     bool any = false;
     d.level = level_within(all, level_of_least(all, level_for(all, sum)), goal->samples);

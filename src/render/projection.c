@@ -69,19 +69,24 @@ static void add_rims(struct points *points, const struct pen_cylinder *c, double
     add_circle(points, pen_along(c->round.q, c->round.a, height), c->round.a, top_radius, CORNERS);
 }
 
+static void add_box(struct points *points, struct pen_vec3 center, const struct pen_vec3 half[3])
+{
+    for (int i = 0; i < 8; i++) {
+        struct pen_vec3 p = center;
+        for (int k = 0; k < 3; k++)
+            p = pen_along(p, half[k], i >> k & 1 ? 1 : -1);
+        points->p[points->count++] = p;
+    }
+}
+
 /* A box along the camera's axes around a sphere. */
 static void add_camera_box(const struct pen_kernel_input *input, struct points *points,
                            const struct pen_sphere *s)
 {
-    const struct pen_vec3 axis[] = {pen_normalize(input->pinhole.dx),
-                                    pen_normalize(input->pinhole.dy),
-                                    pen_normalize(input->pinhole.middle)};
-    for (int i = 0; i < 8; i++) {
-        struct pen_vec3 p = s->c;
-        for (int k = 0; k < 3; k++)
-            p = pen_along(p, axis[k], i >> k & 1 ? s->r : -s->r);
-        points->p[points->count++] = p;
-    }
+    const struct pen_vec3 half[] = {pen_scale(pen_normalize(input->pinhole.dx), s->r),
+                                    pen_scale(pen_normalize(input->pinhole.dy), s->r),
+                                    pen_scale(pen_normalize(input->pinhole.middle), s->r)};
+    add_box(points, s->c, half);
 }
 
 static bool add_around_sphere(const struct pen_kernel_input *input, struct points *points,
@@ -230,6 +235,14 @@ bool pen_project_sphere(const struct pen_kernel_input *input, const struct pen_s
 {
     struct points points = {.count = 0};
     return add_around_sphere(input, &points, sphere) && project(input, &points, hull, shear);
+}
+
+bool pen_project_box(const struct pen_kernel_input *input, struct pen_vec3 center,
+                     const struct pen_vec3 half[3], struct pen_hull *hull, struct pen_shear *shear)
+{
+    struct points points = {.count = 0};
+    add_box(&points, center, half);
+    return project(input, &points, hull, shear);
 }
 
 /* The part of a polygon on one side of a line across x or y: where sign (coordinate - at) >= 0. */

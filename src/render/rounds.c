@@ -222,7 +222,7 @@ static bool find_things(struct rounds *r, struct pen_status *st)
     struct pen_adaptive *a = r->adaptive;
     const struct pen_kernel_input input =
         pen_kernel_input_of(r->task->scene, r->task->view, &a->sampling);
-    a->has_beams = a->has_beams || pen_beams_new(&input, &a->beams, st);
+    a->has_beams = a->has_beams || pen_beams_new(&input, r->pool, &a->beams, st);
     return a->has_beams;
 }
 

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "bench/glow.h"
 #include "bench/load_scene.h"
 #include "film/encode.h"
 #include "render/render.h"
@@ -50,8 +51,20 @@ static inline double bench_difference(const struct bench_reference *r, const flo
     return sqrt(sum / (double)r->values);
 }
 
+/* Renders one half of the reference. */
+static inline void bench_reference_half(const struct bench_reference *r, struct pen_settings *s,
+                                        uint64_t seed, float *rgb)
+{
+    s->seed = seed;
+    if (!bench_glow_only(r->scene))
+        bench_render(r, s, rgb);
+    else if (!bench_glow_render(r->scene, s, seed, rgb))
+        bench_fail("out of memory");
+}
+
 /* Renders the reference with seeds that nothing else is rendered with, and one thread for each
- * processor. It borrows the description. Owns: free with bench_reference_free. */
+ * processor; of spheres that only shine, by glow.h. It borrows the description.
+ * Owns: free with bench_reference_free. */
 static inline void bench_reference_make(struct bench_reference *r,
                                         const struct pen_scene_desc *desc, int samples)
 {
@@ -70,10 +83,8 @@ static inline void bench_reference_make(struct bench_reference *r,
     s.samples_per_pixel = s.lens_samples = samples;
     s.light_samples = 16;
     s.blur_samples = 4;
-    s.seed = 1000001;
-    bench_render(r, &s, r->mean);
-    s.seed = 1000002;
-    bench_render(r, &s, other);
+    bench_reference_half(r, &s, 1000001, r->mean);
+    bench_reference_half(r, &s, 1000002, other);
     r->error = bench_difference(r, r->mean, other) / 2;
     for (size_t i = 0; i < r->values; i++)
         r->mean[i] = (r->mean[i] + other[i]) / 2;

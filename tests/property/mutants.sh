@@ -596,6 +596,38 @@ mutant adaptive_unseen render/test_decide 0 "an edge that no sample has seen doe
 edit src/render/decide.c 1 's/^(static const double UNSEEN = ).*$/\10;/'
 judge_test
 
+mutant beam_weights render/test_beams 0 "samples that look for things count as much as others"
+edit src/render/beam_samples.c 1 's/return within \? 1 \/ density : 0;/return within ? density \/ density : 0;/'
+judge_test
+
+mutant beam_part render/test_beams 0 "what samples may not have seen of things does not count"
+edit src/render/beam_samples.c 1 's/^(    const double part = )view->times/\10 * view->times/'
+judge_test
+
+mutant beam_evidence render/test_beams 0 "samples that agree are evidence"
+edit src/render/adaptive.c 1 's/^    return (\(double\)a->estimates\[pixel\]\.error <= apart)/    return a->settings->seed + 1 == 0 \&\& \1/'
+judge_test
+
+mutant beam_hidden render/test_beams 0 "samples look for things that are hidden"
+edit src/render/beam_hidden.c 1 's/^            b->share = 0;/            b->share *= 1;/'
+judge_test
+
+mutant beam_triangles render/test_beams 0 "small triangles are all taken for facets of a surface"
+edit src/render/beams.c 1 's/if \(i != prim && share_a_corner/if (share_a_corner/'
+judge_test
+
+mutant beam_glass render/test_beams 0 "glass hides what is behind it"
+edit src/render/beam_hidden.c 1 's/if \(scene->see_through\[prim\]\)/if (scene->see_through[prim] > 1)/'
+judge_test
+
+mutant beam_highlights render/test_beams 0 "highlights are nowhere looked for"
+edit src/render/internal/beam_bounds.h 1 's/^(#define PEN_BEAM_NARROW )100$/\11e99/'
+judge_test
+
+mutant beam_round render/test_beams 0 "round mirrors show no lamps"
+edit src/render/beam_images.c 1 's/^        for \(uint32_t k = 0; k < scene->prims\.count; k\+\+\)$/        for (uint32_t k = 0; k < 0 * scene->prims.count; k++)/'
+judge_test
+
 mutant adaptive_unseen_rate render/test_decide 0 "an unseen edge is as uncertain as independent samples leave it"
 edit src/render/decide.c 1 's/UNSEEN \/ 3 \* pen_pow\(4, -i\)/UNSEEN \/ 3 * pen_pow(2, -i)/'
 judge_test

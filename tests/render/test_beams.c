@@ -113,6 +113,23 @@ START_TEST(test_beams__dots_smaller_than_a_pixel_are_seen)
 }
 END_TEST
 
+/* Triangles that share no corners, each within a pixel. */
+START_TEST(test_beams__small_triangles_are_seen)
+{
+    static float want[SIDE * SIDE];
+    begin(0.002);
+    for (int i = 0; i < 16; i++) {
+        const int x = 5 + 6 * (i % 4), y = 5 + 6 * (i / 4);
+        const double side = 0.02 + 0.008 * i;
+        const struct pen_vec3 a = {(x + 0.1) / 4 - 4, 4 - (y + 0.9) / 4, 0};
+        kit_triangle(&kit, a, pen_vec3(a.x + side, a.y, 0), pen_vec3(a.x, a.y + side, 0),
+                     kit_material(&kit, kit_glow(1, 1, 1)));
+        want[y * SIDE + x] = (float)(side * side / 2 * 16);
+    }
+    ck_assert_int_eq(pictures_beyond(want), 0);
+}
+END_TEST
+
 /* A wire across all pixels of a row shows each of them its width. */
 START_TEST(test_beams__a_wire_is_seen_in_every_pixel)
 {
@@ -168,6 +185,158 @@ START_TEST(test_beams__a_lamp_in_a_mirror_is_seen)
 }
 END_TEST
 
+/* The mean over the points of a pixel of what a ray of the camera shows. */
+typedef double shown_fn(struct pen_vec3 d);
+static void want_shown(float *want, shown_fn *shown)
+{
+    enum { POINTS = 128 };
+    for (int at = 0; at < SIDE * SIDE; at++) {
+        double sum = 0;
+        for (int i = 0; i < POINTS * POINTS; i++) {
+            const double x = at % SIDE + (i % POINTS + 0.5) / POINTS,
+                         y = at / SIDE + (i / POINTS + 0.5) / POINTS;
+            sum += shown(pen_vec3(x / 4 - 4, 4 - y / 4, -10));
+        }
+        want[at] = (float)(sum / (POINTS * POINTS));
+    }
+}
+
+static const struct pen_vec3 eye = {0, 0, 10}, light_from = {0.1, 0.06, 1};
+static const double shininess = 1e5, intensity = 20;
+
+static double highlight(struct pen_vec3 p, struct pen_vec3 normal)
+{
+    const struct pen_vec3 n = pen_normalize(normal), v = pen_normalize(pen_sub(eye, p)),
+                          l = pen_normalize(light_from);
+    const double mirror = 2 * pen_dot(n, l) * pen_dot(n, v) - pen_dot(v, l);
+    return mirror > 0 ? intensity * pow(mirror, shininess) : 0;
+}
+
+static double on_plane(struct pen_vec3 d)
+{
+    return highlight(pen_along(eye, d, 1), pen_vec3(0, 0, 1));
+}
+
+/* A cylinder of radius 1 around the y axis. */
+static double on_cylinder(struct pen_vec3 d)
+{
+    const double a = d.x * d.x + d.z * d.z, b = d.z * eye.z, c = eye.z * eye.z - 1;
+    if (b * b < a * c)
+        return 0;
+    const struct pen_vec3 p = pen_along(eye, d, (-b - sqrt(b * b - a * c)) / a);
+    return highlight(p, pen_vec3(p.x, 0, p.z));
+}
+
+static struct pen_material shiny(void)
+{
+    struct pen_material m = kit_matte(0);
+    m.ks = pen_vec3(1, 1, 1);
+    m.shininess = shininess;
+    return m;
+}
+
+static void begin_highlight(double target)
+{
+    begin(target);
+    kit_directional(&kit, pen_neg(light_from), pen_vec3(intensity, intensity, intensity));
+}
+
+START_TEST(test_beams__highlights_on_a_plane_are_seen)
+{
+    static float want[SIDE * SIDE];
+    begin_highlight(0.001);
+    kit_plane(&kit, pen_vec3(0, 0, 0), pen_vec3(0, 0, 1), kit_material(&kit, shiny()));
+    want_shown(want, on_plane);
+    ck_assert_int_eq(pictures_beyond(want), 0);
+}
+END_TEST
+
+START_TEST(test_beams__highlights_on_a_cylinder_are_seen)
+{
+    static float want[SIDE * SIDE];
+    begin_highlight(0.001);
+    kit_cylinder(&kit, pen_vec3(0, -8, 0), pen_vec3(0, 1, 0), 1, 16, kit_material(&kit, shiny()));
+    want_shown(want, on_cylinder);
+    ck_assert_int_eq(pictures_beyond(want), 0);
+}
+END_TEST
+
+/* A mirror ball of radius 2 shows a lamp. */
+static const struct pen_vec3 ball_lamp = {9, 1, 9};
+static double in_ball(struct pen_vec3 d)
+{
+    const double a = pen_dot(d, d), b = pen_dot(eye, d), c = pen_dot(eye, eye) - 4;
+    if (b * b < a * c)
+        return 0;
+    const struct pen_vec3 p = pen_along(eye, d, (-b - sqrt(b * b - a * c)) / a),
+                          n = pen_normalize(p), to = pen_sub(ball_lamp, p),
+                          r = pen_normalize(pen_along(d, n, -2 * pen_dot(d, n)));
+    const double along = pen_dot(to, r), off = pen_dot(to, to) - along * along;
+    return along > 0 && off < 0.04 ? 40 : 0;
+}
+
+START_TEST(test_beams__a_lamp_in_a_mirror_ball_is_seen)
+{
+    static float want[SIDE * SIDE];
+    struct pen_material mirror = kit_matte(0);
+    mirror.kr = pen_vec3(0.5, 0.5, 0.5);
+    begin(0.001);
+    kit_sphere(&kit, pen_vec3(0, 0, 0), 2, kit_material(&kit, mirror));
+    kit_sphere(&kit, ball_lamp, 0.2, kit_material(&kit, kit_glow(80, 80, 80)));
+    want_shown(want, in_ball);
+    ck_assert_int_eq(pictures_beyond(want), 0);
+}
+END_TEST
+
+/* Wires and a lamp behind a wall take no samples, unless it is of glass. */
+START_TEST(test_beams__what_is_hidden_takes_no_samples)
+{
+    static float rgb[3 * SIDE * SIDE];
+    enum { NO_WALL, WALL, GLASS };
+    const struct pen_vec3 corners[] = {{-6, -6, 1}, {6, -6, 1}, {6, 6, 1}, {-6, 6, 1}};
+    for (int lens = 0; lens < 2; lens++)
+        for (int wall = NO_WALL; wall <= GLASS; wall++) {
+            begin(0.002);
+            kit.view.camera.aperture_radius = lens ? 0.2 : 0;
+            kit.view.camera.focus_distance = 9;
+            const int glow = kit_material(&kit, kit_glow(0.2, 0.2, 0.2));
+            for (int i = 0; i < 8; i++)
+                kit_cylinder(&kit, pen_vec3(-9, i - 3.3, 0), pen_vec3(1, 0.1, 0), 0.005, 18, glow);
+            kit_sphere(&kit, pen_vec3(1, 1, 0), 0.1, kit_material(&kit, kit_glow(50, 50, 50)));
+            struct pen_material m = kit_glow(0.2, 0.2, 0.2);
+            m.kt = wall == GLASS ? pen_vec3(0.9, 0.9, 0.9) : pen_vec3(0, 0, 0);
+            if (wall != NO_WALL)
+                kit_polygon(&kit, corners, 4, kit_material(&kit, m));
+            const double samples = render(rgb).adaptive.samples.mean;
+            ck_assert_msg(wall == WALL ? samples == 4 : samples > 5, "%g samples", samples);
+        }
+}
+END_TEST
+
+/* What glass shows of a lamp is not computed: without samples enough it is not proven. */
+START_TEST(test_beams__what_glass_may_show_is_not_proven)
+{
+    static float rgb[3 * SIDE * SIDE];
+    for (int bent = 0; bent < 2; bent++) {
+        begin(0.01);
+        struct pen_material glass = kit_matte(0);
+        glass.kt = pen_vec3(0.9, 0.9, 0.9);
+        glass.ior = bent ? 1.5 : 1;
+        kit_sphere(&kit, pen_vec3(0, 0, 0), 2, kit_material(&kit, glass));
+        kit_sphere(&kit, pen_vec3(0, 0, -30), 0.01, kit_material(&kit, kit_glow(20, 20, 20)));
+        kit.settings.max_samples = 4;
+        const struct pen_render_stats few = render(rgb);
+        ck_assert(few.adaptive.met == !bent);
+        ck_assert(bent ? few.adaptive.unproven > 0.05 : few.adaptive.unproven == 0);
+        kit.settings.max_samples = 65536;
+        ck_assert(render(rgb).adaptive.unproven == 0);
+    }
+}
+END_TEST
+
 PEN_SUITE("beams", test_beams__the_rim_of_a_lamp_is_seen,
           test_beams__dots_smaller_than_a_pixel_are_seen, test_beams__a_wire_is_seen_in_every_pixel,
-          test_beams__a_light_out_of_focus_keeps_its_light, test_beams__a_lamp_in_a_mirror_is_seen)
+          test_beams__a_light_out_of_focus_keeps_its_light, test_beams__a_lamp_in_a_mirror_is_seen,
+          test_beams__highlights_on_a_plane_are_seen, test_beams__highlights_on_a_cylinder_are_seen,
+          test_beams__a_lamp_in_a_mirror_ball_is_seen, test_beams__what_is_hidden_takes_no_samples,
+          test_beams__small_triangles_are_seen, test_beams__what_glass_may_show_is_not_proven)

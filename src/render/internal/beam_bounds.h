@@ -20,6 +20,9 @@ static inline double pen_smaller(double a, double b)
 /* The part of a beam's samples that is drawn from the bounds of things. */
 #define PEN_BEAM_PART 0.5
 
+/* The shininess from which on highlights are things. */
+#define PEN_BEAM_NARROW 100
+
 /* Bounds of a thing in one beam. With a lens: a rectangle, which moves with the point of the lens,
  * and the part of the lens from which it can be in the pixel. */
 struct bounds {
@@ -29,8 +32,19 @@ struct bounds {
     struct pen_point2 lens_lo, lens_hi;
     double share; /* of the beam */
     float light[3];
+    float near; /* the depth where the thing begins, in lengths of the pinhole's `middle` */
     float most; /* above 0: seen in a blurred mirror, by at most this part of its rays */
     bool small;
+    bool deep; /* of a surface that may show things somewhere: pen_beam_add_depths */
+};
+
+/* A thing, while its beams are found. */
+struct thing {
+    struct pen_hull hull;
+    struct pen_shear shear;
+    struct bounds bounds; /* what all its bounds have in common */
+    double fall;          /* above 0: its light falls from the middle of the polygon to this part of
+                           * it at the border, by a normal distribution */
 };
 
 /* The things of a beam. */
@@ -38,6 +52,7 @@ struct met {
     float blurred[3],
         most[3];           /* of bright ones in a blurred mirror: 1 / n of it, but at most `most` */
     float light[3], share; /* of bright ones: with n samples 1 / n of the sums is unseen */
+    float deep[3];         /* of the brightest thing that is shown somewhere */
     float small_light[3], small_share; /* of small ones, as their bounds have them */
 };
 
@@ -51,5 +66,44 @@ struct pen_beams {
     size_t count, room;
     uint32_t *first; /* bounds of pixel i are first[i] to first[i + 1] - 1 */
 };
+
+/* Notes what a surface may show somewhere in a beam. */
+static inline void pen_beam_add_depth(struct met *met, const struct bounds *b)
+{
+    for (int c = 0; c < 3; c++)
+        met->deep[c] = met->deep[c] > b->light[c] ? met->deep[c] : b->light[c];
+}
+
+static inline double pen_beam_largest(struct pen_vec3 c)
+{
+    return pen_larger(c.x, pen_larger(c.y, c.z));
+}
+
+/* Whether a primitive shines by itself so much that it is a thing whatever its size. */
+bool pen_beam_bright(const struct pen_scene *scene, uint32_t prim);
+
+/* The most light of a primitive that is seen. */
+struct pen_vec3 pen_beam_light(const struct pen_scene *scene, uint32_t prim);
+
+/* The most that a light brings to some of a box, for a reflectance of 1. */
+struct pen_vec3 pen_beam_light_within(const struct pen_light *light, struct pen_box box);
+
+/* Adds the thing to all beams that may meet it. False: out of memory. */
+bool pen_beam_add_thing(struct pen_beams *beams, const struct thing *thing);
+
+/* Sets the shares of bounds to 0 that something else is in front of (beam_hidden.c). Threads: as
+ * pen_render_run. */
+void pen_beam_hide(struct pen_beams *beams, const struct pen_kernel_input *input,
+                   struct pen_thread_pool *pool);
+
+/* The depth from which on a box may be seen, with some room for rounding. */
+float pen_beam_depth(const struct pen_kernel_input *input, struct pen_box box);
+
+/* Adds what surfaces may show at places that are not computed (beam_depths.c). False: out of
+ * memory. */
+bool pen_beam_add_depths(struct pen_beams *beams, const struct pen_kernel_input *input);
+
+/* Adds the images of things in surfaces (beam_images.c). False: out of memory. */
+bool pen_beam_add_images(struct pen_beams *beams, const struct pen_kernel_input *input);
 
 #endif

@@ -29,6 +29,10 @@ bool pen_project(const struct pen_kernel_input *input, uint32_t prim, struct pen
 bool pen_project_sphere(const struct pen_kernel_input *input, const struct pen_sphere *sphere,
                         struct pen_hull *hull, struct pen_shear *shear);
 
+/* The same of a box around `center`, which `half` goes to the middles of its sides from. */
+bool pen_project_box(const struct pen_kernel_input *input, struct pen_vec3 center,
+                     const struct pen_vec3 half[3], struct pen_hull *hull, struct pen_shear *shear);
+
 /* The part of a polygon between lo and hi along x, or y. */
 void pen_hull_clip(const struct pen_hull *hull, bool along_y, double lo, double hi,
                    struct pen_hull *part);
