@@ -293,6 +293,7 @@ START_TEST(test_beams__what_is_hidden_takes_no_samples)
 {
     static float rgb[3 * SIDE * SIDE];
     enum { NO_WALL, WALL, GLASS };
+    double without = 0; /* the samples without a wall */
     const struct pen_vec3 corners[] = {{-6, -6, 1}, {6, -6, 1}, {6, 6, 1}, {-6, 6, 1}};
     for (int lens = 0; lens < 2; lens++)
         for (int wall = NO_WALL; wall <= GLASS; wall++) {
@@ -309,6 +310,10 @@ START_TEST(test_beams__what_is_hidden_takes_no_samples)
                 kit_polygon(&kit, corners, 4, kit_material(&kit, m));
             const double samples = render(rgb).adaptive.samples.mean;
             ck_assert_msg(wall == WALL ? samples == 4 : samples > 5, "%g samples", samples);
+            if (wall == NO_WALL)
+                without = samples;
+            ck_assert_msg(wall != GLASS || samples > 0.7 * without, "%g, not %g samples", samples,
+                          without);
         }
 }
 END_TEST
