@@ -36,30 +36,50 @@ static double length(struct pen_vec3 a)
     return sqrt(pen_dot(a, a));
 }
 
-/* Half the solid angle of a triangle as seen from the origin, positive from behind. Source: van
- * Oosterom, Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30(2), 1983.
- */
-static double half_angle(struct pen_vec3 a, struct pen_vec3 b, struct pen_vec3 c)
+/* A sum of angles, each less than half a turn: (c, s) is its direction, and `turns` counts how
+ * often it has passed half a turn. */
+struct angle_sum {
+    double c, s;
+    int turns;
+};
+
+/* Adds the angle of a direction. */
+static void add_angle(struct angle_sum *sum, double c, double s)
 {
-    const double la = length(a), lb = length(b), lc = length(c);
-    return atan2(pen_dot(a, pen_cross(b, c)),
-                 la * lb * lc + pen_dot(a, b) * lc + pen_dot(a, c) * lb + pen_dot(b, c) * la);
+    const double re = sum->c * c - sum->s * s, im = sum->c * s + sum->s * c;
+    const double norm = sqrt(re * re + im * im);
+    if (norm == 0)
+        return;
+    sum->turns += (s > 0 && sum->s >= 0 && im < 0) - (s < 0 && sum->s < 0 && im >= 0);
+    sum->c = re / norm;
+    sum->s = im / norm;
 }
 
-/* Whether faces surround p, as their generalised winding number tells. Source: Jacobson, Kavan,
- * Sorkine-Hornung, "Robust inside-outside segmentation using generalized winding numbers", ACM
- * Trans. Graph. 32(4), 2013. */
+/* Adds half the solid angle of a triangle as seen from the origin, positive from behind. Source:
+ * van Oosterom, Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30(2),
+ * 1983. */
+static void add_triangle(struct angle_sum *sum, struct pen_vec3 a, struct pen_vec3 b,
+                         struct pen_vec3 c)
+{
+    const double la = length(a), lb = length(b), lc = length(c);
+    add_angle(sum, la * lb * lc + pen_dot(a, b) * lc + pen_dot(a, c) * lb + pen_dot(b, c) * la,
+              pen_dot(a, pen_cross(b, c)));
+}
+
+/* Whether faces surround p, as their generalised winding number tells, which is 1 there: half of
+ * their solid angles is a whole turn. Source: Jacobson, Kavan, Sorkine-Hornung, "Robust
+ * inside-outside segmentation using generalized winding numbers", ACM Trans. Graph. 32(4), 2013. */
 static bool surrounds(const struct pen_prims *prims, const struct pen_solids *solids,
                       const struct pen_solid *s, struct pen_vec3 p)
 {
-    double half = 0;
+    struct angle_sum half = {1, 0, 0};
     for (uint32_t i = 0; i < s->count; i++) {
         const struct pen_outline line = pen_prim_outline(prims, solids->prim[s->first + i]);
         const struct pen_vec3 a = pen_sub(line.v[0], p);
         for (uint32_t k = 1; k + 1 < line.count; k++)
-            half += half_angle(a, pen_sub(line.v[k], p), pen_sub(line.v[k + 1], p));
+            add_triangle(&half, a, pen_sub(line.v[k], p), pen_sub(line.v[k + 1], p));
     }
-    return fabs(half / (2 * 3.141592653589793) - 1) < 1e-6;
+    return half.turns == 1 && half.c > 0 && fabs(half.s) < 1e-6;
 }
 
 bool pen_solid_contains(const struct pen_prims *prims, const struct pen_solids *solids,
