@@ -34,19 +34,16 @@ enum outcome pen_http_handle_file(struct request *request, struct pen_jobs *jobs
     return pen_http_request_content(request, &content);
 }
 
-/* `damaged`: how many stored blobs are, as far as the background check knows. */
-static enum outcome answer_health(struct request *request, const char *state, int64_t damaged)
+static enum outcome answer_health(struct request *request, const char *state)
 {
-    json_t *answer = json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION);
-    if (damaged > 0)
-        json_object_set_new(answer, "damaged", json_integer(damaged));
-    return pen_http_request_json(request, 200, answer);
+    return pen_http_request_json(request, 200,
+                                 json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION));
 }
 
 enum outcome pen_http_handle_healthz(struct request *request, struct pen_jobs *jobs)
 {
     (void)jobs;
-    return answer_health(request, "ok", 0);
+    return answer_health(request, "ok");
 }
 
 enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *jobs)
@@ -103,8 +100,7 @@ enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jo
 {
     struct pen_status st;
     if (check_ready(request->http, jobs, &st))
-        return answer_health(request, "ready",
-                             (int64_t)pen_store_tally(pen_jobs_store(jobs), PEN_TALLY_DAMAGED));
+        return answer_health(request, "ready");
     pen_http_request_hide_reason(request, &st);
     return pen_http_request_fail(request, &st);
 }

@@ -1,21 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* The durable store, the only connection between the api process and the workers. It keeps jobs,
- * their scene documents, batches with leases, committed pixels, artefacts (pictures and reports),
- * idempotency keys and workers. src/store/README.md has the rules: the states of jobs and batches,
- * who may claim and commit, what a failure means.
+ * their scene documents, batches with leases, results (pixels, pictures, layers, reports),
+ * idempotency keys and workers. src/store/README.md has the rules.
  *
  * What the store promises
- *  - A function that returned true has its effect on disk (SQLite: WAL, synchronous=FULL).
+ *  - A function that returned true has its effect on disk.
  *  - A commit is one transaction: pixels, statistics, artefact and state together. It fails with
  *    PEN_STALE unless the batch is still leased under the same attempt.
  *  - A commit repeated with the same claim succeeds and changes nothing. So does a submit repeated
- *    with the same id.
+ *    with the same id, and a claim repeated with the same serial number returns the same batch.
  *  - After a failed call, pen_store_failure tells whether nothing has happened or the outcome is
  *    unknown.
- *  - After a failed read, write or sync, or on a full disk, all handles of all processes refuse
- *    calls whose effect they cannot promise (PEN_STORAGE, PEN_STORAGE_FULL). The store is used
- *    again once it was reopened, checked and written to. Handles stay valid; callers call again
- *    (src/store/internal/health.h has the rules).
+ *  - PEN_STORAGE is an I/O error or damage: the process should end, so that another one recovers.
+ *    PEN_STORAGE_FULL passes when there is space again.
  *  - Time is the store's clock (pen_store_now), never a caller's.
  *  - A caller's function is never called inside a transaction. It may use the same handle.
  *  - Text is opaque to the store (JSON written by room jobs).
@@ -37,8 +34,7 @@
 
 enum {
     PEN_ID_BYTES = 37, /* UUID text and its end */
-    PEN_WORKER_ID_BYTES = 33,
-    PEN_STORE_IDENTITY_BYTES = 33
+    PEN_WORKER_ID_BYTES = 33
 };
 
 enum pen_job_state {
@@ -76,53 +72,21 @@ static inline bool pen_job_state_ended(enum pen_job_state state)
 
 struct pen_store;
 
-/* Opens a store and migrates an older schema. `url` is one of
- *   PATH                 the path of its file. If there is no store, and neither a log nor a -wake
- *                        file of one, the file and its folders are made.
- *   store::PATH          the store that is there. Nothing is made.
- *   store:IDENTITY:PATH  the store that has this identity. Nothing is made, and no other store is
- *                        opened: a process that works for another one cannot end up elsewhere.
- * Owns: pen_store_close. Fails: PEN_NOT_FOUND (store::PATH, and there is no store), PEN_STORAGE
- * (not a Penumbra store, damaged, newer schema, gone, another store, a log that is missing or
- * another store's, no permission: the message says what to do, and the file is as it was),
- * PEN_UNSUPPORTED (a postgres:// URL, for which there is no driver), PEN_USAGE (no path, or too
- * long), PEN_STORAGE_FULL, PEN_UNAVAILABLE (also: another process holds the lock for opening),
- * PEN_NO_MEMORY. */
-struct pen_store *pen_store_open(const char *url, struct pen_status *st);
+/* Opens a store. `url` is the path of its file; with `make`, the file and its folders are made if
+ * they are not there. Owns: pen_store_close. Fails: PEN_NOT_FOUND (there is none), PEN_STORAGE (not
+ * a Penumbra store, another schema version (the message names both), damaged, no permission),
+ * PEN_UNSUPPORTED (a postgres:// URL), PEN_USAGE (no path, or too long), PEN_STORAGE_FULL,
+ * PEN_UNAVAILABLE (busy), PEN_NO_MEMORY. */
+struct pen_store *pen_store_open(const char *url, bool make, struct pen_status *st);
 void pen_store_close(struct pen_store *store);
 
-/* The store's identity: 32 hexadecimal digits, random, made with the store and never changed. A
- * backup has one of its own. */
-const char *pen_store_identity(const struct pen_store *store);
+/* Looks for damage, for at most limit_ms (0: in everything). *finished: it came to the end. Fails:
+ * PEN_STORAGE with the first damage found. */
+bool pen_store_check(struct pen_store *store, int limit_ms, bool *finished, struct pen_status *st);
 
-/* The path of the store's file without symbolic links. Another process that opens this path, and
- * not the one that was given, cannot be led elsewhere by a link that changes. Owns: the store. */
-const char *pen_store_path(const struct pen_store *store);
-
-/* Brings everything into the store's own file, so that it is complete without the files beside it.
- * To be called before the last handle is closed; nothing is done while there are others. */
-bool pen_store_settle(struct pen_store *store, struct pen_status *st);
-
-/* Looks for damage in the whole store and its log. Fails: PEN_STORAGE with the first damage found.
- * Cost: reads every page. */
-bool pen_store_check(struct pen_store *store, struct pen_status *st);
-
-/* As the daemon does at its start: a store of more than 64 MiB is checked in part, its log, schema,
- * length and the tables of jobs and batches, for a third of a second at most. */
-bool pen_store_check_start(struct pen_store *store, struct pen_status *st);
-
-/* Whether the store accepts new work: writes a little and syncs it. Fails: PEN_STORAGE_FULL,
- * PEN_STORAGE, PEN_UNAVAILABLE, with the reason. */
-bool pen_store_probe(struct pen_store *store, struct pen_status *st);
-
-/* Whether a new job would be accepted now: as pen_store_probe, and there is enough space on the
- * disk, and below keep_bytes. Fails: as pen_store_submit. */
+/* Whether a new job would be accepted now: there is space on the disk, and below keep_bytes. Fails:
+ * as pen_store_submit. */
 bool pen_store_intake(struct pen_store *store, struct pen_status *st);
-
-/* Sets a part of the disk aside, which is given up when the disk is full, so that jobs can still be
- * cancelled and deleted. To be called once, by the daemon; it is set aside again by itself. Fails:
- * PEN_STORAGE_FULL, PEN_STORAGE. */
-bool pen_store_reserve(struct pen_store *store, struct pen_status *st);
 
 /* Makes a handle use another clock; for tests. */
 void pen_store_set_clock(struct pen_store *store, int64_t (*now_ms)(void *user), void *user);
@@ -138,24 +102,12 @@ enum pen_failure {
                             recognises an effect that it had */
 };
 
+/* Whether the last call has failed by an I/O error or damage of the database itself, and not of one
+ * value. The process should end. */
+bool pen_store_is_broken(const struct pen_store *store);
+
 /* Classifies the failure of the last call on this handle; `st` is the status it has filled. */
 enum pen_failure pen_store_failure(const struct pen_store *store, const struct pen_status *st);
-
-/* One call on a handle, for tests and benchmarks. Observers are told of the calls that change the
- * store and of those that workers make. */
-struct pen_store_call {
-    const char *name;        /* "claim", "commit", … */
-    int64_t transactions;    /* write transactions that it committed */
-    int64_t wall_ns, cpu_ns; /* cpu_ns: of the calling thread */
-};
-struct pen_store_observer {
-    void (*called)(void *user, const struct pen_store_call *call);
-    void *user;
-};
-
-/* Reports these calls to an observer, in the thread of the call; NULL: to none. Owns: the observer
- * stays the caller's, and must live until the handle is closed. */
-void pen_store_observe(struct pen_store *store, const struct pen_store_observer *observer);
 
 struct pen_backup {
     const atomic_bool *stop; /* given: ends the call when it becomes true; NULL: never */
@@ -266,9 +218,8 @@ bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_recor
                    struct pen_status *st);
 
 struct pen_queue {
-    struct pen_buf ids; /* of the queued jobs, PEN_ID_BYTES each, in the order in which they begin,
-                         * as far as the shares of now tell (README.md, "Shares") */
-    int64_t running;    /* jobs that have begun, but for those of hand_us */
+    struct pen_buf ids; /* of the first PEN_QUEUE_TOLD open jobs, PEN_ID_BYTES each, in the order in
+                         * which their next batches are claimed */
     int64_t hand_us;    /* what the batches in hand still take, as far as it is known, each at most
                          * a minute: by then its turn is over */
     int64_t workers;    /* that are there now */
@@ -276,8 +227,11 @@ struct pen_queue {
                          * any time and have ended. 0: there were none */
 };
 
+/* Open jobs are told their place up to here. */
+enum { PEN_QUEUE_TOLD = 1000 };
+
 /* Reads the queue; the caller releases its ids, also after a failure. Fails: PEN_NO_MEMORY. Cost:
- * grows with the number of queued jobs, some us for each. */
+ * an index of open batches, as far as PEN_QUEUE_TOLD jobs. */
 bool pen_store_queue(struct pen_store *store, struct pen_queue *queue, struct pen_status *st);
 
 struct pen_job_filter {
@@ -360,11 +314,12 @@ struct pen_claim {
     int64_t work;
 };
 
-/* Claims the next batch by priority, fair shares and age, with the exceptions for quarantined
- * batches and paused jobs; src/store/README.md has the rules. The job becomes running. If a study
- * is next, the worker gets nothing until it holds nothing; while it holds the study, it gets
- * nothing else. *found = false: there is nothing to do. */
-bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms,
+/* Claims the next batch: by priority, then turn, then age (README.md, Order). The job becomes
+ * running. A quarantined batch goes only to a worker that holds nothing else, and a worker that
+ * holds a quarantined batch or a study gets nothing. `serial` is the worker's own count of claims:
+ * a call that is repeated with the same number gets the batch that it got. *found = false: there is
+ * nothing to do. */
+bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_ms, int64_t serial,
                      struct pen_claim *claim, bool *found, struct pen_status *st);
 
 /* The result of a batch. */
@@ -381,30 +336,27 @@ struct pen_result {
     size_t artefact_bytes;
 };
 
-/* Commits a batch.
+/* The worker's next claim, made in the transaction of a commit. */
+struct pen_next {
+    const char *worker;
+    int64_t lease_ms, serial;
+    bool found; /* out: there is a claim; false if the commit failed */
+    struct pen_claim claim;
+};
+
+/* Commits a batch; `next` (NULL: none) claims the next one in the same transaction.
  *  - A result of the first tiles alone, which has no picture, ends the batch as if it had only
- *    these; the others become an open batch of the same view.
- *  - The last commit of a view of several render batches adds the view's assemble batch.
+ *    these; the others become an open batch of the same view, with the same turn.
+ *  - The last commit of a view of several render batches adds the view's assemble batch, with the
+ *    turn of the batch that ended.
  *  - The commit that ends a view (of its only batch, or of the assemble batch) must bring the
  *    view's picture, that of a study its report.
  *  - The commit that ends the last view makes the job succeeded.
  * Fails: PEN_STALE; PEN_STORAGE_FULL, PEN_STORAGE, PEN_UNAVAILABLE (see pen_store_failure; the same
  * commit may be repeated in any case); PEN_INTERNAL (the result does not fit the batch). */
 bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
-                      const struct pen_result *result, struct pen_status *st);
-
-/* The worker's next claim, made in the transaction of a commit. */
-struct pen_next {
-    const char *worker;
-    int64_t lease_ms;
-    bool found; /* out: there is a claim; false if the commit failed */
-    struct pen_claim claim;
-};
-
-/* Commits, and claims the next batch in the same transaction. Fails: as pen_store_commit. */
-bool pen_store_commit_and_claim(struct pen_store *store, const struct pen_claim *claim,
-                                const struct pen_result *result, struct pen_next *next,
-                                struct pen_status *st);
+                      const struct pen_result *result, struct pen_next *next,
+                      struct pen_status *st);
 
 /* Stores how many of its runs a study has finished, for readers, with the claim's time and
  * estimate. Fails: PEN_STALE. */
@@ -439,8 +391,8 @@ bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
                     const struct pen_kept *kept, bool *outranked, struct pen_status *st);
 
 /* Whether the holder should release the claim: a batch of higher priority is open; or the claim is
- * held for five seconds already, and one is open whose address has come to a higher priority by
- * waiting; or it is held for a minute, and one of the same priority and another job is open. */
+ * held for a minute, and any batch of its own priority is open. A batch that is released takes a
+ * new turn, behind those of its client that are open. */
 bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
                          struct pen_status *st);
 
@@ -468,18 +420,6 @@ bool pen_store_cost_map(struct pen_store *store, const char *id, struct pen_buf 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st);
 
-/* Whether the last call, a commit or pen_store_artefact_put, failed because the disk has too little
- * space for so large a result. Smaller ones may still be stored. */
-bool pen_store_lacks_space(const struct pen_store *store);
-
-/* Gives a batch back whose result the disk has no space for, so that others, whose results fit, get
- * their turn: as pen_store_release, and its job is paused as after lost workers, without a charge.
- * After the 16th time since the job's last commit, and ten minutes after its begin at the earliest,
- * the job fails with `error`, a problem document. Unless `always`, this is only done if a batch of
- * another job is open. *set_back: it was done, or the claim is no longer held. */
-bool pen_store_set_back(struct pen_store *store, const struct pen_claim *claim, const char *error,
-                        bool always, bool *set_back, struct pen_status *st);
-
 /* Ends the claim's job as failed; `error` is a problem document, JSON. Fails: PEN_STALE. */
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                     struct pen_status *st);
@@ -493,18 +433,14 @@ bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, cons
 bool pen_store_heartbeat(struct pen_store *store, struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st);
 
-/* Opens the batches whose lease has expired, and those that `dead_worker` holds (NULL: none), and
- * quarantines them. Nothing is charged, because it is not known how the worker ended. *opened is
- * the number of batches. */
-bool pen_store_expire_leases(struct pen_store *store, const char *dead_worker, int *opened,
-                             struct pen_status *st);
+/* Opens the batches whose lease has expired, each job's in a transaction of its own, and
+ * quarantines them. Nothing is charged, because it is not known how the worker ended. A lease that
+ * ends later than now + its length counts as beginning now. *opened is the number of batches. */
+bool pen_store_expire_leases(struct pen_store *store, int *opened, struct pen_status *st);
 
-/* Opens and quarantines the batches of every dead worker, and removes these workers from the list.
- * A worker lives while a handle holds its lock (pen_store_worker_lock); if that cannot be told, it
- * counts as living. Leases of dead workers would expire anyway; this saves the wait when everything
- * was killed at once and no supervisor is left to report the worker's end. *opened is the number of
- * batches. */
-bool pen_store_release_dead(struct pen_store *store, int *opened, struct pen_status *st);
+/* The same for the batches of all workers of this host whose process no longer exists (boot id, pid
+ * and start time tell), without waiting for their leases; removes these workers from the list. */
+bool pen_store_release_gone(struct pen_store *store, int *opened, struct pen_status *st);
 
 enum pen_worker_end {
     PEN_WORKER_LEFT,   /* it was told to stop, and gives its batches back */
@@ -578,75 +514,22 @@ bool pen_store_set_retention(struct pen_store *store, const struct pen_retention
                              struct pen_status *st);
 bool pen_store_retention(struct pen_store *store, struct pen_retention *out, struct pen_status *st);
 
-/* Finds the next job that retention removes; the caller makes its statistics and deletes it. Drops
- * statistics of removed jobs, the oldest first, that are beyond their part of keep_bytes, and
- * others if there is no ended job left and the store is still too large. */
+/* Finds the next job that retention removes, the one with the oldest end; the caller makes its
+ * statistics and deletes it. */
 bool pen_store_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
                        struct pen_status *st);
 
 /* Stores an artefact of a job that can be made again, from what is committed; one that exists is
  * replaced. It is dropped when others are used later, or space runs short; it is not stored at all
- * if it is too large or space is short, also if that is only until what was dropped for it is gone.
- * Fails: PEN_NOT_FOUND. */
+ * if it is too large or space is short. Fails: PEN_NOT_FOUND. */
 bool pen_store_cache_put(struct pen_store *store, const char *id, int view, const char *layer,
                          const char *format, const void *data, size_t bytes, struct pen_status *st);
 
-/* Drops one such artefact if they are too large together, or the disk runs short; *more: it did. */
-bool pen_store_evict(struct pen_store *store, bool *more, struct pen_status *st);
-
-/* Removes idempotency keys, workers and removed jobs without statistics that are older than
- * key_age_ms, statistics of removed jobs older than stats_age_ms, and scene documents that no job
- * uses. In several transactions, each of a bounded number of rows. */
-bool pen_store_purge(struct pen_store *store, int64_t key_age_ms, int64_t stats_age_ms,
-                     struct pen_status *st);
-
-/* Does a little of what deletes have left to do, in one short transaction: removes some megabytes
- * of a removed job, or of a value that was replaced or not finished, or returns a megabyte of free
- * space to the file system. *more is false if there was nothing to do, or nothing to remove where
- * it fails: then the reserve is not used for it. A caller that repeats it should pause between, so
- * that other writers get their turn. */
-bool pen_store_purge_slice(struct pen_store *store, bool *more, struct pen_status *st);
-
-/* The background check of stored scene documents, pixels, pictures and reports, which the check at
- * a start leaves out. Each call checks the next one by its checksum; what is damaged is logged with
- * its job, and counted (PEN_TALLY_DAMAGED); so is what cannot be read. It begins at {0}; *more is
- * false at the end of a pass, and *scrub is {0} again. Fails: as a reader's call, if the store
- * itself cannot be read; PEN_NO_MEMORY, for one, after which the next call goes on. */
-struct pen_scrub {
-    int kind;      /* of the last one that was checked */
-    int64_t after; /* its number */
-    int64_t damaged;
-};
-bool pen_store_scrub(struct pen_store *store, struct pen_scrub *scrub, bool *more,
-                     struct pen_status *st);
-
-/* Checkpoints. A database writes changes to a log first and later copies them to their place. That
- * copying, a checkpoint, makes some commits slow. A handle can leave it to another handle:
- *  1. It calls pen_store_delegate_checkpoints once.
- *  2. After a commit pen_store_checkpoint_due tells whether a checkpoint is due.
- *  3. The other handle calls pen_store_checkpoint, which blocks neither readers nor writers.
- * If none does, a later commit makes the checkpoint after all.
- * Fails: PEN_STORAGE, PEN_STORAGE_FULL; nothing is lost. */
-void pen_store_delegate_checkpoints(struct pen_store *store);
-bool pen_store_checkpoint_due(const struct pen_store *store);
-bool pen_store_checkpoint(struct pen_store *store, struct pen_status *st);
-
-/* One batch as stored. */
-struct pen_batch_record {
-    int64_t batch, attempt;
-    enum pen_batch_kind kind;
-    enum pen_batch_state state;
-    int view, first_tile, tile_count;
-    int64_t pixels;
-    const char *worker; /* the id of its holder; NULL unless leased */
-    bool quarantined;   /* a worker was lost while it held this batch */
-};
-
-/* Calls `each` for every batch of a job, oldest first; stops when it returns false.
- * Fails: PEN_NOT_FOUND (no such job). */
-typedef bool pen_batch_fn(void *user, const struct pen_batch_record *batch);
-bool pen_store_batches(struct pen_store *store, const char *id, pen_batch_fn *each, void *user,
-                       struct pen_status *st);
+/* A slice of what deletes, retention and time leave to do, in a short transaction: parts of removed
+ * jobs and of objects that nothing uses, cached artefacts beyond their share, scenes without a job,
+ * old keys, statistics and workers, free space for the file system. *more is false if there was
+ * nothing to do. One process at a time does it; a caller pauses between slices. */
+bool pen_store_tidy(struct pen_store *store, bool *more, struct pen_status *st);
 
 /* The place of a committed render batch in its view. */
 struct pen_commit_record {
@@ -661,28 +544,17 @@ typedef bool pen_commit_fn(void *user, const struct pen_commit_record *commit);
 bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
                        void *user, struct pen_status *st);
 
-/* A worker as it describes itself. */
+/* A worker as it describes itself. Its host, boot id, pid and start time are this process's. */
 struct pen_worker_new {
-    const char *id;   /* random, from pen_worker_id_make */
-    const char *host; /* for readers: host and pid tell where the worker runs */
-    int64_t pid;
+    const char *id; /* random, from pen_worker_id_make */
     int threads;
-    int64_t lease_ms; /* length of its leases; a lease's end then tells when it was extended */
+    int64_t lease_ms;   /* length of its leases */
+    int64_t rays_per_s; /* by its last batches, with all its threads; 0: not known */
 };
 
 /* Makes the id of a worker: 128 random bits as hexadecimal digits. Fails: PEN_IO (the system gives
  * no random bytes). */
 bool pen_worker_id_make(char id[PEN_WORKER_ID_BYTES], struct pen_status *st);
-
-/* Takes a lock that marks the worker as living, for as long as this handle is open; the end of the
- * process ends it too. Fails: PEN_CONFLICT (another handle has it), PEN_STORAGE. */
-bool pen_store_worker_lock(struct pen_store *store, const char *id, struct pen_status *st);
-
-/* Takes the lock that only one handle of a store may have, that of its supervisor, until the handle
- * is closed or the process ends. It is in the store itself, so no file that may be removed has it.
- * No other handle of the process may be open when this one is closed: it could lose SQLite's locks.
- * Fails: PEN_CONFLICT (another handle has it), PEN_STORAGE. */
-bool pen_store_supervise(struct pen_store *store, struct pen_status *st);
 
 /* Stores or renews a worker's row in the list of workers. To be called before the first claim and
  * repeated from time to time. */
@@ -697,6 +569,7 @@ struct pen_worker_record {
     const char *id, *host;
     int64_t pid;
     int threads;
+    int64_t rays_per_s;
     int64_t started_ms, seen_ms; /* by the store's clock; seen_ms: when the worker last renewed its
                                     row, or extended this lease */
     const char *job_id, *job_kind; /* NULL: it holds no batch, and the members below are not set */
@@ -712,25 +585,17 @@ typedef bool pen_worker_fn(void *user, const struct pen_worker_record *worker);
 bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
                        struct pen_status *st);
 
-/* Looks for contradictions between rows: missing owners, states that exclude each other, wrong
- * sums. Calls `each` with a sentence for each one; *found is their number. For tests and after a
- * crash. Cost: reads everything except pixels and pictures. */
-typedef void pen_audit_fn(void *user, const char *finding);
-bool pen_store_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
-                     struct pen_status *st);
-
-/* Counters of what all processes have done since the store's shared memory was made (SQLite: the
- * -wake file). They are for monitoring; a crash may lose the last ones. */
-enum pen_tally {
-    PEN_TALLY_COMMIT_OK,
-    PEN_TALLY_COMMIT_DUPLICATE,
-    PEN_TALLY_COMMIT_STALE,
-    PEN_TALLY_LEASES_LOST,   /* expired, or their worker found dead */
-    PEN_TALLY_RAYS,          /* of render batches; added by workers */
-    PEN_TALLY_WORKER_STARTS, /* added by workers */
-    PEN_TALLY_SCRUBBED,      /* blobs that pen_store_scrub has checked */
-    PEN_TALLY_DAMAGED,       /* those that it found damaged in its last whole pass: a state */
-    PEN_TALLY_TIMINGS        /* those of enum pen_timing follow */
+/* Counters of what the processes have done, for monitoring. A process counts in memory; a worker's
+ * numbers are stored with its row (pen_store_worker_seen, pen_store_worker_gone), so a crash loses
+ * the last ones. Numbers of workers that are gone stay in the sums. */
+enum pen_counter {
+    PEN_COUNT_COMMIT_OK,
+    PEN_COUNT_COMMIT_DUPLICATE,
+    PEN_COUNT_COMMIT_STALE,
+    PEN_COUNT_LEASES_LOST, /* expired, or their worker found dead */
+    PEN_COUNT_RAYS,        /* of render batches; added by workers */
+    PEN_COUNT_WORKER_STARTS,
+    PEN_COUNT_TIMINGS /* those of enum pen_timing follow */
 };
 
 /* Histograms of times, counted likewise. A write transaction's time includes the wait for other
@@ -742,28 +607,37 @@ enum pen_timing {
     PEN_TIMING_COUNT
 };
 enum { PEN_TIMING_BUCKETS = 12 };
-struct pen_histogram {
-    const double *bounds_s;                 /* PEN_TIMING_BUCKETS upper bounds, ascending */
-    uint64_t count[PEN_TIMING_BUCKETS + 1]; /* of times above the bound before; the last: longer */
-    uint64_t sum_us;
+enum { PEN_COUNTERS = PEN_COUNT_TIMINGS + PEN_TIMING_COUNT * (PEN_TIMING_BUCKETS + 2) };
+struct pen_counters {
+    uint64_t
+        count[PEN_COUNTERS]; /* of a timing: PEN_TIMING_BUCKETS + 1 numbers, and the sum in us */
 };
+extern const double pen_timing_bounds_s[PEN_TIMING_BUCKETS]; /* upper bounds, ascending */
 
-/* Threads: any. */
-void pen_store_tally_add(struct pen_store *store, enum pen_tally tally, uint64_t count);
-uint64_t pen_store_tally(struct pen_store *store, enum pen_tally tally);
-struct pen_histogram pen_store_timing(struct pen_store *store, enum pen_timing timing);
+/* Adds to a counter of this process. Threads: any. */
+void pen_store_count(enum pen_counter counter, uint64_t count);
 
-/* Signals between all handles of a store: two counters that only grow. PEN_SIGNAL_WORK grows when a
- * batch becomes claimable, PEN_SIGNAL_CHANGES (the change notification) when a job changes. A
- * signal may be lost, so callers also read the store from time to time. */
-enum pen_signal { PEN_SIGNAL_WORK, PEN_SIGNAL_CHANGES };
+/* The sums over all processes. Cost: a row for each worker. */
+bool pen_store_counters(struct pen_store *store, struct pen_counters *counters,
+                        struct pen_status *st);
 
-/* Waits until the counter differs from *seen or the time is up; sets *seen to its value.
- * Threads: may be called while another thread uses the same handle; so may pen_store_wake. */
-void pen_store_wait(struct pen_store *store, enum pen_signal signal, uint32_t *seen,
-                    int timeout_ms);
+/* A counter that grows when a process may have changed the store, as far as this process knows:
+ * with each change of its own, and with those of others that a thread in pen_store_wait has
+ * noticed. Threads: any. */
+uint32_t pen_store_changes(void);
 
-/* Gives a signal: wakes all that wait for it, in all processes. */
-void pen_store_wake(struct pen_store *store, enum pen_signal signal);
+/* Waits until the counter differs from *seen or the time is up; sets *seen to its value. Signals
+ * are hints: a caller reads the store after it has read the counter, and from time to time in any
+ * case. Threads: beside others that use the handle; so may pen_store_wake. */
+void pen_store_wait(struct pen_store *store, uint32_t *seen, int timeout_ms);
+
+/* Lets the counters of all processes grow, which ends their waits. */
+void pen_store_wake(struct pen_store *store);
+
+/* Signals between processes. A supervisor calls pen_store_signals_make once, before its first
+ * child, for so many processes; each child names its slot by pen_store_signals_join before it opens
+ * a store. Without them, a wait looks every quarter of a second. */
+bool pen_store_signals_make(int slots, struct pen_status *st);
+void pen_store_signals_join(int slot);
 
 #endif

@@ -39,9 +39,7 @@ static void *work(void *user)
                                          .keep_ms = random_fewer(),
                                          .max_seconds = bed->max_seconds,
                                          .batch_ms = bed->batch_ms,
-                                         .patience_ms = bed->patience_ms,
                                          .fault = bed->fault,
-                                         .observer = bed->observer,
                                          .stuck = bed->stuck};
     struct pen_status st;
     bool ok = pen_worker_run(&options, &bed->stop, &st);
@@ -61,7 +59,7 @@ void jobs_worker_stop(struct jobs_bed *bed)
 {
     void *ok = NULL;
     atomic_store(&bed->stop, true);
-    pen_store_wake(bed->bed.store, PEN_SIGNAL_WORK);
+    pen_store_wake(bed->bed.store);
     pthread_join(bed->thread, &ok);
     bed->working = false;
     ck_assert_ptr_nonnull(ok);
@@ -143,8 +141,7 @@ static void wait_enough(struct jobs_bed *bed, const char *id, const char *name,
 struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES],
                                    const char *name, bool (*enough)(const struct pen_buf *kept))
 {
-    struct pen_status st;
-    int status, opened;
+    int status;
     store_bed_make(&bed->bed);
     const pid_t pid = jobs_worker_fork(bed);
     jobs_bed_open(bed);
@@ -152,8 +149,7 @@ struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char 
     wait_enough(bed, id, name, enough);
     kill(pid, SIGKILL);
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
-    store_must(pen_store_expire_leases(bed->bed.store, "doomed:1:1", &opened, &st), &st, "expire");
-    ck_assert_int_eq(opened, 1);
+    ck_assert_int_eq(store_worker_died(bed->bed.store, "doomed:1:1"), 1);
     return jobs_wait_kept(bed, id, name); /* it may have kept more since */
 }
 
@@ -165,7 +161,7 @@ enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id)
         enum pen_job_state state = store_job_state(bed->bed.store, id);
         if (pen_job_state_ended(state))
             return state;
-        pen_store_wait(bed->bed.store, PEN_SIGNAL_CHANGES, &seen, 100);
+        pen_store_wait(bed->bed.store, &seen, 100);
     }
     ck_abort_msg("job %s does not end", id);
 }

@@ -74,9 +74,9 @@ static void stop_worker(struct server *server)
 {
     struct pen_status st;
     atomic_store(&server->stop_worker, true);
-    struct pen_store *store = pen_store_open(server->store, &st);
+    struct pen_store *store = pen_store_open(server->store, false, &st);
     ck_assert_msg(store != NULL, "%s", st.msg);
-    pen_store_wake(store, PEN_SIGNAL_WORK);
+    pen_store_wake(store);
     pthread_join(server->worker, NULL);
     pen_store_close(store);
 }

@@ -22,14 +22,11 @@ void store_bed_open(struct store_bed *bed);
 /* Makes the bed's store take its time from *time_ms: it passes only when the test changes that. */
 void store_bed_set_clock(const struct store_bed *bed, int64_t *time_ms);
 
-/* Audits the store (the test fails on any finding), closes it, removes the folder. */
+/* Checks the store (the test fails if it is damaged), closes it, removes the folder. */
 void store_bed_close(struct store_bed *bed);
 
 /* A further handle on the bed's store. */
 struct pen_store *store_bed_handle(const struct store_bed *bed);
-
-/* Fails the test, and prints every finding, if the audit finds anything. */
-void store_audit_clean(struct pen_store *store);
 
 enum { STORE_JOB_BATCHES = 64, STORE_JOB_TILE = 4 };
 

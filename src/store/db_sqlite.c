@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: MIT */
+/* A connection to SQLite (db.h). The database has a write-ahead log; its application id and user
+ * version tell whose it is and which version its schema has. Opening is in db_sqlite_open.c. */
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "store/internal/counters.h"
+#include "store/internal/signals.h"
+#include "store/internal/sqlite.h"
+
+enum { TEXT_BYTES = 8192 };
+
+bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
+{
+    const char *why = sqlite3_errmsg(db->sqlite);
+    enum pen_code code;
+    bool broken = false;
+    switch (rc & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+        code = PEN_UNAVAILABLE;
+        break;
+    case SQLITE_FULL:
+        code = PEN_STORAGE_FULL;
+        break;
+    case SQLITE_NOMEM:
+        code = PEN_NO_MEMORY;
+        break;
+    case SQLITE_IOERR:
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+    case SQLITE_CANTOPEN:
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+        code = PEN_STORAGE;
+        broken = true;
+        break;
+    default:
+        code = PEN_INTERNAL;
+    }
+    db->trouble = (struct pen_db_trouble){.code = code,
+                                          .failure = code == PEN_STORAGE || code == PEN_INTERNAL
+                                                         ? PEN_FAILURE_REFUSED
+                                                         : PEN_FAILURE_RETRY,
+                                          .broken = broken};
+    return pen_fail(st, code, "%s: %s (SQLite error %d)", db->path, why, rc);
+}
+
+/* In a transaction, later calls fail with the status of the first that has failed. */
+static bool fail_rows(struct pen_db *db, int rc, struct pen_status *st)
+{
+    pen_sqlite_fail(db, rc, st);
+    if (db->in)
+        db->failed = *st;
+    return false;
+}
+
+struct pen_db_trouble pen_db_trouble(const struct pen_db *db)
+{
+    return db->trouble;
+}
+
+bool pen_sqlite_exec(struct pen_db *db, const char *sql, struct pen_status *st)
+{
+    const int rc = sqlite3_exec(db->sqlite, sql, NULL, NULL, NULL);
+    return rc == SQLITE_OK || pen_sqlite_fail(db, rc, st);
+}
+
+/* ---- Transactions */
+
+bool pen_db_begin(struct pen_db *db, enum pen_db_access access, struct pen_status *st)
+{
+    db->trouble = (struct pen_db_trouble){0};
+    db->failed.code = PEN_OK;
+    db->begun_ns = pen_clock_ns();
+    db->access = access;
+    if (access != PEN_DB_READ && db->syncs != (access == PEN_DB_WRITE)) {
+        db->syncs = access == PEN_DB_WRITE;
+        if (!pen_sqlite_exec(
+                db, db->syncs ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=NORMAL", st))
+            return false;
+    }
+    db->in = pen_sqlite_exec(db, access == PEN_DB_READ ? "BEGIN" : "BEGIN IMMEDIATE", st);
+    return db->in;
+}
+
+static void reset_all(struct pen_db *db)
+{
+    for (sqlite3_stmt *stmt = sqlite3_next_stmt(db->sqlite, NULL); stmt;
+         stmt = sqlite3_next_stmt(db->sqlite, stmt)) {
+        if (sqlite3_stmt_busy(stmt))
+            sqlite3_reset(stmt);
+    }
+}
+
+/* An I/O error in a commit leaves open whether the log has the transaction. */
+static bool commit(struct pen_db *db, struct pen_status *st)
+{
+    if (pen_sqlite_exec(db, "COMMIT", st))
+        return true;
+    if (db->trouble.broken)
+        db->trouble.failure = PEN_FAILURE_UNKNOWN;
+    return false;
+}
+
+bool pen_db_end(struct pen_db *db, bool ok, struct pen_status *st)
+{
+    if (!db->in)
+        return false;
+    reset_all(db);
+    if (db->failed.code != PEN_OK) {
+        *st = db->failed;
+        ok = false;
+    }
+    ok = ok && commit(db, st);
+    if (!ok && !sqlite3_get_autocommit(db->sqlite))
+        sqlite3_exec(db->sqlite, "ROLLBACK", NULL, NULL, NULL);
+    db->in = false;
+    pen_timing_add(db->access == PEN_DB_READ ? PEN_TIMING_READ : PEN_TIMING_WRITE,
+                   (pen_clock_ns() - db->begun_ns) / 1000);
+    return ok;
+}
+
+/* ---- Statements */
+
+/* The text without the word that stands for row locks, which SQLite has no need of. */
+static const char *plain(const char *sql, char text[TEXT_BYTES])
+{
+    static const char word[] = "{skip_locked}";
+    const char *at = strstr(sql, word);
+    size_t used = 0;
+    if (!at)
+        return sql;
+    for (; at && used + strlen(sql) < TEXT_BYTES; at = strstr(sql, word)) {
+        memcpy(text + used, sql, (size_t)(at - sql));
+        used += (size_t)(at - sql);
+        sql = at + sizeof word - 1;
+    }
+    strcpy(text + used, sql);
+    return text;
+}
+
+/* The statement of a literal, prepared once. */
+static struct pen_rows *prepared(struct pen_db *db, const char *sql, struct pen_status *st)
+{
+    const size_t first = ((uintptr_t)sql >> 4) % STATEMENTS;
+    char text[TEXT_BYTES];
+    for (size_t i = 0; i < STATEMENTS; i++) {
+        struct pen_rows *rows = &db->statements[(first + i) % STATEMENTS];
+        if (rows->sql == sql)
+            return rows;
+        if (rows->sql)
+            continue;
+        const int rc = sqlite3_prepare_v3(db->sqlite, plain(sql, text), -1,
+                                          SQLITE_PREPARE_PERSISTENT, &rows->stmt, NULL);
+        if (rc != SQLITE_OK) {
+            fail_rows(db, rc, st);
+            return NULL;
+        }
+        rows->sql = sql;
+        rows->db = db;
+        return rows;
+    }
+    pen_fail(st, PEN_INTERNAL, "more than %d statements", STATEMENTS);
+    return NULL;
+}
+
+/* Parameters are bound by name: SQLite numbers them by their first appearance. */
+static int bind(sqlite3_stmt *stmt, const char *types, va_list args)
+{
+    int rc = SQLITE_OK;
+    for (int n = 1; types[n - 1] && rc == SQLITE_OK; n++) {
+        const char name[] = {'$', (char)('0' + (n < 10 ? n : n / 10)),
+                             n < 10 ? '\0' : (char)('0' + n % 10), '\0'};
+        const int at = sqlite3_bind_parameter_index(stmt, name);
+        const char type = types[n - 1];
+        if (type == 'i') {
+            rc = sqlite3_bind_int64(stmt, at, va_arg(args, int64_t));
+        } else if (type == 't') {
+            rc = sqlite3_bind_text(stmt, at, va_arg(args, const char *), -1, SQLITE_STATIC);
+        } else if (type == 'b') {
+            const void *data = va_arg(args, const void *);
+            const size_t bytes = va_arg(args, size_t);
+            rc = sqlite3_bind_blob64(stmt, at, data, bytes, SQLITE_STATIC);
+        } else {
+            rc = sqlite3_bind_null(stmt, at);
+        }
+    }
+    return rc;
+}
+
+static struct pen_rows *start(struct pen_db *db, struct pen_status *st, const char *sql,
+                              const char *types, va_list args)
+{
+    if (db->in && db->failed.code != PEN_OK) {
+        *st = db->failed;
+        return NULL;
+    }
+    struct pen_rows *rows = prepared(db, sql, st);
+    if (!rows)
+        return NULL;
+    sqlite3_reset(rows->stmt);
+    sqlite3_clear_bindings(rows->stmt);
+    rows->st = st;
+    rows->ok = true;
+    const int rc = bind(rows->stmt, types, args);
+    if (rc != SQLITE_OK) {
+        fail_rows(db, rc, st);
+        return NULL;
+    }
+    return rows;
+}
+
+struct pen_rows *pen_db_rows(struct pen_db *db, struct pen_status *st, const char *sql,
+                             const char *types, ...)
+{
+    va_list args;
+    va_start(args, types);
+    struct pen_rows *rows = start(db, st, sql, types, args);
+    va_end(args);
+    return rows;
+}
+
+bool pen_db_run(struct pen_db *db, struct pen_status *st, int64_t *changed, const char *sql,
+                const char *types, ...)
+{
+    va_list args;
+    va_start(args, types);
+    struct pen_rows *rows = start(db, st, sql, types, args);
+    va_end(args);
+    while (pen_db_next(rows)) {
+    }
+    if (changed)
+        *changed = rows && rows->ok ? sqlite3_changes64(db->sqlite) : 0;
+    return pen_db_done(rows);
+}
+
+bool pen_db_next(struct pen_rows *rows)
+{
+    if (!rows || !rows->ok)
+        return false;
+    const int rc = sqlite3_step(rows->stmt);
+    if (rc != SQLITE_ROW && rc != SQLITE_DONE)
+        rows->ok = fail_rows(rows->db, rc, rows->st);
+    return rc == SQLITE_ROW;
+}
+
+bool pen_db_done(struct pen_rows *rows)
+{
+    if (!rows)
+        return false;
+    sqlite3_reset(rows->stmt);
+    return rows->ok;
+}
+
+int64_t pen_db_int(struct pen_rows *rows, int column)
+{
+    return sqlite3_column_int64(rows->stmt, column);
+}
+
+const char *pen_db_text(struct pen_rows *rows, int column)
+{
+    return (const char *)sqlite3_column_text(rows->stmt, column);
+}
+
+const void *pen_db_bytes(struct pen_rows *rows, int column, size_t *bytes)
+{
+    const void *data = sqlite3_column_blob(rows->stmt, column);
+    *bytes = (size_t)sqlite3_column_bytes(rows->stmt, column);
+    return data;
+}
+
+bool pen_db_is_null(struct pen_rows *rows, int column)
+{
+    return sqlite3_column_type(rows->stmt, column) == SQLITE_NULL;
+}
+
+/* ---- Clock and signals */
+
+bool pen_db_now(struct pen_db *db, int64_t *now_ms, struct pen_status *st)
+{
+    (void)st;
+    *now_ms = db->now_ms ? db->now_ms(db->now_user) : pen_clock_wall_ms();
+    return true;
+}
+
+void pen_db_set_clock(struct pen_db *db, int64_t (*now_ms)(void *user), void *user)
+{
+    db->now_ms = now_ms;
+    db->now_user = user;
+}
+
+void pen_db_wait(struct pen_db *db, uint32_t *seen, int timeout_ms)
+{
+    (void)db;
+    pen_signals_wait(seen, timeout_ms);
+}
+
+void pen_db_wake(struct pen_db *db)
+{
+    (void)db;
+    pen_signals_wake();
+}
+
+/* ---- The place where it is kept */
+
+bool pen_sqlite_value(struct pen_db *db, const char *sql, int64_t *value, struct pen_status *st)
+{
+    struct pen_rows *rows = pen_db_rows(db, st, sql, "");
+    *value = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
+    return pen_db_done(rows);
+}
+
+bool pen_db_space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_status *st)
+{
+    int64_t pages, unused, size;
+    struct statvfs info;
+    if (!pen_sqlite_value(db, "PRAGMA page_count", &pages, st) ||
+        !pen_sqlite_value(db, "PRAGMA freelist_count", &unused, st) ||
+        !pen_sqlite_value(db, "PRAGMA page_size", &size, st))
+        return false;
+    if (statvfs(db->path, &info) != 0)
+        return pen_fail(st, PEN_STORAGE, "%s: its file system cannot be read", db->path);
+    *used = (pages - unused) * size;
+    *left = (int64_t)info.f_bavail * (int64_t)info.f_frsize;
+    return true;
+}
+
+bool pen_db_give_reserve(struct pen_db *db)
+{
+    return unlink(db->reserve) == 0;
+}
+
+bool pen_db_tidy(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st)
+{
+    int64_t unused, size, pages, left;
+    *more = false;
+    if (!pen_db_space(db, &pages, &left, st) ||
+        !pen_sqlite_value(db, "PRAGMA freelist_count", &unused, st) ||
+        !pen_sqlite_value(db, "PRAGMA page_size", &size, st))
+        return false;
+    if (left >= PEN_RESERVE_FREE + PEN_RESERVE)
+        pen_sqlite_make_reserve(db);
+    if (unused == 0)
+        return true;
+    pages = bytes / size > 0 ? bytes / size : 1;
+    char sql[64];
+    sqlite3_snprintf(sizeof sql, sql, "PRAGMA incremental_vacuum(%lld)", (long long)pages);
+    *more = unused > pages;
+    return pen_db_begin(db, PEN_DB_WRITE, st) && pen_db_end(db, pen_sqlite_exec(db, sql, st), st);
+}

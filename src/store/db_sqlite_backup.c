@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT */
+/* Copies a database while others read and write it (db.h).
+ *  - The copy has all pages as of one moment: all steps of SQLite's backup are in one read
+ *    transaction, which writers do not restart.
+ *  - It is made under another name, checked, synced and then renamed. So the name always stands
+ *    for a complete backup, or for the file that was there before.
+ *  - Its process locks it. So a copy that is not locked was left by a process that was killed, and
+ *    the next backup to that name removes it. */
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "store/internal/sqlite.h"
+
+enum { PATH_BYTES = PEN_SQLITE_PATH_BYTES, STEP_PAGES = 1024, CHECK_STEPS = 100000 };
+
+static const char part_end[] = ".part-XXXXXX";
+
+struct copy {
+    struct pen_db *from;
+    sqlite3 *to;
+    int lock_fd; /* of the copy, -1: none */
+    const atomic_bool *stop;
+    char path[PATH_BYTES + 16]; /* of the unfinished copy; empty: there is none */
+    const char *name;           /* the final name */
+    bool replace;
+};
+
+static bool cannot_write(const char *path, int error, struct pen_status *st)
+{
+    return pen_fail(st, error == ENOSPC || error == EDQUOT ? PEN_STORAGE_FULL : PEN_IO,
+                    "cannot write the backup %s: %s", path, strerror(error));
+}
+
+/* Whether the name is that of the store or of a file beside it, which may not exist. */
+static bool is_of_store(const char *store, const char *name)
+{
+    static const char *const ends[] = {"", "-wal", "-shm", "-reserve"};
+    char path[PATH_BYTES + 16];
+    struct stat named, beside;
+    const bool exists = stat(name, &named) == 0;
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        snprintf(path, sizeof path, "%s%s", store, ends[i]);
+        if (strcmp(path, name) == 0 ||
+            (exists && stat(path, &beside) == 0 && beside.st_dev == named.st_dev &&
+             beside.st_ino == named.st_ino))
+            return true;
+    }
+    return false;
+}
+
+static bool check_name(const char *store, const char *name, bool replace, struct pen_status *st)
+{
+    struct stat info;
+    if (strlen(name) >= PATH_BYTES)
+        return pen_fail(st, PEN_USAGE, "the path of the backup is too long");
+    if (is_of_store(store, name))
+        return pen_fail(st, PEN_USAGE, "%s is the store itself; a backup needs another name", name);
+    if (lstat(name, &info) != 0)
+        return errno == ENOENT || cannot_write(name, errno, st);
+    if (S_ISDIR(info.st_mode))
+        return pen_fail(st, PEN_USAGE, "%s is a folder; give the backup a name in it", name);
+    return replace || pen_fail(st, PEN_CONFLICT,
+                               "%s is there already; nothing was written. --replace replaces it "
+                               "once the new backup is whole",
+                               name);
+}
+
+/* Locks a byte that SQLite does not lock. Closing other descriptors of the file does not unlock it.
+ */
+static bool lock_part(int fd)
+{
+    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_len = 1};
+    return fcntl(fd, F_OFD_SETLK, &lock) == 0;
+}
+
+static bool is_named(int fd, const char *path)
+{
+    struct stat open_file, named;
+    return fstat(fd, &open_file) == 0 && lstat(path, &named) == 0 &&
+           open_file.st_dev == named.st_dev && open_file.st_ino == named.st_ino;
+}
+
+static void remove_if_left(const char *part)
+{
+    const int fd = open(part, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (fd < 0)
+        return;
+    if (lock_part(fd) && is_named(fd, part))
+        unlink(part);
+    close(fd);
+}
+
+void pen_store_backup_remove_left(const char *file)
+{
+    char part[PATH_BYTES + 280];
+    const char *slash = strrchr(file, '/'), *last = slash ? slash + 1 : file;
+    const size_t length = strlen(last);
+    snprintf(part, sizeof part, "%.*s", slash ? (int)(last - file) : 2, slash ? file : "./");
+    DIR *folder = opendir(part);
+    for (struct dirent *entry; folder && (entry = readdir(folder)) != NULL;) {
+        if (strlen(entry->d_name) != length + sizeof part_end - 1 ||
+            memcmp(entry->d_name, last, length) != 0 ||
+            strncmp(entry->d_name + length, part_end, 6) != 0)
+            continue;
+        snprintf(part, sizeof part, "%.*s%s", (int)(last - file), file, entry->d_name);
+        remove_if_left(part);
+    }
+    if (folder)
+        closedir(folder);
+}
+
+/* Makes the file of the copy, and locks it. Another process may remove it before it is locked. */
+static bool make_part(struct copy *copy, struct pen_status *st)
+{
+    for (int tries = 0; tries < 100; tries++) {
+        snprintf(copy->path, sizeof copy->path, "%s%s", copy->name, part_end);
+        copy->lock_fd = mkostemp(copy->path, O_CLOEXEC); /* 0600, as the store */
+        if (copy->lock_fd < 0)
+            break;
+        if (lock_part(copy->lock_fd) && is_named(copy->lock_fd, copy->path))
+            return true;
+        unlink(copy->path);
+        close(copy->lock_fd);
+        copy->lock_fd = -1;
+    }
+    copy->path[0] = '\0';
+    return cannot_write(copy->name, errno, st);
+}
+
+/* SQLite tells what failed, but not on which side. The store is only read, so a failed write is one
+ * of the copy. */
+static bool copy_failed(struct copy *copy, int rc, struct pen_status *st)
+{
+    const int error = sqlite3_system_errno(copy->to);
+    if (rc == SQLITE_FULL)
+        return cannot_write(copy->name, ENOSPC, st);
+    if (rc == SQLITE_IOERR_WRITE || rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_TRUNCATE)
+        return cannot_write(copy->name, error ? error : EIO, st);
+    return pen_sqlite_fail(copy->from, rc, st);
+}
+
+static int is_stopped(void *user)
+{
+    const struct copy *copy = user;
+    return copy->stop && atomic_load(copy->stop);
+}
+
+static bool stopped(struct pen_status *st)
+{
+    return pen_fail(st, PEN_TIMEOUT, "stopped; no backup was made");
+}
+
+/* The copy needs no journal: after a power failure it is not used. */
+static bool copy_pages(struct copy *copy, struct pen_status *st)
+{
+    int rc =
+        sqlite3_open_v2(copy->path, &copy->to, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
+    if (!copy->to)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the backup");
+    sqlite3_extended_result_codes(copy->to, 1);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_exec(copy->to, "PRAGMA journal_mode=OFF; PRAGMA synchronous=OFF", NULL, NULL,
+                          NULL);
+    sqlite3_backup *backup =
+        rc == SQLITE_OK ? sqlite3_backup_init(copy->to, "main", copy->from->sqlite, "main") : NULL;
+    if (!backup)
+        return copy_failed(copy, rc == SQLITE_OK ? sqlite3_errcode(copy->to) : rc, st);
+    do
+        rc = sqlite3_backup_step(backup, STEP_PAGES);
+    while (rc == SQLITE_OK && !is_stopped(copy));
+    sqlite3_backup_finish(backup);
+    if (is_stopped(copy))
+        return stopped(st);
+    if (rc == SQLITE_DONE)
+        rc = sqlite3_exec(copy->to, "PRAGMA journal_mode=DELETE", NULL, NULL, NULL);
+    return rc == SQLITE_OK || copy_failed(copy, rc, st);
+}
+
+/* The first row's first column as text in `text`. */
+static int read_row(sqlite3 *db, const char *sql, char text[256])
+{
+    sqlite3_stmt *stmt = NULL;
+    int rc = sqlite3_prepare_v2(db, sql, -1, &stmt, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(stmt);
+    if (rc == SQLITE_ROW)
+        snprintf(text, 256, "%s", (const char *)sqlite3_column_text(stmt, 0));
+    sqlite3_finalize(stmt);
+    return rc;
+}
+
+static bool check_copy(struct copy *copy, int64_t *jobs, struct pen_status *st)
+{
+    char text[256] = "";
+    sqlite3_progress_handler(copy->to, CHECK_STEPS, is_stopped, copy);
+    int rc = read_row(copy->to, "PRAGMA quick_check(1)", text);
+    if (is_stopped(copy))
+        return stopped(st);
+    if (rc != SQLITE_ROW || strcmp(text, "ok") != 0)
+        return pen_fail(st, PEN_STORAGE, "no backup was made, its check failed: %s",
+                        rc == SQLITE_ROW ? text : sqlite3_errmsg(copy->to));
+    rc = read_row(copy->to, "SELECT count(*) FROM job WHERE removed_ms = 0", text);
+    *jobs = strtoll(text, NULL, 10);
+    return rc == SQLITE_ROW || copy_failed(copy, rc, st);
+}
+
+static bool sync_path(const char *path, int flags, int64_t *bytes, struct pen_status *st)
+{
+    struct stat info;
+    const int fd = open(path, flags | O_RDONLY | O_CLOEXEC);
+    const bool ok = fd >= 0 && fsync(fd) == 0 && fstat(fd, &info) == 0;
+    const int error = errno;
+    if (fd >= 0)
+        close(fd);
+    if (ok && bytes)
+        *bytes = info.st_size;
+    return ok || cannot_write(path, error, st);
+}
+
+/* Without `replace`, the name is given by link(2), which replaces nothing. */
+static bool name_copy(struct copy *copy, struct pen_status *st)
+{
+    char folder[PATH_BYTES];
+    const char *slash = strrchr(copy->name, '/');
+    const int rc = copy->replace ? rename(copy->path, copy->name) : link(copy->path, copy->name);
+    if (rc != 0)
+        return errno == EEXIST
+                   ? pen_fail(st, PEN_CONFLICT,
+                              "%s was made by another program meanwhile; it was left as it is",
+                              copy->name)
+                   : cannot_write(copy->name, errno, st);
+    if (!copy->replace)
+        unlink(copy->path);
+    copy->path[0] = '\0';
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - copy->name) + 1 : 1,
+             slash ? copy->name : ".");
+    return sync_path(folder, O_DIRECTORY, NULL, st);
+}
+
+static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_status *st)
+{
+    int64_t tables; /* the first read fixes the moment */
+    const bool copied =
+        pen_db_begin(copy->from, PEN_DB_READ, st) &&
+        pen_db_end(
+            copy->from,
+            pen_sqlite_value(copy->from, "SELECT count(*) FROM sqlite_schema", &tables, st) &&
+                copy_pages(copy, st),
+            st);
+    if (!copied || !check_copy(copy, &out->jobs, st))
+        return false;
+    sqlite3_close(copy->to);
+    copy->to = NULL;
+    if (!sync_path(copy->path, 0, &out->bytes, st))
+        return false;
+    return is_stopped(copy) ? stopped(st) : name_copy(copy, st);
+}
+
+bool pen_db_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
+                   struct pen_status *st)
+{
+    struct copy copy = {
+        .lock_fd = -1, .stop = out->stop, .name = file, .replace = replace, .path = ""};
+    if (!check_name(url, file, replace, st))
+        return false;
+    copy.from = pen_db_open(url, false, st);
+    if (!copy.from)
+        return false;
+    pen_store_backup_remove_left(file);
+    const bool ok = make_part(&copy, st) && make_backup(&copy, out, st);
+    sqlite3_close(copy.to);
+    pen_db_close(copy.from);
+    if (copy.path[0])
+        unlink(copy.path);
+    if (copy.lock_fd >= 0)
+        close(copy.lock_fd);
+    return ok;
+}
+
+bool pen_store_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
+                      struct pen_status *st)
+{
+    return pen_db_backup(url, file, replace, out, st);
+}

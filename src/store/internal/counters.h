@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT */
+/* Times of transactions and batches, for monitoring. Threads: any. */
+#ifndef PEN_STORE_INTERNAL_COUNTERS_H
+#define PEN_STORE_INTERNAL_COUNTERS_H
+
+#include "store/store.h"
+
+void pen_timing_add(enum pen_timing timing, int64_t us);
+
+/* What this process has counted. */
+void pen_counters_own(struct pen_counters *counters);
+
+#endif

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/* What tests read of a store's rows that the door does not show. */
+#ifndef TESTS_SUPPORT_STORE_ROWS_H
+#define TESTS_SUPPORT_STORE_ROWS_H
+
+#include "store/store.h"
+
+struct store_batch {
+    int64_t number, pixels;
+    enum pen_batch_kind kind;
+    enum pen_batch_state state;
+    int view, first_tile, tile_count;
+    bool alone; /* quarantined */
+};
+
+/* Reads at most `most` batches of a job, by view and first tile; returns their number. */
+int store_batches(const char *url, const char *id, struct store_batch *batch, int most);
+
+/* Looks for contradictions between rows: missing owners, states that exclude each other, wrong
+ * sums. Prints each; returns their number. */
+int store_contradictions(const char *url);
+
+#endif
