@@ -176,6 +176,8 @@ CREATE TABLE worker (
     boot TEXT NOT NULL,                -- boot id, pid and start time tell whether its process still exists
     pid BIGINT NOT NULL,
     start BIGINT NOT NULL,
+    supervisor BIGINT NOT NULL,        -- its pid, which reports the worker's end while it exists; 0: none
+    supervisor_start BIGINT NOT NULL,
     threads BIGINT NOT NULL,
     rays_per_s BIGINT NOT NULL,        -- by its last batches; 0: not known
     lease_ms BIGINT NOT NULL,

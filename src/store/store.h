@@ -439,7 +439,8 @@ bool pen_store_heartbeat(struct pen_store *store, struct pen_claim *claim, int64
 bool pen_store_expire_leases(struct pen_store *store, int *opened, struct pen_status *st);
 
 /* The same for the batches of all workers of this host whose process no longer exists (boot id, pid
- * and start time tell), without waiting for their leases; removes these workers from the list. */
+ * and start time tell), without waiting for their leases; removes these workers from the list. A
+ * worker whose supervisor exists is left to that one, which may charge its end. */
 bool pen_store_release_gone(struct pen_store *store, int *opened, struct pen_status *st);
 
 enum pen_worker_end {
@@ -547,6 +548,7 @@ bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, p
 /* A worker as it describes itself. Its host, boot id, pid and start time are this process's. */
 struct pen_worker_new {
     const char *id; /* random, from pen_worker_id_make */
+    int supervisor; /* the process that reports its end by pen_store_worker_ended; 0: none */
     int threads;
     int64_t lease_ms;   /* length of its leases */
     int64_t rays_per_s; /* by its last batches, with all its threads; 0: not known */

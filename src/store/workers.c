@@ -15,6 +15,7 @@ struct process {
     int64_t pid, start; /* start: in clock ticks since the boot; 0: there is no such process */
 };
 
+/* A process that has ended and that nobody has waited for does not count. */
 static int64_t start_of(int64_t pid)
 {
     char path[64], text[1024];
@@ -27,6 +28,8 @@ static int64_t start_of(int64_t pid)
     text[bytes] = '\0';
     char *at = strrchr(text, ')'); /* the name before it may have spaces */
     long long start = 0;
+    if (at && (strncmp(at, ") Z", 3) == 0 || strncmp(at, ") X", 3) == 0))
+        return 0;
     for (int field = 2; at && field < 22; field++)
         at = strchr(at + 1, ' ');
     return at && sscanf(at, "%lld", &start) == 1 ? start : 0;
@@ -119,19 +122,22 @@ bool pen_store_worker_seen(struct pen_store *store, const struct pen_worker_new 
     pen_counters_own(&counters);
     const bool ok =
         write_counters(&counters, &text, st) && pen_db_begin(store->db, PEN_DB_PART, st) &&
-        pen_db_end(store->db,
-                   pen_db_run(store->db, st, NULL,
-                              "INSERT INTO worker (id, host, boot, pid, start, threads, "
-                              "rays_per_s, lease_ms, started_ms, seen_ms, counters) VALUES "
-                              "($1, $2, $3, $4, $5, $6, $7, $8, (SELECT now_ms()), "
-                              "(SELECT now_ms()), $9) ON CONFLICT (id) DO UPDATE SET "
-                              "rays_per_s = excluded.rays_per_s, lease_ms = excluded.lease_ms, "
-                              "threads = excluded.threads, seen_ms = excluded.seen_ms, "
-                              "counters = excluded.counters",
-                              "tttiiiiit", worker->id, own.host, own.boot, own.pid, own.start,
-                              (int64_t)worker->threads, worker->rays_per_s, worker->lease_ms,
-                              (const char *)text.data),
-                   st);
+        pen_db_end(
+            store->db,
+            pen_db_run(
+                store->db, st, NULL,
+                "INSERT INTO worker (id, host, boot, pid, start, supervisor, "
+                "supervisor_start, threads, rays_per_s, lease_ms, started_ms, "
+                "seen_ms, counters) VALUES ($1, $2, $3, $4, $5, $10, $11, $6, $7, "
+                "$8, (SELECT now_ms()), (SELECT now_ms()), $9) ON CONFLICT (id) DO UPDATE SET "
+                "rays_per_s = excluded.rays_per_s, lease_ms = excluded.lease_ms, "
+                "threads = excluded.threads, seen_ms = excluded.seen_ms, "
+                "counters = excluded.counters",
+                "tttiiiiitii", worker->id, own.host, own.boot, own.pid, own.start,
+                (int64_t)worker->threads, worker->rays_per_s, worker->lease_ms,
+                (const char *)text.data, (int64_t)worker->supervisor,
+                worker->supervisor > 0 ? start_of(worker->supervisor) : 0),
+            st);
     pen_buf_release(&text);
     return ok;
 }
@@ -174,20 +180,27 @@ bool pen_store_worker_gone(struct pen_store *store, const char *id, struct pen_s
            pen_db_end(store->db, remove_worker(store, id, st), st);
 }
 
-/* The next worker of this host, in order of ids, whose process no longer exists. */
+/* Whether a process exists; `unknown` is the answer if its start was not known. */
+static bool exists(int64_t pid, int64_t start, bool unknown)
+{
+    return start > 0 ? start_of(pid) == start : unknown;
+}
+
+/* The next worker of this host, in order of ids, whose process and whose supervisor no longer
+ * exist. */
 static bool find_gone(struct pen_store *store, const struct process *own,
                       char id[PEN_WORKER_ID_BYTES], bool *found, struct pen_status *st)
 {
     struct pen_rows *rows =
         pen_db_rows(store->db, st,
-                    "SELECT id, boot, pid, start FROM worker WHERE host = $1 AND id > $2 "
-                    "ORDER BY id",
+                    "SELECT id, boot, pid, start, supervisor, supervisor_start FROM worker "
+                    "WHERE host = $1 AND id > $2 ORDER BY id",
                     "tt", own->host, id);
     *found = false;
     while (!*found && pen_db_next(rows)) {
-        const int64_t start = pen_db_int(rows, 3);
         *found = strcmp(pen_db_text(rows, 1), own->boot) != 0 ||
-                 (start > 0 && start_of(pen_db_int(rows, 2)) != start);
+                 (!exists(pen_db_int(rows, 2), pen_db_int(rows, 3), true) &&
+                  !exists(pen_db_int(rows, 4), pen_db_int(rows, 5), false));
         if (*found)
             snprintf(id, PEN_WORKER_ID_BYTES, "%s", pen_db_text(rows, 0));
     }
