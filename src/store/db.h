@@ -47,13 +47,15 @@ bool pen_db_begin(struct pen_db *db, enum pen_db_access access, struct pen_statu
 bool pen_db_end(struct pen_db *db, bool ok, struct pen_status *st);
 
 /* What the last failed call of the database has done: `code` is that of its status, PEN_OK if the
- * last transaction had none; `broken`: it was an I/O error or damage. */
+ * last transaction had none. */
 struct pen_db_trouble {
     enum pen_code code;
     enum pen_failure failure;
-    bool broken;
 };
 struct pen_db_trouble pen_db_trouble(const struct pen_db *db);
+
+/* As pen_store_is_broken. */
+bool pen_db_is_broken(const struct pen_db *db, struct pen_status *why);
 
 /* ---- Statements --------------------------------------------------------------------------------
  */

@@ -18,7 +18,6 @@ bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
 {
     const char *why = sqlite3_errmsg(db->sqlite);
     enum pen_code code;
-    bool broken = false;
     switch (rc & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
@@ -37,7 +36,6 @@ bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
     case SQLITE_READONLY:
     case SQLITE_PERM:
         code = PEN_STORAGE;
-        broken = true;
         break;
     default:
         code = PEN_INTERNAL;
@@ -45,9 +43,11 @@ bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
     db->trouble = (struct pen_db_trouble){.code = code,
                                           .failure = code == PEN_STORAGE || code == PEN_INTERNAL
                                                          ? PEN_FAILURE_REFUSED
-                                                         : PEN_FAILURE_RETRY,
-                                          .broken = broken};
-    return pen_fail(st, code, "%s: %s (SQLite error %d)", db->path, why, rc);
+                                                         : PEN_FAILURE_RETRY};
+    pen_fail(st, code, "%s: %s (SQLite error %d)", db->path, why, rc);
+    if (code == PEN_STORAGE && db->broken.code == PEN_OK)
+        db->broken = *st;
+    return false;
 }
 
 /* In a transaction, later calls fail with the status of the first that has failed. */
@@ -62,6 +62,13 @@ static bool fail_rows(struct pen_db *db, int rc, struct pen_status *st)
 struct pen_db_trouble pen_db_trouble(const struct pen_db *db)
 {
     return db->trouble;
+}
+
+bool pen_db_is_broken(const struct pen_db *db, struct pen_status *why)
+{
+    if (why)
+        *why = db->broken;
+    return db->broken.code != PEN_OK;
 }
 
 bool pen_sqlite_exec(struct pen_db *db, const char *sql, struct pen_status *st)
@@ -102,7 +109,7 @@ static bool commit(struct pen_db *db, struct pen_status *st)
 {
     if (pen_sqlite_exec(db, "COMMIT", st))
         return true;
-    if (db->trouble.broken)
+    if (db->trouble.code == PEN_STORAGE)
         db->trouble.failure = PEN_FAILURE_UNKNOWN;
     return false;
 }

@@ -45,9 +45,9 @@ bool pen_store_now(struct pen_store *store, int64_t *now_ms, struct pen_status *
     return pen_db_now(store->db, now_ms, st);
 }
 
-bool pen_store_is_broken(const struct pen_store *store)
+bool pen_store_is_broken(const struct pen_store *store, struct pen_status *why)
 {
-    return pen_db_trouble(store->db).broken;
+    return pen_db_is_broken(store->db, why);
 }
 
 /* What a rule refuses has changed nothing; a disk without space and a store too busy may pass. */

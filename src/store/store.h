@@ -102,9 +102,9 @@ enum pen_failure {
                             recognises an effect that it had */
 };
 
-/* Whether the last call has failed by an I/O error or damage of the database itself, and not of one
- * value. The process should end. */
-bool pen_store_is_broken(const struct pen_store *store);
+/* Whether a call on this handle has failed by an I/O error or damage of the database itself, and
+ * not of one value; *why (may be NULL) is the first such failure. The process should end. */
+bool pen_store_is_broken(const struct pen_store *store, struct pen_status *why);
 
 /* Classifies the failure of the last call on this handle; `st` is the status it has filled. */
 enum pen_failure pen_store_failure(const struct pen_store *store, const struct pen_status *st);

@@ -31,6 +31,7 @@ struct pen_db {
     bool syncs;               /* synchronous=FULL */
     struct pen_status failed; /* of the first call that failed in the transaction */
     struct pen_db_trouble trouble;
+    struct pen_status broken;      /* the first I/O error or damage; code PEN_OK: there was none */
     int64_t begun_ns, busy_ns;     /* of the transaction; of its wait for another one */
     int64_t (*now_ms)(void *user); /* NULL: the wall clock */
     void *now_user;
