@@ -122,8 +122,9 @@ mutants:
 ROUNDS ?= 200
 SEED ?=
 CRASH_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/crash/*.c)))
-$(CRASH_TEST): $(CRASH_OBJ) $(BUILD)/libservice.a $(BUILD)/librender.a
-	$(LINK) -o $@ $^ $(PKG_LIBS)
+$(CRASH_OBJ): EXTRA := -Itests
+$(CRASH_TEST): $(CRASH_OBJ) $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/librender.a
+	$(LINK) -o $@ $^ $(CHECK_LIBS) $(PKG_LIBS)
 .PHONY: crash
 crash: all $(CRASH_TEST)
 	$(CRASH_TEST) $(BUILD) $(ROUNDS) $(SEED)

@@ -201,6 +201,7 @@ static void *run(void *arg)
                 pass_on(watch, request);
         }
         pen_http_stream_texts_release(&watch->texts);
+        pen_http_check_store(watch->http, watch->jobs);
     }
     return NULL;
 }

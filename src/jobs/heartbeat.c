@@ -125,7 +125,7 @@ static void handle_ended_claim(struct pen_heartbeat *heart, const struct pen_cla
         return;
     struct pen_log_about about = pen_claim_about(claim);
     pen_log_about(PEN_LOG_ERROR, &about, "the render threads do not stop");
-    heart->options->stuck(heart->options->stuck_user);
+    heart->options->stuck(heart->options->user);
 }
 
 static void log_failure(struct pen_heartbeat *heart, const struct pen_log_about *about,
@@ -176,8 +176,10 @@ static void check_claim(struct pen_heartbeat *heart)
     if (heart->ended == PEN_CLAIM_HELD)
         add_work(heart, &claim);
     pthread_mutex_unlock(&heart->lock);
-    if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st))
+    if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st)) {
+        pen_worker_check_store(heart->options, heart->store);
         log_failure(heart, &about, &st);
+    }
     pthread_mutex_lock(&heart->lock);
     if (!held)
         end_claim(heart, claim_number, PEN_CLAIM_LOST);

@@ -7,7 +7,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "jobs/jobs.h"
+#include "jobs/internal/jobs.h"
 
 enum {
     ROUND_MS = 1000,      /* between rounds */
@@ -19,6 +19,7 @@ enum {
 struct pen_housekeeper {
     struct pen_jobs *jobs;   /* used by the thread alone */
     struct pen_store *store; /* the one of `jobs` */
+    const struct pen_worker_options *options;
     int64_t round_ms;
     pthread_t thread;
     pthread_mutex_t lock;
@@ -44,6 +45,7 @@ static bool pause_for(struct pen_housekeeper *keeper, int64_t ms)
 static bool note_failure(struct pen_housekeeper *keeper, const struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
+    pen_worker_check_store(keeper->options, keeper->store);
     if (!keeper->logged_ns || now_ns - keeper->logged_ns >= (int64_t)LOG_MS * 1000000) {
         keeper->logged_ns = now_ns;
         pen_log(PEN_LOG_WARN, "housekeeping: %s; trying again", st->msg);
@@ -100,7 +102,7 @@ static void release(struct pen_housekeeper *keeper)
     free(keeper);
 }
 
-struct pen_housekeeper *pen_housekeeper_new(const char *store_url, int64_t round_ms,
+struct pen_housekeeper *pen_housekeeper_new(const struct pen_worker_options *options,
                                             struct pen_status *st)
 {
     pthread_condattr_t monotonic;
@@ -109,14 +111,15 @@ struct pen_housekeeper *pen_housekeeper_new(const char *store_url, int64_t round
         pen_fail(st, PEN_NO_MEMORY, "no memory for the housekeeping");
         return NULL;
     }
-    keeper->round_ms = round_ms > 0 ? round_ms : ROUND_MS;
+    keeper->options = options;
+    keeper->round_ms = options->housekeeping_ms > 0 ? options->housekeeping_ms : ROUND_MS;
     pthread_condattr_init(&monotonic);
     pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_cond_init(&keeper->change, &monotonic);
     pthread_condattr_destroy(&monotonic);
     pthread_mutex_init(&keeper->lock, NULL);
     const struct pen_limits limits = pen_limits_default(); /* it reads no documents */
-    keeper->jobs = pen_jobs_open(store_url, &limits, st);
+    keeper->jobs = pen_jobs_open(options->store_url, &limits, st);
     keeper->store = keeper->jobs ? pen_jobs_store(keeper->jobs) : NULL;
     if (keeper->store && pthread_create(&keeper->thread, NULL, run, keeper) == 0)
         return keeper;

@@ -143,7 +143,7 @@ static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen
         return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
     if (ended == PEN_CLAIM_STOPPED || why->code == PEN_UNAVAILABLE || why->code == PEN_STORAGE_FULL)
         return release(w, claim, st);
-    if (why->code == PEN_STORAGE && pen_store_is_broken(w->store)) {
+    if (why->code == PEN_STORAGE && pen_store_is_broken(w->store, NULL)) {
         *st = *why;
         return false;
     }
@@ -226,21 +226,21 @@ static bool work_on(struct worker *w, struct pen_claim *claim, struct pen_next *
     return ok;
 }
 
-/* Updates this worker's row in the list of workers. A failure is ignored: the next update may
- * succeed. */
-static void update_row(struct worker *w, int64_t now_ns)
+/* Updates this worker's row in the list of workers. Where a failure may pass, the next update
+ * follows later. */
+static bool update_row(struct worker *w, int64_t now_ns, struct pen_status *st)
 {
-    struct pen_status ignored;
     const bool has_rate = w->context.rays_per_s > 0;
     if (w->seen_ns && now_ns - w->seen_ns < (int64_t)SEEN_MS * 1000000 && has_rate == w->has_rate)
-        return;
+        return true;
     w->seen_ns = now_ns;
     w->has_rate = has_rate;
     struct pen_worker_new worker = {.id = w->options->id,
+                                    .supervisor = w->options->supervisor,
                                     .threads = pen_thread_pool_size(w->context.pool),
                                     .lease_ms = w->lease_ms,
                                     .rays_per_s = (int64_t)w->context.rays_per_s};
-    pen_store_worker_seen(w->store, &worker, &ignored);
+    return pen_store_worker_seen(w->store, &worker, st) || is_temporary(st);
 }
 
 /* Periodic work: updates this worker's row, opens batches whose leases have expired. */
@@ -248,7 +248,8 @@ static bool maintain(struct worker *w, struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
     int opened = 0;
-    update_row(w, now_ns);
+    if (!update_row(w, now_ns, st))
+        return false;
     if (now_ns - w->expired_ns >= (int64_t)EXPIRE_MS * 1000000) {
         w->expired_ns = now_ns;
         if (!pen_store_expire_leases(w->store, &opened, st))
@@ -322,7 +323,7 @@ static bool set_up(struct worker *w, struct pen_status *st)
     w->context.scenes = pen_scene_cache_new(o->scene_cap_bytes);
     if (!w->context.scenes)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
-    w->housekeeper = pen_housekeeper_new(o->store_url, o->housekeeping_ms, st);
+    w->housekeeper = pen_housekeeper_new(o, st);
     return w->housekeeper != NULL;
 }
 
@@ -344,6 +345,8 @@ bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool 
         .options = options, .stop = stop, .context.work.lock = PTHREAD_MUTEX_INITIALIZER};
     bool ok = set_up(&w, st) && run(&w, st);
     struct pen_status ignored;
+    if (w.store)
+        pen_worker_check_store(options, w.store);
     if (w.store)
         pen_store_worker_gone(w.store, options->id, &ignored);
     tear_down(&w);

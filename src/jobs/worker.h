@@ -25,6 +25,7 @@ struct pen_worker_fault {
 struct pen_worker_options {
     const char *store_url;
     const char *id;          /* see pen_worker_id_make */
+    int supervisor;          /* the process that reports this one's end; 0: none */
     int threads;             /* 0: one per processor */
     size_t scene_cap_bytes;  /* memory cap of a scene's arena, 0: none */
     int64_t idle_ms;         /* the work ends when nothing was found to do for so long; 0: never */
@@ -40,7 +41,10 @@ struct pen_worker_options {
      * date then, and only the end of the process can end the threads. Must not return; NULL: the
      * worker waits for them. */
     void (*stuck)(void *user);
-    void *stuck_user;
+    /* Called by any thread of the worker when the store has an I/O error. Only a new process can
+     * rely on the store again. Must not return; NULL: pen_worker_run fails at its next call. */
+    void (*broken)(void *user, const struct pen_status *why);
+    void *user;                           /* of both */
     const struct pen_worker_fault *fault; /* NULL: none */
 };
 

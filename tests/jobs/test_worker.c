@@ -340,7 +340,7 @@ static void *write_slowly(void *user)
     atomic_store(&in_call, true);
     usleep(2000000);
     atomic_store(&in_call, false);
-    pen_db_end(db, false, false, &st);
+    pen_db_end(db, false, &st);
     pen_db_close(db);
     return NULL;
 }

@@ -95,11 +95,18 @@ void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES])
     pen_buf_release(&out.answer);
 }
 
+static bool read_kept(struct jobs_bed *bed, const char *id, const char *name, struct pen_buf *kept)
+{
+    char layer[64];
+    struct pen_status st;
+    snprintf(layer, sizeof layer, "kept:%s", name);
+    return pen_store_artefact(bed->bed.store, id, 0, layer, "kept", kept, &st);
+}
+
 bool jobs_has_kept(struct jobs_bed *bed, const char *id, const char *name)
 {
     struct pen_buf kept = {0};
-    struct pen_status st;
-    const bool has = pen_store_artefact(bed->bed.store, id, 0, "kept", name, &kept, &st);
+    const bool has = read_kept(bed, id, name, &kept);
     pen_buf_release(&kept);
     return has;
 }
@@ -107,9 +114,8 @@ bool jobs_has_kept(struct jobs_bed *bed, const char *id, const char *name)
 struct pen_buf jobs_wait_kept(struct jobs_bed *bed, const char *id, const char *name)
 {
     struct pen_buf kept = {0};
-    struct pen_status st;
     for (int i = 0; i < 6000; i++) {
-        if (pen_store_artefact(bed->bed.store, id, 0, "kept", name, &kept, &st))
+        if (read_kept(bed, id, name, &kept))
             return kept;
         ck_assert_msg(!pen_job_state_ended(store_job_state(bed->bed.store, id)), "it has ended");
         usleep(10000);
@@ -120,7 +126,9 @@ struct pen_buf jobs_wait_kept(struct jobs_bed *bed, const char *id, const char *
 void jobs_put_kept(struct jobs_bed *bed, const char *id, const char *name, const void *data,
                    size_t bytes)
 {
-    store_put(bed->bed.store, &(struct store_artefact){id, 0, "kept", name, data, bytes});
+    char layer[64];
+    snprintf(layer, sizeof layer, "kept:%s", name);
+    store_put(bed->bed.store, &(struct store_artefact){id, 0, layer, "kept", data, bytes});
 }
 
 /* Waits until what is kept is enough, for four minutes at most. */

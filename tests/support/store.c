@@ -189,6 +189,15 @@ int store_work_off(struct pen_store *store, const char *worker)
     }
 }
 
+int store_worker_died(struct pen_store *store, const char *id)
+{
+    const struct pen_worker_death death = {.worker = id, .end = PEN_WORKER_DIED};
+    struct pen_status st;
+    int opened = 0;
+    store_must(pen_store_worker_ended(store, &death, &opened, &st), &st, "a worker's end");
+    return opened;
+}
+
 int store_purge_slices(struct pen_store *store)
 {
     struct pen_status st;

@@ -72,6 +72,9 @@ struct store_artefact {
 };
 void store_put(struct pen_store *store, const struct store_artefact *artefact);
 
+/* Reports that a worker was killed by another process; returns the number of batches opened. */
+int store_worker_died(struct pen_store *store, const char *id);
+
 /* Does all that deletes have left to do, in slices; returns their number. */
 int store_purge_slices(struct pen_store *store);
 
