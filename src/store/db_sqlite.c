@@ -44,7 +44,9 @@ bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
                                           .failure = code == PEN_STORAGE || code == PEN_INTERNAL
                                                          ? PEN_FAILURE_REFUSED
                                                          : PEN_FAILURE_RETRY};
-    pen_fail(st, code, "%s: %s (SQLite error %d)", db->path, why, rc);
+    const bool damaged = (rc & 0xff) == SQLITE_CORRUPT || (rc & 0xff) == SQLITE_NOTADB;
+    pen_fail(st, code, "%s: %s (SQLite error %d)%s", db->path, why, rc,
+             damaged ? "; restore a backup" : "");
     if (code == PEN_STORAGE && db->broken.code == PEN_OK)
         db->broken = *st;
     return false;

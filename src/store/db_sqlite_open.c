@@ -223,7 +223,7 @@ bool pen_db_check(struct pen_db *db, int limit_ms, bool *finished, struct pen_st
     *finished = rc != SQLITE_INTERRUPT;
     bool ok = rc == SQLITE_ROW || !*finished || pen_sqlite_fail(db, rc, st);
     if (rc == SQLITE_ROW && strcmp((const char *)sqlite3_column_text(stmt, 0), "ok") != 0) {
-        ok = pen_fail(st, PEN_STORAGE, "%s is damaged: %s", db->path,
+        ok = pen_fail(st, PEN_STORAGE, "%s is damaged: %s; restore a backup", db->path,
                       (const char *)sqlite3_column_text(stmt, 0));
         db->trouble = (struct pen_db_trouble){PEN_STORAGE, PEN_FAILURE_REFUSED};
         db->broken = *st;

@@ -9,7 +9,7 @@ set -- "$@" --set samples_per_pixel=$(samples_lasting 1000 scene.json "$@")
 "$penumbra" render scene.json "$@" -o wanted.pfm
 
 exits "a backup without a store fails" 4 "$build/penumbrad" backup b.db --store "$store"
-prints "and names the missing store" stderr "there is no store $store"
+prints "and names the missing store" stderr "$store: there is no store"
 exits "a backup without a file name fails" 2 "$build/penumbrad" backup --store "$store"
 daemon_start
 export PENUMBRA_URL="$url"
