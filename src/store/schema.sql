@@ -24,7 +24,6 @@ CREATE TABLE job (
     id TEXT NOT NULL UNIQUE,
     client TEXT NOT NULL,
     kind TEXT NOT NULL,
-    name TEXT,
     priority BIGINT NOT NULL,
     state BIGINT NOT NULL,
     revision BIGINT NOT NULL,          -- grows with every change that a reader can see
@@ -140,7 +139,8 @@ CREATE TABLE object (
 ) {table options};
 CREATE INDEX object_used ON object (job, view, layer, format) WHERE state = 1;
 CREATE INDEX object_of_batch ON object (batch) WHERE batch > 0;
-CREATE INDEX object_other ON object (state, number) WHERE state <> 1;
+CREATE INDEX object_loading ON object (number) WHERE state = 0;
+CREATE INDEX object_gone ON object (number) WHERE state = 2;
 CREATE INDEX object_cached ON object (used_ms) WHERE cached = 1 AND state = 1;
 
 CREATE TABLE part (
@@ -166,9 +166,11 @@ CREATE TABLE removed (
     id TEXT PRIMARY KEY,
     client TEXT NOT NULL,
     removed_ms BIGINT NOT NULL,
-    stats TEXT
+    stats TEXT,
+    bytes BIGINT NOT NULL              -- of the statistics; 0: there are none
 ) {table options};
-CREATE INDEX removed_by_age ON removed (removed_ms);
+CREATE INDEX removed_by_age ON removed (removed_ms, bytes);
+CREATE INDEX removed_empty ON removed (removed_ms) WHERE bytes = 0;
 
 CREATE TABLE worker (
     id TEXT PRIMARY KEY,

@@ -18,7 +18,7 @@ static struct pen_db *open_db(const char *url)
 static void close_db(struct pen_db *db)
 {
     struct pen_status ignored;
-    pen_db_end(db, true, false, &ignored);
+    pen_db_end(db, true, &ignored);
     pen_db_close(db);
 }
 
