@@ -82,7 +82,7 @@ static bool check_queue(struct pen_store *store, const struct submission *in, st
         return true;
     struct pen_rows *rows =
         pen_db_rows(store->db, st,
-                    "SELECT (SELECT count(*) FROM job WHERE state IN (0, 1) AND removed_ms = 0), "
+                    "SELECT (SELECT count(*) FROM job WHERE state < 2), "
                     "(SELECT count(*) FROM job WHERE client = $1 AND state < 2)",
                     "t", in->client);
     if (pen_db_next(rows)) {
