@@ -37,7 +37,8 @@ bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
     case SQLITE_READONLY:
     case SQLITE_PERM:
         code = PEN_STORAGE;
-        broken = true;
+        broken = true; /* the next process recovers from the log */
+        sqlite3_db_config(db->sqlite, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
         break;
     default:
         code = PEN_INTERNAL;
