@@ -25,11 +25,9 @@ static bool read_held(struct pen_store *store, const char *worker, int64_t *held
 static bool find_serial(struct pen_store *store, const struct pen_next *next, int64_t *batch,
                         struct pen_status *st)
 {
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st, "SELECT number FROM batch WHERE state = 1 AND worker = $1 AND serial = $2",
-        "ti", next->worker, next->serial);
-    *batch = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
-    return pen_db_done(rows);
+    return pen_db_value(store->db, st, batch,
+                        "SELECT number FROM batch WHERE state = 1 AND worker = $1 AND serial = $2",
+                        "ti", next->worker, next->serial);
 }
 
 /* A study is not passed over: it waits for a worker that holds nothing. Batches that wait after
@@ -109,7 +107,7 @@ bool pen_claim_next(struct pen_store *store, struct pen_next *next, struct pen_s
             return false;
         if (batch == 0)
             return true;
-        if (!pen_job_start(store, job, false, st))
+        if (!pen_job_start(store, job, st))
             return false;
     }
     return pen_claim_read(store, batch, &next->claim, &next->found, st);
@@ -120,16 +118,14 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
                      struct pen_claim *claim, bool *found, struct pen_status *st)
 {
     struct pen_next next = {.worker = worker, .lease_ms = lease_ms, .serial = serial};
+    int64_t any;
     *found = false;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "SELECT 1 FROM batch WHERE state = 0 UNION ALL SELECT 1 FROM batch WHERE state = 1 "
-        "AND worker = $1 AND serial = $2 LIMIT 1",
-        "ti", worker, serial);
-    const bool any = pen_db_next(rows);
-    if (!pen_db_done(rows))
+    if (!pen_db_value(store->db, st, &any,
+                      "SELECT 1 FROM batch WHERE state = 0 UNION ALL SELECT 1 FROM batch "
+                      "WHERE state = 1 AND worker = $1 AND serial = $2 LIMIT 1",
+                      "ti", worker, serial))
         return false;
-    if (!any)
+    if (any == 0)
         return true;
     if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
         !pen_db_end(store->db, pen_claim_next(store, &next, st), st))

@@ -49,10 +49,8 @@ static bool load(struct pen_store *store, struct commit *commit, struct pen_stat
                                      .attempt = claim->attempt,
                                      .layer = "",
                                      .format = "pixels"};
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st, "SELECT job FROM batch WHERE number = $1", "i", claim->batch);
-    owner.job = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
-    if (!pen_db_done(rows))
+    if (!pen_db_value(store->db, st, &owner.job, "SELECT job FROM batch WHERE number = $1", "i",
+                      claim->batch))
         return false;
     commit->pixels_owner = commit->artefact_owner = owner;
     commit->artefact_owner.batch = 0;
@@ -113,11 +111,8 @@ static bool tell(struct pen_store *store, const struct commit *commit, struct pe
     const int64_t pixels = commit->batch.kind == PEN_BATCH_ASSEMBLE ? 0 : commit->batch.pixels;
     int64_t work = commit->result->work, total = 0;
     if (work == 0 && pixels > 0) {
-        struct pen_rows *rows =
-            pen_db_rows(store->db, st, "SELECT total_pixels FROM job WHERE number = $1", "i",
-                        commit->batch.job);
-        total = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
-        if (!pen_db_done(rows))
+        if (!pen_db_value(store->db, st, &total, "SELECT total_pixels FROM job WHERE number = $1",
+                          "i", commit->batch.job))
             return false;
         work = total > 0 ? (int64_t)(PEN_WORK_ALL * ((double)pixels / (double)total)) : 0;
     }
@@ -141,12 +136,13 @@ static bool forgive(struct pen_store *store, int64_t job, struct pen_status *st)
 static bool set_done(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
     const int64_t handed_ns = commit->result->handed_ns;
-    return pen_db_run(store->db, st, NULL,
-                      "UPDATE batch SET state = 2, alone = 0, stats = $2, commit_us = $3, "
-                      "revision = (SELECT job.revision FROM job WHERE job.number = batch.job) "
-                      "WHERE number = $1",
-                      "iti", commit->claim->batch, commit->result->stats,
-                      handed_ns ? (pen_clock_ns() - handed_ns) / 1000 : 0);
+    return pen_db_run(
+        store->db, st, NULL,
+        "UPDATE batch SET state = 2, worker = NULL, alone = 0, stats = $2, commit_us = $3, "
+        "revision = (SELECT job.revision FROM job WHERE job.number = batch.job) "
+        "WHERE number = $1",
+        "iti", commit->claim->batch, commit->result->stats,
+        handed_ns ? (pen_clock_ns() - handed_ns) / 1000 : 0);
 }
 
 static bool use_values(struct pen_store *store, const struct commit *commit, struct pen_status *st)
@@ -162,19 +158,15 @@ static bool use_values(struct pen_store *store, const struct commit *commit, str
 
 static bool end_view(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
-    int64_t open = 0;
+    int64_t open;
     if (!commit->result->artefact)
         return pen_fail(st, PEN_INTERNAL,
                         "the batch that ends a view was committed without its picture or report");
-    if (!pen_objects_drop(store, commit->batch.job, (int)commit->batch.view, "kept:", st))
-        return false;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "UPDATE job SET open_views = open_views - 1 WHERE number = $1 RETURNING open_views", "i",
-        commit->batch.job);
-    if (pen_db_next(rows))
-        open = pen_db_int(rows, 0);
-    return pen_db_done(rows) &&
+    return pen_objects_drop(store, commit->batch.job, (int)commit->batch.view, "kept:", st) &&
+           pen_db_value(store->db, st, &open,
+                        "UPDATE job SET open_views = open_views - 1 WHERE number = $1 "
+                        "RETURNING open_views",
+                        "i", commit->batch.job) &&
            (open > 0 || pen_job_end(store, commit->batch.job, PEN_JOB_SUCCEEDED, NULL, st));
 }
 

@@ -73,6 +73,10 @@ struct pen_rows *pen_db_rows(struct pen_db *db, struct pen_status *st, const cha
 bool pen_db_run(struct pen_db *db, struct pen_status *st, int64_t *changed, const char *sql,
                 const char *types, ...);
 
+/* Reads the first column of the first row; 0: there is no row, or a null. */
+bool pen_db_value(struct pen_db *db, struct pen_status *st, int64_t *value, const char *sql,
+                  const char *types, ...);
+
 /* The next row. False at the end and after a failure, which pen_db_done tells apart. */
 bool pen_db_next(struct pen_rows *rows);
 

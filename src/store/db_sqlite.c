@@ -36,6 +36,8 @@ bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
     case SQLITE_READONLY:
     case SQLITE_PERM:
         code = PEN_STORAGE;
+        /* The next process recovers from the log. */
+        sqlite3_db_config(db->sqlite, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
         break;
     default:
         code = PEN_INTERNAL;
@@ -209,6 +211,8 @@ static struct pen_rows *start(struct pen_db *db, struct pen_status *st, const ch
         *st = db->failed;
         return NULL;
     }
+    if (!db->in)
+        db->trouble = (struct pen_db_trouble){0};
     struct pen_rows *rows = prepared(db, sql, st);
     if (!rows)
         return NULL;
@@ -245,6 +249,17 @@ bool pen_db_run(struct pen_db *db, struct pen_status *st, int64_t *changed, cons
     }
     if (changed)
         *changed = rows && rows->ok ? sqlite3_changes64(db->sqlite) : 0;
+    return pen_db_done(rows);
+}
+
+bool pen_db_value(struct pen_db *db, struct pen_status *st, int64_t *value, const char *sql,
+                  const char *types, ...)
+{
+    va_list args;
+    va_start(args, types);
+    struct pen_rows *rows = start(db, st, sql, types, args);
+    va_end(args);
+    *value = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
     return pen_db_done(rows);
 }
 
@@ -317,25 +332,26 @@ void pen_db_wake(struct pen_db *db)
 
 /* ---- The place where it is kept */
 
-bool pen_sqlite_value(struct pen_db *db, const char *sql, int64_t *value, struct pen_status *st)
+/* Pages of the file, those of them that are free, and bytes that the disk has left. */
+static bool read_space(struct pen_db *db, int64_t *pages, int64_t *unused, int64_t *left,
+                       struct pen_status *st)
 {
-    struct pen_rows *rows = pen_db_rows(db, st, sql, "");
-    *value = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
-    return pen_db_done(rows);
+    struct statvfs info;
+    if (!pen_db_value(db, st, pages, "PRAGMA page_count", "") ||
+        !pen_db_value(db, st, unused, "PRAGMA freelist_count", ""))
+        return false;
+    if (statvfs(db->path, &info) != 0)
+        return pen_fail(st, PEN_STORAGE, "%s: its file system cannot be read", db->path);
+    *left = (int64_t)info.f_bavail * (int64_t)info.f_frsize;
+    return true;
 }
 
 bool pen_db_space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_status *st)
 {
-    int64_t pages, unused, size;
-    struct statvfs info;
-    if (!pen_sqlite_value(db, "PRAGMA page_count", &pages, st) ||
-        !pen_sqlite_value(db, "PRAGMA freelist_count", &unused, st) ||
-        !pen_sqlite_value(db, "PRAGMA page_size", &size, st))
+    int64_t pages, unused;
+    if (!read_space(db, &pages, &unused, left, st))
         return false;
-    if (statvfs(db->path, &info) != 0)
-        return pen_fail(st, PEN_STORAGE, "%s: its file system cannot be read", db->path);
-    *used = (pages - unused) * size;
-    *left = (int64_t)info.f_bavail * (int64_t)info.f_frsize;
+    *used = (pages - unused) * PEN_SQLITE_PAGE;
     return true;
 }
 
@@ -346,19 +362,17 @@ bool pen_db_give_reserve(struct pen_db *db)
 
 bool pen_db_tidy(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st)
 {
-    int64_t unused, size, pages, left;
+    const int64_t most = bytes / PEN_SQLITE_PAGE;
+    int64_t pages, unused, left = 0;
+    char sql[64];
     *more = false;
-    if (!pen_db_space(db, &pages, &left, st) ||
-        !pen_sqlite_value(db, "PRAGMA freelist_count", &unused, st) ||
-        !pen_sqlite_value(db, "PRAGMA page_size", &size, st))
+    if (!read_space(db, &pages, &unused, &left, st))
         return false;
     if (left >= PEN_RESERVE_FREE + PEN_RESERVE)
         pen_sqlite_make_reserve(db);
     if (unused == 0)
         return true;
-    pages = bytes / size > 0 ? bytes / size : 1;
-    char sql[64];
-    sqlite3_snprintf(sizeof sql, sql, "PRAGMA incremental_vacuum(%lld)", (long long)pages);
-    *more = unused > pages;
+    sqlite3_snprintf(sizeof sql, sql, "PRAGMA incremental_vacuum(%lld)", (long long)most);
+    *more = unused > most;
     return pen_db_begin(db, PEN_DB_WRITE, st) && pen_db_end(db, pen_sqlite_exec(db, sql, st), st);
 }

@@ -1,33 +1,31 @@
 /* SPDX-License-Identifier: MIT */
 /* Copies a database while others read and write it (db.h).
  *  - The copy has all pages as of one moment: all steps of SQLite's backup are in one read
- *    transaction, which writers do not restart.
+ *    transaction, which writers do not restart. The database is opened for reading alone.
  *  - It is made under another name, checked, synced and then renamed. So the name always stands
  *    for a complete backup, or for the file that was there before.
- *  - Its process locks it. So a copy that is not locked was left by a process that was killed, and
- *    the next backup to that name removes it. */
-#include <dirent.h>
+ *  - The unfinished copy is locked. One that is not locked was left by a process that was killed,
+ *    and the next backup to that name writes over it. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "store/internal/sqlite.h"
 
-enum { PATH_BYTES = PEN_SQLITE_PATH_BYTES, STEP_PAGES = 1024, CHECK_STEPS = 100000 };
+enum { PATH_BYTES = PEN_SQLITE_PATH_BYTES, STEP_PAGES = 1024 };
 
-static const char part_end[] = ".part-XXXXXX";
+static const char part_end[] = ".part-new";
 
 struct copy {
     struct pen_db *from;
     sqlite3 *to;
-    int lock_fd; /* of the copy, -1: none */
+    int fd; /* of the unfinished copy, which it locks; -1: none */
     const atomic_bool *stop;
-    char path[PATH_BYTES + 16]; /* of the unfinished copy; empty: there is none */
-    const char *name;           /* the final name */
+    char path[PATH_BYTES + sizeof part_end]; /* of the unfinished copy; empty: there is none */
+    const char *name;                        /* the final name */
     bool replace;
 };
 
@@ -71,66 +69,39 @@ static bool check_name(const char *store, const char *name, bool replace, struct
                                name);
 }
 
-/* Locks a byte that SQLite does not lock. Closing other descriptors of the file does not unlock it.
- */
-static bool lock_part(int fd)
+/* Locks an unfinished copy, unless it was renamed meanwhile. SQLite does not lock this byte, and
+ * closing other descriptors of the file does not unlock it. */
+static bool lock_part(int fd, const char *path)
 {
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_len = 1};
-    return fcntl(fd, F_OFD_SETLK, &lock) == 0;
+    struct stat locked, named;
+    return fcntl(fd, F_OFD_SETLK, &lock) == 0 && fstat(fd, &locked) == 0 &&
+           lstat(path, &named) == 0 && locked.st_dev == named.st_dev &&
+           locked.st_ino == named.st_ino;
 }
 
-static bool is_named(int fd, const char *path)
+/* Makes the file of the copy, with the store's permissions. */
+static bool make_part(struct copy *copy, struct pen_status *st)
 {
-    struct stat open_file, named;
-    return fstat(fd, &open_file) == 0 && lstat(path, &named) == 0 &&
-           open_file.st_dev == named.st_dev && open_file.st_ino == named.st_ino;
-}
-
-static void remove_if_left(const char *part)
-{
-    const int fd = open(part, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    if (fd < 0)
-        return;
-    if (lock_part(fd) && is_named(fd, part))
-        unlink(part);
-    close(fd);
+    snprintf(copy->path, sizeof copy->path, "%s%s", copy->name, part_end);
+    copy->fd = open(copy->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (copy->fd >= 0 && !lock_part(copy->fd, copy->path)) {
+        copy->path[0] = '\0';
+        return pen_fail(st, PEN_CONFLICT, "another backup to %s is being made", copy->name);
+    }
+    return (copy->fd >= 0 && ftruncate(copy->fd, 0) == 0) || cannot_write(copy->name, errno, st);
 }
 
 void pen_store_backup_remove_left(const char *file)
 {
-    char part[PATH_BYTES + 280];
-    const char *slash = strrchr(file, '/'), *last = slash ? slash + 1 : file;
-    const size_t length = strlen(last);
-    snprintf(part, sizeof part, "%.*s", slash ? (int)(last - file) : 2, slash ? file : "./");
-    DIR *folder = opendir(part);
-    for (struct dirent *entry; folder && (entry = readdir(folder)) != NULL;) {
-        if (strlen(entry->d_name) != length + sizeof part_end - 1 ||
-            memcmp(entry->d_name, last, length) != 0 ||
-            strncmp(entry->d_name + length, part_end, 6) != 0)
-            continue;
-        snprintf(part, sizeof part, "%.*s%s", (int)(last - file), file, entry->d_name);
-        remove_if_left(part);
-    }
-    if (folder)
-        closedir(folder);
-}
-
-/* Makes the file of the copy, and locks it. Another process may remove it before it is locked. */
-static bool make_part(struct copy *copy, struct pen_status *st)
-{
-    for (int tries = 0; tries < 100; tries++) {
-        snprintf(copy->path, sizeof copy->path, "%s%s", copy->name, part_end);
-        copy->lock_fd = mkostemp(copy->path, O_CLOEXEC); /* 0600, as the store */
-        if (copy->lock_fd < 0)
-            break;
-        if (lock_part(copy->lock_fd) && is_named(copy->lock_fd, copy->path))
-            return true;
-        unlink(copy->path);
-        close(copy->lock_fd);
-        copy->lock_fd = -1;
-    }
-    copy->path[0] = '\0';
-    return cannot_write(copy->name, errno, st);
+    char path[PATH_BYTES + sizeof part_end];
+    snprintf(path, sizeof path, "%s%s", file, part_end);
+    const int fd = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (fd < 0)
+        return;
+    if (lock_part(fd, path))
+        unlink(path);
+    close(fd);
 }
 
 /* SQLite tells what failed, but not on which side. The store is only read, so a failed write is one
@@ -145,15 +116,11 @@ static bool copy_failed(struct copy *copy, int rc, struct pen_status *st)
     return pen_sqlite_fail(copy->from, rc, st);
 }
 
-static int is_stopped(void *user)
+/* Whether the backup goes on. */
+static bool goes_on(const struct copy *copy, struct pen_status *st)
 {
-    const struct copy *copy = user;
-    return copy->stop && atomic_load(copy->stop);
-}
-
-static bool stopped(struct pen_status *st)
-{
-    return pen_fail(st, PEN_TIMEOUT, "stopped; no backup was made");
+    return !copy->stop || !atomic_load(copy->stop) ||
+           pen_fail(st, PEN_TIMEOUT, "stopped; no backup was made");
 }
 
 /* The copy needs no journal: after a power failure it is not used. */
@@ -173,40 +140,27 @@ static bool copy_pages(struct copy *copy, struct pen_status *st)
         return copy_failed(copy, rc == SQLITE_OK ? sqlite3_errcode(copy->to) : rc, st);
     do
         rc = sqlite3_backup_step(backup, STEP_PAGES);
-    while (rc == SQLITE_OK && !is_stopped(copy));
+    while (rc == SQLITE_OK && goes_on(copy, st));
     sqlite3_backup_finish(backup);
-    if (is_stopped(copy))
-        return stopped(st);
+    if (rc == SQLITE_OK)
+        return false;
     if (rc == SQLITE_DONE)
         rc = sqlite3_exec(copy->to, "PRAGMA journal_mode=DELETE", NULL, NULL, NULL);
     return rc == SQLITE_OK || copy_failed(copy, rc, st);
 }
 
-/* The first row's first column as text in `text`. */
-static int read_row(sqlite3 *db, const char *sql, char text[256])
-{
-    sqlite3_stmt *stmt = NULL;
-    int rc = sqlite3_prepare_v2(db, sql, -1, &stmt, NULL);
-    if (rc == SQLITE_OK)
-        rc = sqlite3_step(stmt);
-    if (rc == SQLITE_ROW)
-        snprintf(text, 256, "%s", (const char *)sqlite3_column_text(stmt, 0));
-    sqlite3_finalize(stmt);
-    return rc;
-}
-
 static bool check_copy(struct copy *copy, int64_t *jobs, struct pen_status *st)
 {
-    char text[256] = "";
-    sqlite3_progress_handler(copy->to, CHECK_STEPS, is_stopped, copy);
-    int rc = read_row(copy->to, "PRAGMA quick_check(1)", text);
-    if (is_stopped(copy))
-        return stopped(st);
-    if (rc != SQLITE_ROW || strcmp(text, "ok") != 0)
-        return pen_fail(st, PEN_STORAGE, "no backup was made, its check failed: %s",
-                        rc == SQLITE_ROW ? text : sqlite3_errmsg(copy->to));
-    rc = read_row(copy->to, "SELECT count(*) FROM job WHERE removed_ms = 0", text);
-    *jobs = strtoll(text, NULL, 10);
+    char text[256];
+    sqlite3_stmt *stmt = NULL;
+    if (pen_sqlite_check(copy->to, 0, text) != SQLITE_OK)
+        return pen_fail(st, PEN_STORAGE, "no backup was made, its check failed: %s", text);
+    int rc = sqlite3_prepare_v2(copy->to, "SELECT count(*) FROM job WHERE removed_ms = 0", -1,
+                                &stmt, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(stmt);
+    *jobs = rc == SQLITE_ROW ? sqlite3_column_int64(stmt, 0) : 0;
+    sqlite3_finalize(stmt);
     return rc == SQLITE_ROW || copy_failed(copy, rc, st);
 }
 
@@ -243,48 +197,36 @@ static bool name_copy(struct copy *copy, struct pen_status *st)
     return sync_path(folder, O_DIRECTORY, NULL, st);
 }
 
+/* The first read fixes the moment. */
 static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_status *st)
 {
-    int64_t tables; /* the first read fixes the moment */
-    const bool copied =
-        pen_db_begin(copy->from, PEN_DB_READ, st) &&
-        pen_db_end(
-            copy->from,
-            pen_sqlite_value(copy->from, "SELECT count(*) FROM sqlite_schema", &tables, st) &&
-                copy_pages(copy, st),
-            st);
+    int64_t tables;
+    const bool copied = pen_db_begin(copy->from, PEN_DB_READ, st) &&
+                        pen_db_end(copy->from,
+                                   pen_db_value(copy->from, st, &tables,
+                                                "SELECT count(*) FROM sqlite_schema", "") &&
+                                       copy_pages(copy, st),
+                                   st);
     if (!copied || !check_copy(copy, &out->jobs, st))
         return false;
     sqlite3_close(copy->to);
     copy->to = NULL;
-    if (!sync_path(copy->path, 0, &out->bytes, st))
-        return false;
-    return is_stopped(copy) ? stopped(st) : name_copy(copy, st);
+    return sync_path(copy->path, 0, &out->bytes, st) && goes_on(copy, st) && name_copy(copy, st);
 }
 
 bool pen_db_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
                    struct pen_status *st)
 {
-    struct copy copy = {
-        .lock_fd = -1, .stop = out->stop, .name = file, .replace = replace, .path = ""};
-    if (!check_name(url, file, replace, st))
+    struct copy copy = {.fd = -1, .stop = out->stop, .name = file, .replace = replace};
+    if (!check_name(url, file, replace, st) || !pen_sqlite_find(url, O_RDONLY, st))
         return false;
-    copy.from = pen_db_open(url, false, st);
-    if (!copy.from)
-        return false;
-    pen_store_backup_remove_left(file);
-    const bool ok = make_part(&copy, st) && make_backup(&copy, out, st);
+    copy.from = pen_sqlite_open(url, SQLITE_OPEN_READONLY, false, st);
+    const bool ok = copy.from && make_part(&copy, st) && make_backup(&copy, out, st);
     sqlite3_close(copy.to);
     pen_db_close(copy.from);
     if (copy.path[0])
         unlink(copy.path);
-    if (copy.lock_fd >= 0)
-        close(copy.lock_fd);
+    if (copy.fd >= 0)
+        close(copy.fd);
     return ok;
-}
-
-bool pen_store_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
-                      struct pen_status *st)
-{
-    return pen_db_backup(url, file, replace, out, st);
 }

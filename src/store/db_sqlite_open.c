@@ -2,6 +2,8 @@
 /* Opens, makes and checks SQLite databases (db.h). */
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
+#include <semaphore.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,8 +20,7 @@
 enum {
     APPLICATION = 0x50454e55, /* "PENU" */
     BUSY_MS = 10000,
-    BUSY_SLEEP_US = 1000, /* less than most transactions take */
-    CHECK_STEPS = 1000    /* virtual machine steps between two looks at the clock */
+    BUSY_SLEEP_US = 1000 /* less than most transactions take */
 };
 
 static const struct {
@@ -77,9 +78,9 @@ static bool add_schema(struct pen_db *db, struct pen_status *st)
 static bool read_version(struct pen_db *db, int64_t *version, struct pen_status *st)
 {
     int64_t application, tables;
-    if (!pen_sqlite_value(db, "PRAGMA application_id", &application, st) ||
-        !pen_sqlite_value(db, "PRAGMA user_version", version, st) ||
-        !pen_sqlite_value(db, "SELECT count(*) FROM sqlite_master", &tables, st))
+    if (!pen_db_value(db, st, &application, "PRAGMA application_id", "") ||
+        !pen_db_value(db, st, version, "PRAGMA user_version", "") ||
+        !pen_db_value(db, st, &tables, "SELECT count(*) FROM sqlite_master", ""))
         return false;
     if (application == 0 && tables == 0)
         return true;
@@ -91,15 +92,15 @@ static bool read_version(struct pen_db *db, int64_t *version, struct pen_status 
                     (long long)*version, PEN_SCHEMA_VERSION);
 }
 
-/* Another process may make the tables at the same time. */
+/* Another process may make the tables at the same time, so the version is read again. */
 static bool make_tables(struct pen_db *db, struct pen_status *st)
 {
     int64_t version;
-    return pen_sqlite_exec(db,
-                           "PRAGMA page_size=8192; PRAGMA auto_vacuum=INCREMENTAL; "
-                           "PRAGMA journal_mode=WAL",
-                           st) &&
-           pen_db_begin(db, PEN_DB_WRITE, st) &&
+    char sql[128];
+    sqlite3_snprintf(sizeof sql, sql,
+                     "PRAGMA page_size=%d; PRAGMA auto_vacuum=INCREMENTAL; PRAGMA journal_mode=WAL",
+                     PEN_SQLITE_PAGE);
+    return pen_sqlite_exec(db, sql, st) && pen_db_begin(db, PEN_DB_WRITE, st) &&
            pen_db_end(db, read_version(db, &version, st) && (version != 0 || add_schema(db, st)),
                       st);
 }
@@ -118,11 +119,11 @@ static bool make_folders(const char *path, struct pen_status *st)
 }
 
 /* What is not there is made, with this user's permissions alone. */
-static bool find_file(const char *path, bool make, struct pen_status *st)
+bool pen_sqlite_find(const char *path, int flags, struct pen_status *st)
 {
-    if (make && !make_folders(path, st))
+    if ((flags & O_CREAT) && !make_folders(path, st))
         return false;
-    const int fd = open(path, O_RDWR | O_CLOEXEC | (make ? O_CREAT : 0), 0600);
+    const int fd = open(path, flags | O_CLOEXEC, 0600);
     if (fd < 0)
         return errno == ENOENT ? pen_fail(st, PEN_NOT_FOUND, "%s: there is no store", path)
                                : pen_fail(st, errno == ENOSPC ? PEN_STORAGE_FULL : PEN_STORAGE,
@@ -131,11 +132,11 @@ static bool find_file(const char *path, bool make, struct pen_status *st)
     return true;
 }
 
-static bool open_file(struct pen_db *db, bool make, struct pen_status *st)
+static bool open_file(struct pen_db *db, int flags, bool make, struct pen_status *st)
 {
     int64_t version;
-    const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
-    int rc = sqlite3_open_v2(db->path, &db->sqlite, flags, NULL);
+    int rc = sqlite3_open_v2(db->path, &db->sqlite,
+                             flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, NULL);
     if (rc == SQLITE_OK)
         rc = sqlite3_busy_handler(db->sqlite, wait_busy, db);
     if (rc == SQLITE_OK)
@@ -143,7 +144,7 @@ static bool open_file(struct pen_db *db, bool make, struct pen_status *st)
                                         sql_now, NULL, NULL, NULL);
     if (rc != SQLITE_OK)
         return pen_sqlite_fail(db, rc, st);
-    if (!read_version(db, &version, st))
+    if (!pen_db_begin(db, PEN_DB_READ, st) || !pen_db_end(db, read_version(db, &version, st), st))
         return false;
     if (version == 0 && !make)
         return pen_fail(st, PEN_STORAGE, "%s is not a Penumbra store", db->path);
@@ -153,6 +154,21 @@ static bool open_file(struct pen_db *db, bool make, struct pen_status *st)
                            "PRAGMA synchronous=FULL; PRAGMA journal_size_limit=67108864; "
                            "PRAGMA temp_store=MEMORY; PRAGMA cache_size=-8192",
                            st);
+}
+
+struct pen_db *pen_sqlite_open(const char *path, int flags, bool make, struct pen_status *st)
+{
+    struct pen_db *db = calloc(1, sizeof *db);
+    if (!db) {
+        pen_fail(st, PEN_NO_MEMORY, "no memory for a store");
+        return NULL;
+    }
+    snprintf(db->path, sizeof db->path, "%s", path);
+    snprintf(db->reserve, sizeof db->reserve, "%.*s-reserve", PEN_SQLITE_PATH_BYTES - 16, path);
+    if (open_file(db, flags, make, st))
+        return db;
+    pen_db_close(db);
+    return NULL;
 }
 
 struct pen_db *pen_db_open(const char *url, bool make, struct pen_status *st)
@@ -165,20 +181,9 @@ struct pen_db *pen_db_open(const char *url, bool make, struct pen_status *st)
         pen_fail(st, PEN_USAGE, "the path of the store is %s", *url ? "too long" : "empty");
         return NULL;
     }
-    if (!find_file(url, make, st))
-        return NULL;
-    struct pen_db *db = calloc(1, sizeof *db);
-    if (!db) {
-        pen_fail(st, PEN_NO_MEMORY, "no memory for a store");
-        return NULL;
-    }
-    snprintf(db->path, sizeof db->path, "%s", url);
-    snprintf(db->reserve, sizeof db->reserve, "%.*s-reserve", PEN_SQLITE_PATH_BYTES - 16, url);
-    if (!open_file(db, make, st)) {
-        pen_db_close(db);
-        return NULL;
-    }
-    return db;
+    return pen_sqlite_find(url, O_RDWR | (make ? O_CREAT : 0), st)
+               ? pen_sqlite_open(url, SQLITE_OPEN_READWRITE, make, st)
+               : NULL;
 }
 
 void pen_db_close(struct pen_db *db)
@@ -204,30 +209,59 @@ void pen_sqlite_make_reserve(struct pen_db *db)
     close(fd);
 }
 
-static int past_limit(void *user)
+/* The check of one large table is a single step for SQLite, so another thread interrupts it. */
+struct limit {
+    sqlite3 *sqlite;
+    struct timespec until;
+    sem_t ended;
+};
+
+static void *interrupt_late(void *user)
 {
-    const int64_t *until_ns = user;
-    return pen_clock_ns() >= *until_ns;
+    struct limit *limit = user;
+    if (sem_clockwait(&limit->ended, CLOCK_MONOTONIC, &limit->until) != 0)
+        sqlite3_interrupt(limit->sqlite);
+    return NULL;
+}
+
+static int quick_check(sqlite3 *sqlite, char text[256])
+{
+    sqlite3_stmt *stmt = NULL;
+    int rc = sqlite3_prepare_v2(sqlite, "PRAGMA quick_check(1)", -1, &stmt, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_step(stmt);
+    snprintf(text, 256, "%s",
+             rc == SQLITE_ROW ? (const char *)sqlite3_column_text(stmt, 0)
+                              : sqlite3_errmsg(sqlite));
+    sqlite3_finalize(stmt);
+    if (rc != SQLITE_ROW)
+        return rc;
+    return strcmp(text, "ok") == 0 ? SQLITE_OK : SQLITE_CORRUPT;
+}
+
+int pen_sqlite_check(sqlite3 *sqlite, int limit_ms, char text[256])
+{
+    struct limit limit = {.sqlite = sqlite, .until = pen_clock_after_ms(limit_ms)};
+    pthread_t thread;
+    if (limit_ms == 0)
+        return quick_check(sqlite, text);
+    sem_init(&limit.ended, 0, 0);
+    if (pthread_create(&thread, NULL, interrupt_late, &limit) != 0)
+        return SQLITE_NOMEM;
+    const int rc = quick_check(sqlite, text);
+    sem_post(&limit.ended);
+    pthread_join(thread, NULL);
+    sem_destroy(&limit.ended);
+    return rc;
 }
 
 bool pen_db_check(struct pen_db *db, int limit_ms, bool *finished, struct pen_status *st)
 {
-    int64_t until_ns = pen_clock_ns() + (int64_t)limit_ms * 1000000;
-    sqlite3_stmt *stmt = NULL;
-    int rc = sqlite3_prepare_v2(db->sqlite, "PRAGMA quick_check(1)", -1, &stmt, NULL);
-    if (limit_ms > 0)
-        sqlite3_progress_handler(db->sqlite, CHECK_STEPS, past_limit, &until_ns);
-    if (rc == SQLITE_OK)
-        rc = sqlite3_step(stmt);
-    sqlite3_progress_handler(db->sqlite, 0, NULL, NULL);
+    char text[256];
+    const int rc = pen_sqlite_check(db->sqlite, limit_ms, text);
     *finished = rc != SQLITE_INTERRUPT;
-    bool ok = rc == SQLITE_ROW || !*finished || pen_sqlite_fail(db, rc, st);
-    if (rc == SQLITE_ROW && strcmp((const char *)sqlite3_column_text(stmt, 0), "ok") != 0) {
-        ok = pen_fail(st, PEN_STORAGE, "%s is damaged: %s; restore a backup", db->path,
-                      (const char *)sqlite3_column_text(stmt, 0));
-        db->trouble = (struct pen_db_trouble){PEN_STORAGE, PEN_FAILURE_REFUSED};
-        db->broken = *st;
-    }
-    sqlite3_finalize(stmt);
-    return ok;
+    if (rc == SQLITE_OK || rc == SQLITE_INTERRUPT)
+        return true;
+    pen_sqlite_fail(db, rc, st);
+    return pen_fail(st, st->code, "%s is damaged: %s; restore a backup", db->path, text);
 }

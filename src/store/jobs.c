@@ -1,15 +1,37 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs as readers see them; cancel and delete. */
+/* Jobs as readers see them: one, lists, counts; cancel and delete. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "store/internal/handle.h"
 
+enum { ROW_BYTES = 512 }; /* of a removed job, beside its statistics */
+
 #define COLUMNS                                                                                    \
     "number, id, state, revision, kind, request, error, priority, max_attempts, charges, "         \
     "timeout_ms, created_ms, started_ms, finished_ms, updated_ms, done_pixels, total_pixels, "     \
     "work, estimate_ms, told_us, elapsed_us, told_elapsed_us, queue_us"
+
+void pen_job_record_release(struct pen_job_record *job)
+{
+    free(job->kind);
+    free(job->request);
+    free(job->error);
+    job->kind = job->request = job->error = NULL;
+}
+
+size_t pen_job_record_text_bytes(const struct pen_job_record *job)
+{
+    return (job->request ? strlen(job->request) : 0) + (job->error ? strlen(job->error) : 0);
+}
+
+void pen_job_records_free(struct pen_job_record *jobs, int count)
+{
+    for (int i = 0; i < count; i++)
+        pen_job_record_release(&jobs[i]);
+    free(jobs);
+}
 
 static char *copy(struct pen_rows *rows, int column, bool *ok)
 {
@@ -56,7 +78,7 @@ static bool read_job(struct pen_store *store, const char *id, struct pen_job_rec
                      struct pen_status *st)
 {
     int64_t number;
-    if (!pen_job_number(store, id, false, &number, st))
+    if (!pen_job_number(store, id, &number, NULL, st))
         return false;
     struct pen_rows *rows =
         pen_db_rows(store->db, st, "SELECT " COLUMNS " FROM job WHERE number = $1", "i", number);
@@ -71,12 +93,27 @@ bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_recor
            pen_db_end(store->db, read_job(store, id, job, st), st);
 }
 
-#define LIST(which)                                                                                \
-    "SELECT " COLUMNS " FROM job WHERE removed_ms = 0 AND (number < $1 OR $1 = 0) AND " which      \
-    " AND ($3 = '' OR kind = $3) AND ($4 = '' OR EXISTS (SELECT 1 FROM attribute "                 \
-    "WHERE key = 'name' AND value = $4 AND job = number)) AND ($5 = '' OR EXISTS "                 \
-    "(SELECT 1 FROM attribute WHERE key = $5 AND value = $6 AND job = number)) "                   \
-    "ORDER BY number DESC LIMIT $7"
+/* One statement for each index that may lead: of a label, a name, a state, a kind, or the jobs
+ * themselves. The other conditions are checked row by row. */
+#define LIST(from, which, order)                                                                   \
+    "SELECT " COLUMNS " FROM " from " WHERE " which " AND " order                                  \
+    " < $1 AND removed_ms = 0 AND (state = $2 OR $2 < 0) AND (kind = $3 OR $3 = '') AND "          \
+    "($4 = '' OR EXISTS (SELECT 1 FROM attribute AS a WHERE a.key = 'name' AND a.value = $4 AND "  \
+    "a.job = number)) AND ($5 = '' OR EXISTS (SELECT 1 FROM attribute AS a WHERE a.key = $5 "      \
+    "AND a.value = $6 AND a.job = number)) ORDER BY " order " DESC LIMIT $7"
+#define OF_ATTRIBUTE(which)                                                                        \
+    LIST("attribute JOIN job ON job.number = attribute.job", which, "attribute.job")
+
+static const char *list_sql(const struct pen_job_filter *filter)
+{
+    if (filter->label_key)
+        return OF_ATTRIBUTE("attribute.key = $5 AND attribute.value = $6");
+    if (filter->name)
+        return OF_ATTRIBUTE("attribute.key = 'name' AND attribute.value = $4");
+    if (filter->state >= 0)
+        return LIST("job", "state = $2", "number");
+    return filter->kind ? LIST("job", "kind = $3", "number") : LIST("job", "number > 0", "number");
+}
 
 bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter,
                     struct pen_job_record **jobs, int *count, struct pen_status *st)
@@ -90,11 +127,10 @@ bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter
         return pen_fail(st, PEN_NO_MEMORY, "no memory for a list of jobs");
     if (filter->label_key)
         snprintf(label, sizeof label, "label:%s", filter->label_key);
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st, filter->state >= 0 ? LIST("state = $2") : LIST("state >= $2"),
-                    "iitttti", filter->below, filter->state >= 0 ? (int64_t)filter->state : 0,
-                    filter->kind ? filter->kind : "", filter->name ? filter->name : "", label,
-                    filter->label_value ? filter->label_value : "", (int64_t)filter->limit);
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st, list_sql(filter), "iitttti", filter->below > 0 ? filter->below : INT64_MAX,
+        (int64_t)filter->state, filter->kind ? filter->kind : "", filter->name ? filter->name : "",
+        label, filter->label_value ? filter->label_value : "", (int64_t)filter->limit);
     while (ok && pen_db_next(rows)) {
         struct pen_job_record *job = &(*jobs)[*count];
         ok = fill(rows, job, st);
@@ -151,9 +187,8 @@ bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct
                       st);
 }
 
-/* Whether a job, which may have been removed, is this client's; NULL: the operator's call. */
-static bool check_client(struct pen_store *store, const char *id, const char *client,
-                         struct pen_status *st)
+bool pen_store_check_client(struct pen_store *store, const char *id, const char *client,
+                            struct pen_status *st)
 {
     struct pen_rows *rows = pen_db_rows(store->db, st,
                                         "SELECT client FROM job WHERE id = $1 UNION ALL "
@@ -168,18 +203,12 @@ static bool check_client(struct pen_store *store, const char *id, const char *cl
     return own || pen_fail(st, PEN_FORBIDDEN, "job %s belongs to another client", id);
 }
 
-bool pen_store_check_client(struct pen_store *store, const char *id, const char *client,
-                            struct pen_status *st)
-{
-    return check_client(store, id, client, st);
-}
-
 static bool cancel(struct pen_store *store, const char *id, const char *client,
                    struct pen_status *st)
 {
     int64_t job, state;
-    return check_client(store, id, client, st) && pen_job_number(store, id, true, &job, st) &&
-           pen_job_lock(store, job, &state, st) &&
+    return pen_store_check_client(store, id, client, st) &&
+           pen_job_number(store, id, &job, &state, st) &&
            (pen_job_state_ended((enum pen_job_state)state) ||
             pen_job_end(store, job, PEN_JOB_CANCELLED, NULL, st));
 }
@@ -209,14 +238,14 @@ static bool delete (struct pen_store *store, const char *id, const char *client,
                     struct pen_status *st)
 {
     int64_t job, state;
-    return check_client(store, id, client, st) && pen_job_number(store, id, true, &job, st) &&
-           pen_job_lock(store, job, &state, st) &&
+    return pen_store_check_client(store, id, client, st) &&
+           pen_job_number(store, id, &job, &state, st) &&
            (pen_job_state_ended((enum pen_job_state)state) ||
             pen_fail(st, PEN_CONFLICT, "job %s has not ended; cancel it first", id)) &&
            pen_db_run(store->db, st, NULL,
-                      "INSERT INTO removed (id, client, removed_ms, stats) "
-                      "SELECT id, client, (SELECT now_ms()), $2 FROM job WHERE number = $1",
-                      "it", job, stats) &&
+                      "INSERT INTO removed (id, client, removed_ms, stats, bytes) "
+                      "SELECT id, client, (SELECT now_ms()), $2, $3 FROM job WHERE number = $1",
+                      "iti", job, stats, stats ? (int64_t)strlen(stats) + ROW_BYTES : 0) &&
            pen_db_run(store->db, st, NULL,
                       "UPDATE job SET removed_ms = (SELECT now_ms()) WHERE number = $1", "i", job);
 }
@@ -227,7 +256,8 @@ static bool drop_stats(struct pen_store *store, const char *id, struct pen_statu
     return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
            pen_db_end(store->db,
                       pen_db_run(store->db, st, NULL,
-                                 "UPDATE removed SET stats = NULL WHERE id = $1", "t", id),
+                                 "UPDATE removed SET stats = NULL, bytes = 0 WHERE id = $1", "t",
+                                 id),
                       st);
 }
 

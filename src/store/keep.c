@@ -2,12 +2,12 @@
 /* What a long batch keeps, so that the next worker to claim it goes on from there. It belongs to
  * the view, and goes with the view's last commit or with the job's end. */
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
 
 #include "store/internal/objects.h"
 #include "store/internal/retention.h"
 
-enum { PARTS_MAX = 32, LAYER_BYTES = 256 };
+enum { LAYER_BYTES = 256 };
 
 /* The state and the parts of one call, as objects. */
 struct keeping {
@@ -66,16 +66,18 @@ static bool keep(struct pen_store *store, const struct pen_claim *claim, struct 
 bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
                     const struct pen_kept *kept, bool *outranked, struct pen_status *st)
 {
-    struct keeping all[PARTS_MAX + 1];
+    struct keeping *all = calloc((size_t)kept->part_count + 1, sizeof *all);
     int count = 0;
-    if (kept->part_count > PARTS_MAX)
-        return pen_fail(st, PEN_INTERNAL, "a batch keeps %d parts", kept->part_count);
+    if (!all)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for what a batch keeps");
     if (kept->data)
         all[count++] = keeping_of(claim, PEN_KEPT_STATE, kept->data, kept->bytes);
     for (int i = 0; i < kept->part_count; i++)
         all[count++] =
             keeping_of(claim, kept->parts[i].name, kept->parts[i].data, kept->parts[i].bytes);
-    return keep(store, claim, all, count, kept->done, outranked, st);
+    const bool ok = keep(store, claim, all, count, kept->done, outranked, st);
+    free(all);
+    return ok;
 }
 
 bool pen_store_keep_part(struct pen_store *store, const struct pen_claim *claim,
@@ -93,7 +95,7 @@ bool pen_store_kept(struct pen_store *store, const struct pen_claim *claim, cons
     one.owner.layer = one.layer;
     if (!pen_db_begin(store->db, PEN_DB_READ, st))
         return false;
-    bool ok = pen_job_number(store, claim->job_id, false, &one.owner.job, st) &&
+    bool ok = pen_job_number(store, claim->job_id, &one.owner.job, NULL, st) &&
               pen_object_find(store, &one.owner, &number, st) &&
               (number > 0 || pen_fail(st, PEN_NOT_FOUND, "nothing is kept as %s", name)) &&
               pen_object_read_row(store, number, out, st);

@@ -19,15 +19,14 @@ enum {
 static bool count_loss(struct pen_store *store, int64_t job, int64_t *wait_ms,
                        struct pen_status *st)
 {
-    int64_t losses = 0;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st, "UPDATE job SET losses = losses + 1 WHERE number = $1 RETURNING losses", "i",
-        job);
-    if (pen_db_next(rows))
-        losses = pen_db_int(rows, 0) - 1;
+    int64_t losses;
+    if (!pen_db_value(store->db, st, &losses,
+                      "UPDATE job SET losses = losses + 1 WHERE number = $1 RETURNING losses - 1",
+                      "i", job))
+        return false;
     const int64_t ms = (int64_t)FIRST_WAIT_MS << (losses < DOUBLINGS ? losses : DOUBLINGS);
     *wait_ms = losses <= 0 ? 0 : ms < WAIT_MAX_MS ? ms : WAIT_MAX_MS;
-    return pen_db_done(rows);
+    return true;
 }
 
 static bool open_one(struct pen_store *store, const struct pen_opening *opening, int64_t turn,
@@ -82,14 +81,12 @@ bool pen_batches_open(struct pen_store *store, const struct pen_opening *opening
 static bool find_expired(struct pen_store *store, int64_t after, int64_t *job,
                          struct pen_status *st)
 {
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
+    return pen_db_value(
+        store->db, st, job,
         "SELECT job FROM batch WHERE state = 1 AND job > $1 AND (lease_ms <= (SELECT now_ms()) OR "
         "lease_ms > (SELECT now_ms()) + $2 + COALESCE((SELECT worker.lease_ms FROM worker "
         "WHERE worker.id = batch.worker), 86400000)) ORDER BY job LIMIT 1",
         "ii", after, (int64_t)AHEAD_MS);
-    *job = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
-    return pen_db_done(rows);
 }
 
 static bool write_expired(struct pen_store *store, int64_t job, int64_t *opened,

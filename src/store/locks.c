@@ -15,34 +15,32 @@
     "state = 1, revision = revision + 1, started_ms = (SELECT now_ms()), "                         \
     "updated_ms = (SELECT now_ms()), queue_us = " ELAPSED ", " MOVE_ON
 
-bool pen_job_number(struct pen_store *store, const char *id, bool lock, int64_t *number,
+bool pen_job_number(struct pen_store *store, const char *id, int64_t *number, int64_t *state,
                     struct pen_status *st)
 {
     const struct pen_moment now = pen_clock_moment();
-    bool found, removed = false;
+    int64_t removed_ms = 0;
     struct pen_rows *rows =
-        lock ? pen_db_rows(store->db, st,
-                           "UPDATE job SET " MOVE_ON " WHERE id = $1 RETURNING number, removed_ms",
-                           "tii", id, now.boot, now.us)
-             : pen_db_rows(store->db, st, "SELECT number, removed_ms FROM job WHERE id = $1", "t",
-                           id);
-    found = pen_db_next(rows);
+        state ? pen_db_rows(store->db, st,
+                            "UPDATE job SET " MOVE_ON
+                            " WHERE id = $1 RETURNING number, removed_ms, state",
+                            "tii", id, now.boot, now.us)
+              : pen_db_rows(store->db, st, "SELECT number, removed_ms FROM job WHERE id = $1", "t",
+                            id);
+    const bool found = pen_db_next(rows);
     if (found) {
         *number = pen_db_int(rows, 0);
-        removed = pen_db_int(rows, 1) > 0;
+        removed_ms = pen_db_int(rows, 1);
+        if (state)
+            *state = pen_db_int(rows, 2);
     }
-    if (!pen_db_done(rows))
+    if (!pen_db_done(rows) ||
+        (!found && !pen_db_value(store->db, st, &removed_ms,
+                                 "SELECT removed_ms FROM removed WHERE id = $1", "t", id)))
         return false;
-    if (found && !removed)
-        return true;
-    if (!found) {
-        rows = pen_db_rows(store->db, st, "SELECT 1 FROM removed WHERE id = $1", "t", id);
-        removed = pen_db_next(rows);
-        if (!pen_db_done(rows))
-            return false;
-    }
-    return removed ? pen_fail(st, PEN_GONE, "job %s was removed", id)
-                   : pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
+    if (removed_ms > 0)
+        return pen_fail(st, PEN_GONE, "job %s was removed", id);
+    return found || pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
 }
 
 bool pen_job_lock(struct pen_store *store, int64_t job, int64_t *state, struct pen_status *st)
@@ -55,16 +53,13 @@ bool pen_job_lock(struct pen_store *store, int64_t job, int64_t *state, struct p
     return pen_db_done(rows);
 }
 
-bool pen_job_start(struct pen_store *store, int64_t job, bool wait, struct pen_status *st)
+bool pen_job_start(struct pen_store *store, int64_t job, struct pen_status *st)
 {
     const struct pen_moment now = pen_clock_moment();
-    return wait ? pen_db_run(store->db, st, NULL,
-                             "UPDATE job SET " START " WHERE number = $1 AND state = 0", "iii", job,
-                             now.boot, now.us)
-                : pen_db_run(store->db, st, NULL,
-                             "UPDATE job SET " START " WHERE number = (SELECT number FROM job "
-                             "WHERE number = $1 AND state = 0 {skip_locked})",
-                             "iii", job, now.boot, now.us);
+    return pen_db_run(store->db, st, NULL,
+                      "UPDATE job SET " START " WHERE number = (SELECT number FROM job "
+                      "WHERE number = $1 AND state = 0 {skip_locked})",
+                      "iii", job, now.boot, now.us);
 }
 
 bool pen_job_changed(struct pen_store *store, int64_t job, struct pen_status *st)
@@ -83,8 +78,10 @@ bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state,
                       "revision = revision + 1, finished_ms = (SELECT now_ms()), "
                       "updated_ms = (SELECT now_ms()) WHERE number = $1",
                       "iit", job, (int64_t)state, error) &&
-           pen_db_run(store->db, st, NULL,
-                      "UPDATE batch SET state = 3 WHERE job = $1 AND state IN (0, 1)", "i", job);
+           pen_db_run(
+               store->db, st, NULL,
+               "UPDATE batch SET state = 3, worker = NULL WHERE job = $1 AND state IN (0, 1)", "i",
+               job);
 }
 
 static bool lock_batch(struct pen_store *store, const struct pen_claim *claim,
@@ -132,16 +129,12 @@ bool pen_claim_lock(struct pen_store *store, const struct pen_claim *claim, stru
 {
     int64_t state;
     *batch = (struct pen_batch){.number = claim->batch};
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st, "SELECT job FROM batch WHERE number = $1", "i", claim->batch);
-    if (pen_db_next(rows))
-        batch->job = pen_db_int(rows, 0);
-    if (!pen_db_done(rows) || !pen_job_lock(store, batch->job, &state, st) ||
-        !lock_batch(store, claim, batch, st))
+    if (!pen_db_value(store->db, st, &batch->job, "SELECT job FROM batch WHERE number = $1", "i",
+                      claim->batch) ||
+        !pen_job_lock(store, batch->job, &state, st) || !lock_batch(store, claim, batch, st))
         return false;
-    return !batch->held ||
-           ((state != PEN_JOB_QUEUED || pen_job_start(store, batch->job, true, st)) &&
-            add_time(store, claim, batch, st));
+    return !batch->held || ((state != PEN_JOB_QUEUED || pen_job_start(store, batch->job, st)) &&
+                            add_time(store, claim, batch, st));
 }
 
 bool pen_claim_hold(struct pen_store *store, const struct pen_claim *claim, const char *what,

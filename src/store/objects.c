@@ -10,16 +10,13 @@ static bool gone_meanwhile(struct pen_status *st)
 static bool add_object(struct pen_store *store, const struct pen_object_owner *owner, int64_t state,
                        const void *data, size_t bytes, int64_t *number, struct pen_status *st)
 {
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
+    return pen_db_value(
+        store->db, st, number,
         "INSERT INTO object (job, view, batch, attempt, layer, format, state, bytes, checksum, "
         "touched_ms, cached, used_ms) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, "
         "(SELECT now_ms()), $10, (SELECT now_ms())) RETURNING number",
         "iiiittiiii", owner->job, (int64_t)owner->view, owner->batch, owner->attempt, owner->layer,
         owner->format, state, (int64_t)bytes, pen_checksum(data, bytes), (int64_t)owner->cached);
-    if (pen_db_next(rows))
-        *number = pen_db_int(rows, 0);
-    return pen_db_done(rows);
 }
 
 static bool add_part(struct pen_store *store, int64_t number, int64_t n, const void *data,
@@ -33,13 +30,11 @@ static bool add_part(struct pen_store *store, int64_t number, int64_t n, const v
 static bool check_claim(struct pen_store *store, const struct pen_claim *claim,
                         struct pen_status *st)
 {
-    if (!claim)
-        return true;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st, "SELECT 1 FROM batch WHERE number = $1 AND attempt = $2 AND state = 1", "ii",
-        claim->batch, claim->attempt);
-    const bool held = pen_db_next(rows);
-    return pen_db_done(rows) &&
+    int64_t held = 1;
+    return (!claim ||
+            pen_db_value(store->db, st, &held,
+                         "SELECT 1 FROM batch WHERE number = $1 AND attempt = $2 AND state = 1",
+                         "ii", claim->batch, claim->attempt)) &&
            (held || pen_fail(st, PEN_STALE, "the batch is no longer held; its value is dropped"));
 }
 
@@ -150,13 +145,11 @@ bool pen_object_read_row(struct pen_store *store, int64_t number, struct pen_buf
 bool pen_object_find(struct pen_store *store, const struct pen_object_owner *owner, int64_t *number,
                      struct pen_status *st)
 {
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "SELECT number FROM object WHERE job = $1 AND view = $2 AND layer = $3 AND "
-        "format = $4 AND state = 1 AND (layer <> '' OR batch = $5)",
-        "iitti", owner->job, (int64_t)owner->view, owner->layer, owner->format, owner->batch);
-    *number = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
-    return pen_db_done(rows);
+    return pen_db_value(store->db, st, number,
+                        "SELECT number FROM object WHERE job = $1 AND view = $2 AND layer = $3 AND "
+                        "format = $4 AND state = 1 AND (layer <> '' OR batch = $5)",
+                        "iitti", owner->job, (int64_t)owner->view, owner->layer, owner->format,
+                        owner->batch);
 }
 
 bool pen_object_read(struct pen_store *store, const struct pen_object_owner *owner,
@@ -175,12 +168,10 @@ bool pen_object_read(struct pen_store *store, const struct pen_object_owner *own
 bool pen_scene_find(struct pen_store *store, const unsigned char sha256[32], int64_t *number,
                     struct pen_status *st)
 {
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
+    return pen_db_value(
+        store->db, st, number,
         "UPDATE scene SET used_ms = (SELECT now_ms()) WHERE sha256 = $1 RETURNING number", "b",
         (const void *)sha256, (size_t)32);
-    *number = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
-    return pen_db_done(rows);
 }
 
 /* Where another submit has just added the same document, this one's copy goes. */

@@ -42,18 +42,18 @@ bool pen_turn_next(struct pen_store *store, const char *client, int64_t priority
 bool pen_claim_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
                          struct pen_status *st)
 {
-    int64_t now_ms;
+    int64_t now_ms, other;
     if (!pen_db_now(store->db, &now_ms, st))
         return false;
     const bool had_turn = claim->claimed_ms > now_ms || now_ms - claim->claimed_ms >= TURN_MS;
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "SELECT 1 FROM batch AS other WHERE other.state = 0 AND other.priority >= "
-                    "(SELECT priority FROM batch WHERE number = $1) + CAST($2 AS BIGINT) "
-                    "AND other.not_before_ms <= (SELECT now_ms()) LIMIT 1",
-                    "ii", claim->batch, (int64_t)(had_turn ? 0 : 1));
-    *outranked = pen_db_next(rows);
-    return pen_db_done(rows);
+    const bool ok =
+        pen_db_value(store->db, st, &other,
+                     "SELECT 1 FROM batch AS other WHERE other.state = 0 AND other.priority >= "
+                     "(SELECT priority FROM batch WHERE number = $1) + CAST($2 AS BIGINT) "
+                     "AND other.not_before_ms <= (SELECT now_ms()) LIMIT 1",
+                     "ii", claim->batch, (int64_t)(had_turn ? 0 : 1));
+    *outranked = other > 0;
+    return ok;
 }
 
 bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,

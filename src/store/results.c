@@ -1,23 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads what was committed: pixels, statistics, commits, artefacts, scenes. The caller's function
- * is called outside any transaction. A committed row never changes, so reads of different moments
- * fit together. If the job is removed meanwhile, the list ends. */
+/* Reads what was committed: pixels, statistics, commits, artefacts, scenes. A committed row never
+ * changes, so reads of different moments fit together. If the job is removed meanwhile, the list
+ * ends. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "store/internal/objects.h"
 
-enum {
-    TOUCH_MS = 60000, /* a use of a cached artefact is noted once a minute */
-    LEVEL = 3         /* zstd's, of documents */
-};
-
-static bool prepare_documents(struct pen_store *store, struct pen_status *st)
-{
-    if (!store->documents)
-        store->documents = pen_compressor_new(LEVEL);
-    return store->documents || pen_fail(st, PEN_NO_MEMORY, "no memory for a value of the store");
-}
+enum { TOUCH_MS = 60000 }; /* a use of a cached artefact is noted once a minute */
 
 /* A stored batch of pixels. */
 struct piece {
@@ -54,7 +44,7 @@ static bool next_piece(struct pen_store *store, int64_t job, int view, struct pi
 static bool find_job(struct pen_store *store, const char *id, int64_t *job, struct pen_status *st)
 {
     return pen_db_begin(store->db, PEN_DB_READ, st) &&
-           pen_db_end(store->db, pen_job_number(store, id, false, job, st), st);
+           pen_db_end(store->db, pen_job_number(store, id, job, NULL, st), st);
 }
 
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
@@ -63,7 +53,7 @@ bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pix
     struct piece piece = {.first_tile = -1};
     float *rgb = NULL;
     int64_t job, room = 0;
-    bool found = true, ok = prepare_documents(store, st) && find_job(store, id, &job, st);
+    bool found = true, ok = pen_store_documents(store, st) && find_job(store, id, &job, st);
     while (ok && found) {
         ok = next_piece(store, job, view, &piece, &found, st);
         if (!ok || !found)
@@ -83,93 +73,47 @@ bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pix
     return ok;
 }
 
-/* Each row is copied behind its text's length, and told once the transaction has ended. */
-struct stats_row {
-    struct pen_batch_stats batch;
-    size_t bytes; /* of the text behind it, its end included, to a multiple of 16 */
-};
-
-static bool read_stats(struct pen_store *store, const char *id, struct pen_buf *out,
-                       struct pen_status *st)
+bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
+                     struct pen_status *st)
 {
-    static const char pad[16];
     int64_t job;
-    bool room = true;
-    if (!pen_job_number(store, id, false, &job, st))
+    bool more = true;
+    if (!pen_job_number(store, id, &job, NULL, st))
         return false;
     struct pen_rows *rows = pen_db_rows(
         store->db, st,
         "SELECT kind, view, commit_us, stats FROM batch WHERE job = $1 AND state = 2 AND "
         "stats IS NOT NULL ORDER BY number",
         "i", job);
-    while (room && pen_db_next(rows)) {
-        const char *text = pen_db_text(rows, 3);
-        const size_t bytes = strlen(text) + 1, padding = -bytes % sizeof pad;
-        const struct stats_row row = {{.kind = (enum pen_batch_kind)pen_db_int(rows, 0),
-                                       .view = (int)pen_db_int(rows, 1),
-                                       .commit_us = pen_db_int(rows, 2)},
-                                      bytes + padding};
-        room = pen_buf_add(out, &row, sizeof row) && pen_buf_add(out, text, bytes) &&
-               pen_buf_add(out, pad, padding);
+    while (more && pen_db_next(rows)) {
+        const struct pen_batch_stats batch = {.kind = (enum pen_batch_kind)pen_db_int(rows, 0),
+                                              .view = (int)pen_db_int(rows, 1),
+                                              .commit_us = pen_db_int(rows, 2),
+                                              .stats = pen_db_text(rows, 3)};
+        more = each(user, &batch);
     }
-    return pen_db_done(rows) &&
-           (room || pen_fail(st, PEN_NO_MEMORY, "no memory for the statistics of a job"));
+    return pen_db_done(rows);
 }
 
-bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
-                     struct pen_status *st)
-{
-    struct pen_buf all = {0};
-    bool ok = pen_db_begin(store->db, PEN_DB_READ, st) &&
-              pen_db_end(store->db, read_stats(store, id, &all, st), st),
-         more = ok;
-    for (size_t at = 0; more && at < all.bytes;) {
-        struct stats_row row;
-        memcpy(&row, all.data + at, sizeof row);
-        row.batch.stats = (const char *)all.data + at + sizeof row;
-        at += sizeof row + row.bytes;
-        more = each(user, &row.batch);
-    }
-    pen_buf_release(&all);
-    return ok;
-}
-
-static bool read_commits(struct pen_store *store, const char *id, int64_t after,
-                         struct pen_buf *out, struct pen_status *st)
+bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
+                       void *user, struct pen_status *st)
 {
     int64_t job;
-    bool room = true;
-    if (!pen_job_number(store, id, false, &job, st))
+    bool more = true;
+    if (!pen_job_number(store, id, &job, NULL, st))
         return false;
     struct pen_rows *rows = pen_db_rows(
         store->db, st,
         "SELECT revision, view, first_tile, tile_count FROM batch WHERE job = $1 AND state = 2 AND "
         "kind = 0 AND revision > $2 ORDER BY revision",
         "ii", job, after);
-    while (room && pen_db_next(rows)) {
+    while (more && pen_db_next(rows)) {
         const struct pen_commit_record commit = {pen_db_int(rows, 0), (int)pen_db_int(rows, 1),
                                                  (int)pen_db_int(rows, 2),
                                                  (int)pen_db_int(rows, 3)};
-        room = pen_buf_add(out, &commit, sizeof commit);
-    }
-    return pen_db_done(rows) &&
-           (room || pen_fail(st, PEN_NO_MEMORY, "no memory for the commits of a job"));
-}
-
-bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
-                       void *user, struct pen_status *st)
-{
-    struct pen_buf all = {0};
-    bool ok = pen_db_begin(store->db, PEN_DB_READ, st) &&
-              pen_db_end(store->db, read_commits(store, id, after, &all, st), st),
-         more = ok;
-    for (size_t at = 0; more && at < all.bytes; at += sizeof(struct pen_commit_record)) {
-        struct pen_commit_record commit;
-        memcpy(&commit, all.data + at, sizeof commit);
         more = each(user, &commit);
     }
-    pen_buf_release(&all);
-    return ok;
+    return pen_db_done(rows);
 }
 
 static bool read_artefact(struct pen_store *store, const char *id, struct pen_object_owner *owner,
@@ -177,19 +121,17 @@ static bool read_artefact(struct pen_store *store, const char *id, struct pen_ob
 {
     int64_t number;
     *used = 0;
-    if (!pen_job_number(store, id, false, &owner->job, st) ||
+    if (!pen_job_number(store, id, &owner->job, NULL, st) ||
         !pen_object_find(store, owner, &number, st))
         return false;
     if (number == 0)
         return pen_fail(st, PEN_NOT_FOUND, "job %s has no %s as %s of view %d", id, owner->layer,
                         owner->format, owner->view);
-    struct pen_rows *rows = pen_db_rows(store->db, st,
-                                        "SELECT 1 FROM object WHERE number = $1 AND cached = 1 "
-                                        "AND used_ms < (SELECT now_ms()) - $2",
-                                        "ii", number, (int64_t)TOUCH_MS);
-    if (pen_db_next(rows))
-        *used = number;
-    return pen_db_done(rows) && pen_object_read_row(store, number, out, st);
+    return pen_db_value(store->db, st, used,
+                        "SELECT number FROM object WHERE number = $1 AND cached = 1 "
+                        "AND used_ms < (SELECT now_ms()) - $2",
+                        "ii", number, (int64_t)TOUCH_MS) &&
+           pen_object_read_row(store, number, out, st);
 }
 
 /* A use that cannot be noted is no failure. */
@@ -241,16 +183,13 @@ bool pen_store_artefact_put(struct pen_store *store, const struct pen_claim *cla
 static bool read_scene(struct pen_store *store, const char *id, struct pen_buf *out,
                        struct pen_status *st)
 {
-    int64_t job, object = 0;
-    if (!pen_job_number(store, id, false, &job, st))
+    int64_t job, object;
+    if (!pen_job_number(store, id, &job, NULL, st))
         return false;
-    struct pen_rows *rows = pen_db_rows(store->db, st,
-                                        "SELECT scene.object FROM job JOIN scene ON "
-                                        "scene.number = job.scene WHERE job.number = $1",
-                                        "i", job);
-    if (pen_db_next(rows))
-        object = pen_db_int(rows, 0);
-    return pen_db_done(rows) &&
+    return pen_db_value(store->db, st, &object,
+                        "SELECT scene.object FROM job JOIN scene ON scene.number = job.scene "
+                        "WHERE job.number = $1",
+                        "i", job) &&
            (object > 0 || pen_fail(st, PEN_STORAGE, "the scene of job %s is missing", id)) &&
            pen_object_read_row(store, object, out, st);
 }
@@ -260,7 +199,7 @@ bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *sc
 {
     struct pen_buf stored = {0};
     struct pen_bytes plain;
-    bool ok = prepare_documents(store, st) && pen_db_begin(store->db, PEN_DB_READ, st) &&
+    bool ok = pen_store_documents(store, st) && pen_db_begin(store->db, PEN_DB_READ, st) &&
               pen_db_end(store->db, read_scene(store, id, &stored, st), st);
     if (ok) {
         const struct pen_bytes packed = {stored.data, stored.bytes};

@@ -4,7 +4,8 @@
  *
  *  - Retention removes ended jobs, those that ended first before others, and none in the minute
  *    after its end, in which its client fetches the results, unless the store holds more than
- *    keep_bytes. An end in the future counts as now. Its limits are the store's.
+ *    keep_bytes. Its limits are the store's. An end in the future, by a clock that was ahead,
+ *    becomes the time at which housekeeping finds it (tidy.c).
  *  - By bytes it begins an eighth below keep_bytes, or where unfinished jobs and a job that was
  *    just refused need the space. It waits while space of removed jobs is still to become free.
  *  - A new job is refused where the disk has less than 64 MiB free, or if the results of all
@@ -23,7 +24,8 @@
 enum {
     GRACE_MS = 60000,
     DAY_MS = 86400000,
-    RESULT_BYTES = 10,   /* of a pixel: its picture and what its batch has stored */
+    RESULT_BYTES = 10,   /* of a pixel: its picture and what its batch has stored (2 to 8) */
+    LAYER_BYTES = 12,    /* of a pixel of a layer beside the picture: three floats */
     SLACK_PART = 8,      /* retention by bytes begins an eighth below the limit */
     UNFINISHED_PART = 2, /* the results of unfinished jobs: half of the limit at most */
     CACHE_PART = 8       /* cached artefacts: an eighth of keep_bytes at most */
@@ -34,9 +36,9 @@ static const int64_t empty_bytes = INT64_C(256) << 10; /* what a store without j
 /* The results of a job that this process has just refused; retention makes room for it. */
 static _Atomic int64_t wanted_bytes;
 
-int64_t pen_results_bytes(int64_t pixels)
+int64_t pen_results_bytes(int64_t pixels, int64_t layers)
 {
-    return pixels * RESULT_BYTES;
+    return pixels * (RESULT_BYTES + layers * LAYER_BYTES);
 }
 
 bool pen_meta_get(struct pen_store *store, const char *name, int64_t *value, struct pen_status *st)
@@ -122,7 +124,7 @@ bool pen_intake(struct pen_store *store, int64_t bytes, struct pen_status *st)
                         (long long)(load.left >> 10), (long long)(intake_bytes >> 10));
     if (load.keep == 0)
         return true;
-    if (bytes > load.keep - empty_bytes)
+    if (bytes > 0 && bytes > load.keep - empty_bytes)
         return pen_fail(st, PEN_TOO_LARGE,
                         "the results of this job take about %lld KiB, more than the %lld KiB that "
                         "the store may hold (--keep-bytes)",
@@ -167,21 +169,21 @@ bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *s
 static bool find_excess(struct pen_store *store, bool *any, bool *above, struct pen_status *st)
 {
     struct load load;
+    int64_t soon;
     *any = *above = false;
     if (!read_load(store, &load, st))
         return false;
     if (load.keep == 0)
         return true;
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "SELECT 1 WHERE EXISTS (SELECT 1 FROM job WHERE removed_ms > 0) OR "
-                    "EXISTS (SELECT 1 FROM object WHERE state = 2)",
-                    "");
-    const bool soon = pen_db_next(rows);
+    if (!pen_db_value(store->db, st, &soon,
+                      "SELECT 1 WHERE EXISTS (SELECT 1 FROM job WHERE removed_ms > 0) OR "
+                      "EXISTS (SELECT 1 FROM object WHERE state = 2)",
+                      ""))
+        return false;
     *above = load.used > load.keep;
-    *any = !soon && (load.used > load.keep - load.keep / SLACK_PART ||
-                     load.used + load.expected + atomic_load(&wanted_bytes) > load.keep);
-    return pen_db_done(rows);
+    *any = soon == 0 && (load.used > load.keep - load.keep / SLACK_PART ||
+                         load.used + load.expected + atomic_load(&wanted_bytes) > load.keep);
+    return true;
 }
 
 /* By age nothing goes for a day after the clock has jumped ahead (tidy.c notes that). */
@@ -203,7 +205,10 @@ static bool find_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *f
     int64_t now_ms, count = 0, end_ms = 0;
     bool any, above, wait;
     if (!read_limits(store, &keep, st) || !pen_db_now(store->db, &now_ms, st) ||
-        !pen_ages_wait(store, now_ms, &wait, st) || !find_excess(store, &any, &above, st))
+        !pen_ages_wait(store, now_ms, &wait, st) || !find_excess(store, &any, &above, st) ||
+        (keep.keep_jobs > 0 &&
+         !pen_db_value(store->db, st, &count,
+                       "SELECT count(*) FROM job WHERE finished_ms > 0 AND removed_ms = 0", "")))
         return false;
     struct pen_rows *rows =
         pen_db_rows(store->db, st,
@@ -215,20 +220,11 @@ static bool find_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *f
         snprintf(id, PEN_ID_BYTES, "%s", pen_db_text(rows, 0));
         end_ms = pen_db_int(rows, 1);
     }
-    if (!pen_db_done(rows))
-        return false;
-    if (keep.keep_jobs > 0) {
-        rows = pen_db_rows(store->db, st,
-                           "SELECT count(*) FROM job WHERE finished_ms > 0 AND removed_ms = 0", "");
-        count = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
-        if (!pen_db_done(rows))
-            return false;
-    }
     const int64_t age_ms = now_ms - end_ms;
-    *found = ended && (above || age_ms > GRACE_MS || age_ms < 0) &&
+    *found = ended && (above || age_ms > GRACE_MS) &&
              (any || (keep.keep_ms > 0 && !wait && age_ms > keep.keep_ms) ||
               (keep.keep_jobs > 0 && count > keep.keep_jobs));
-    return true;
+    return pen_db_done(rows);
 }
 
 bool pen_store_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
@@ -249,22 +245,20 @@ static int64_t cache_share(const struct load *load)
 /* Drops those that were used longest ago, until the others have so many bytes at most. */
 static bool evict(struct pen_store *store, int64_t most, int64_t *dropped, struct pen_status *st)
 {
-    struct pen_rows *rows;
     int64_t bytes, number = 1;
     *dropped = 0;
-    rows = pen_db_rows(store->db, st,
-                       "SELECT CAST(coalesce(sum(bytes), 0) AS BIGINT) FROM object "
-                       "WHERE cached = 1 AND state = 1",
-                       "");
-    bytes = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
-    if (!pen_db_done(rows))
+    if (!pen_db_value(store->db, st, &bytes,
+                      "SELECT CAST(coalesce(sum(bytes), 0) AS BIGINT) FROM object "
+                      "WHERE cached = 1 AND state = 1",
+                      ""))
         return false;
     while (bytes > most && bytes > 0 && number > 0) {
-        rows = pen_db_rows(store->db, st,
-                           "UPDATE object SET state = 2 WHERE number = (SELECT number FROM object "
-                           "WHERE cached = 1 AND state = 1 ORDER BY used_ms, number LIMIT 1) "
-                           "RETURNING number, bytes",
-                           "");
+        struct pen_rows *rows =
+            pen_db_rows(store->db, st,
+                        "UPDATE object SET state = 2 WHERE number = (SELECT number FROM object "
+                        "WHERE cached = 1 AND state = 1 ORDER BY used_ms, number LIMIT 1) "
+                        "RETURNING number, bytes",
+                        "");
         number = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
         if (number > 0) {
             bytes -= pen_db_int(rows, 1);
@@ -302,10 +296,10 @@ bool pen_store_cache_put(struct pen_store *store, const char *id, int view, cons
     struct pen_object_owner owner = {
         .view = view, .layer = layer, .format = format, .cached = true};
     struct load load;
-    int64_t number, dropped;
+    int64_t number, dropped, state;
     if (!pen_db_begin(store->db, PEN_DB_READ, st) ||
         !pen_db_end(store->db,
-                    pen_job_number(store, id, false, &owner.job, st) && read_load(store, &load, st),
+                    pen_job_number(store, id, &owner.job, NULL, st) && read_load(store, &load, st),
                     st))
         return false;
     if ((int64_t)bytes > cache_share(&load) || (int64_t)bytes > cache_left(&load))
@@ -314,7 +308,7 @@ bool pen_store_cache_put(struct pen_store *store, const char *id, int view, cons
         !pen_db_begin(store->db, PEN_DB_PART, st))
         return false;
     return pen_db_end(store->db,
-                      pen_job_number(store, id, true, &owner.job, st) &&
+                      pen_job_number(store, id, &owner.job, &state, st) &&
                           evict(store, cache_share(&load) - (int64_t)bytes, &dropped, st) &&
                           pen_object_use(store, &owner, number, data, bytes, st),
                       st);

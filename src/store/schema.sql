@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: MIT
 -- The tables of a store, for SQLite and PostgreSQL. Words in braces are replaced (db.h). A build opens stores
 -- of its own version alone. All integers are BIGINT; times are ms of the store's clock unless their names say _us.
+-- Indexes have the columns of their conditions too, where a query is to be answered by the index alone.
 -- There are no foreign keys: they take hidden locks on jobs. Numbers are never used again, so that a claim fits no
 -- other batch. States: job 0 queued, 1 running, 2 succeeded, 3 failed, 4 cancelled; batch 0 open, 1 leased, 2 done,
 -- 3 ended; object 0 loading, 1 used, 2 gone.
@@ -24,7 +25,6 @@ CREATE TABLE job (
     id TEXT NOT NULL UNIQUE,
     client TEXT NOT NULL,
     kind TEXT NOT NULL,
-    name TEXT,
     priority BIGINT NOT NULL,
     state BIGINT NOT NULL,
     revision BIGINT NOT NULL,          -- grows with every change that a reader can see
@@ -56,10 +56,11 @@ CREATE TABLE job (
     removed_ms BIGINT NOT NULL,        -- 0: not removed; its rows go in slices, its own row last
     results_bytes BIGINT NOT NULL      -- what its results are expected to take, until it ends
 ) {table options};
-CREATE INDEX job_by_state ON job (state, number) WHERE removed_ms = 0;
+CREATE INDEX job_by_state ON job (state, number, removed_ms) WHERE removed_ms = 0;
 CREATE INDEX job_by_kind ON job (kind, number) WHERE removed_ms = 0;
-CREATE INDEX job_by_end ON job (finished_ms, number) WHERE finished_ms > 0 AND removed_ms = 0;
-CREATE INDEX job_by_client ON job (client, number, results_bytes) WHERE state < 2;
+CREATE INDEX job_by_end ON job (finished_ms, number, removed_ms)
+    WHERE finished_ms > 0 AND removed_ms = 0;
+CREATE INDEX job_by_client ON job (client, state, results_bytes) WHERE state < 2;
 CREATE INDEX job_by_scene ON job (scene);
 CREATE INDEX job_removed ON job (number) WHERE removed_ms > 0;
 
@@ -109,9 +110,9 @@ CREATE TABLE batch (
     commit_us BIGINT NOT NULL,
     stats TEXT
 ) {table options};
-CREATE INDEX batch_open ON batch (priority DESC, turn, number) WHERE state = 0;
+CREATE INDEX batch_open ON batch (priority DESC, turn, number, job, state) WHERE state = 0;
 CREATE INDEX batch_open_of_client ON batch (client, priority, turn) WHERE state = 0;
-CREATE INDEX batch_leased ON batch (number) WHERE state = 1;
+CREATE INDEX batch_leased ON batch (job, number) WHERE state = 1;
 CREATE INDEX batch_by_job ON batch (job, view, first_tile);
 
 -- A row to lock, so that two submits of one client do not take the same turns.
@@ -140,7 +141,8 @@ CREATE TABLE object (
 ) {table options};
 CREATE INDEX object_used ON object (job, view, layer, format) WHERE state = 1;
 CREATE INDEX object_of_batch ON object (batch) WHERE batch > 0;
-CREATE INDEX object_other ON object (state, number) WHERE state <> 1;
+CREATE INDEX object_loading ON object (number) WHERE state = 0;
+CREATE INDEX object_gone ON object (number) WHERE state = 2;
 CREATE INDEX object_cached ON object (used_ms) WHERE cached = 1 AND state = 1;
 
 CREATE TABLE part (
@@ -166,9 +168,11 @@ CREATE TABLE removed (
     id TEXT PRIMARY KEY,
     client TEXT NOT NULL,
     removed_ms BIGINT NOT NULL,
-    stats TEXT
+    stats TEXT,
+    bytes BIGINT NOT NULL              -- of the statistics; 0: there are none
 ) {table options};
-CREATE INDEX removed_by_age ON removed (removed_ms);
+CREATE INDEX removed_by_age ON removed (removed_ms, bytes);
+CREATE INDEX removed_empty ON removed (removed_ms) WHERE bytes = 0;
 
 CREATE TABLE worker (
     id TEXT PRIMARY KEY,

@@ -6,6 +6,8 @@
 #include "store/internal/handle.h"
 #include "store/internal/signals.h"
 
+enum { LEVEL = 3 }; /* zstd's, of scene documents */
+
 struct pen_store *pen_store_open(const char *url, bool make, struct pen_status *st)
 {
     struct pen_store *store = calloc(1, sizeof *store);
@@ -30,6 +32,13 @@ void pen_store_close(struct pen_store *store)
     free(store);
 }
 
+struct pen_compressor *pen_store_documents(struct pen_store *store, struct pen_status *st)
+{
+    if (!store->documents && !(store->documents = pen_compressor_new(LEVEL)))
+        pen_fail(st, PEN_NO_MEMORY, "no memory to compress scenes");
+    return store->documents;
+}
+
 bool pen_store_check(struct pen_store *store, int limit_ms, bool *finished, struct pen_status *st)
 {
     return pen_db_check(store->db, limit_ms, finished, st);
@@ -38,6 +47,12 @@ bool pen_store_check(struct pen_store *store, int limit_ms, bool *finished, stru
 void pen_store_set_clock(struct pen_store *store, int64_t (*now_ms)(void *user), void *user)
 {
     pen_db_set_clock(store->db, now_ms, user);
+}
+
+bool pen_store_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
+                      struct pen_status *st)
+{
+    return pen_db_backup(url, file, replace, out, st);
 }
 
 bool pen_store_now(struct pen_store *store, int64_t *now_ms, struct pen_status *st)

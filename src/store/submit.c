@@ -6,13 +6,14 @@
 
 #include "store/internal/objects.h"
 
-enum { LEVEL = 3, TRIES = 2 }; /* zstd's level; a document may be removed between look and submit */
+enum { TRIES = 2 }; /* a document may be removed between look and submit */
 
 struct submission {
     const struct pen_job_new *job;
     const char *client;
     enum pen_submit_result *result;
     struct pen_buf *first_answer;
+    json_t *request;           /* NULL: it is none that JSON allows */
     struct pen_bytes document; /* compressed; no data: the scene is stored already */
     int64_t loaded;            /* its object, 0: none */
     int64_t number;
@@ -81,7 +82,7 @@ static bool check_queue(struct pen_store *store, const struct submission *in, st
         return true;
     struct pen_rows *rows =
         pen_db_rows(store->db, st,
-                    "SELECT (SELECT count(*) FROM job WHERE state IN (0, 1) AND removed_ms = 0), "
+                    "SELECT (SELECT count(*) FROM job WHERE state < 2), "
                     "(SELECT count(*) FROM job WHERE client = $1 AND state < 2)",
                     "t", in->client);
     if (pen_db_next(rows)) {
@@ -127,13 +128,12 @@ static bool add_attribute(struct pen_store *store, int64_t job, const char *pref
 static bool add_attributes(struct pen_store *store, const struct submission *in,
                            struct pen_status *st)
 {
-    json_t *request = json_loads(in->job->request, JSON_DECODE_ANY, NULL);
     const char *key;
     json_t *value;
-    bool ok = add_attribute(store, in->number, "", "name", json_object_get(request, "name"), st);
-    json_object_foreach(json_object_get(request, "labels"), key, value) ok =
+    bool ok =
+        add_attribute(store, in->number, "", "name", json_object_get(in->request, "name"), st);
+    json_object_foreach(json_object_get(in->request, "labels"), key, value) ok =
         ok && add_attribute(store, in->number, "label:", key, value, st);
-    json_decref(request);
     return ok;
 }
 
@@ -155,8 +155,8 @@ static bool add_job(struct pen_store *store, struct submission *in, int64_t scen
     int64_t pixels = 0;
     for (int i = 0; i < job->batch_count; i++)
         pixels += job->batches[i].pixels;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
+    return pen_db_value(
+        store->db, st, &in->number,
         "INSERT INTO job (id, client, kind, priority, state, revision, scene, request, "
         "max_attempts, charges, losses, timeout_ms, open_views, done_pixels, total_pixels, work, "
         "spent_us, told_us, told_elapsed_us, estimate_ms, elapsed_us, queue_us, moment_boot, "
@@ -167,9 +167,6 @@ static bool add_job(struct pen_store *store, struct submission *in, int64_t scen
         "tttiitiiiiiiii", job->id, in->client, job->kind, (int64_t)job->priority, scene,
         job->request, (int64_t)job->max_attempts, job->timeout_ms, (int64_t)job->view_count, pixels,
         job->created.boot, job->created.us, job->created_ms, bytes);
-    if (pen_db_next(rows))
-        in->number = pen_db_int(rows, 0);
-    return pen_db_done(rows);
 }
 
 static bool add_views(struct pen_store *store, const struct submission *in, struct pen_status *st)
@@ -211,17 +208,19 @@ static bool add_batches(struct pen_store *store, const struct submission *in, st
     return ok;
 }
 
-static int64_t results_bytes(const struct pen_job_new *job)
+/* `layers` of the request has the picture too. */
+static int64_t results_bytes(const struct submission *in)
 {
+    const size_t layers = json_array_size(json_object_get(in->request, "layers"));
     int64_t pixels = 0;
-    for (int i = 0; i < job->view_count; i++)
-        pixels += (int64_t)job->views[i].width * job->views[i].height;
-    return pen_results_bytes(pixels);
+    for (int i = 0; i < in->job->view_count; i++)
+        pixels += (int64_t)in->job->views[i].width * in->job->views[i].height;
+    return pen_results_bytes(pixels, layers > 1 ? (int64_t)layers - 1 : 0);
 }
 
 static bool write_submission(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
-    const int64_t bytes = results_bytes(in->job);
+    const int64_t bytes = results_bytes(in);
     int64_t scene;
     bool known;
     if (!find_known(store, in, &known, st))
@@ -242,26 +241,41 @@ static bool prepare(struct pen_store *store, struct submission *in, bool *known,
                     struct pen_status *st)
 {
     const struct pen_object_owner owner = {.layer = "", .format = "scene"};
-    bool stored = false;
-    if (!pen_db_begin(store->db, PEN_DB_READ, st))
-        return false;
-    bool ok = find_known(store, in, known, st);
-    if (ok) {
-        struct pen_rows *rows = pen_db_rows(store->db, st, "SELECT 1 FROM scene WHERE sha256 = $1",
-                                            "b", (const void *)in->job->scene_sha256, (size_t)32);
-        stored = pen_db_next(rows);
-        ok = pen_db_done(rows);
-    }
-    if (!pen_db_end(store->db, ok, st))
+    int64_t stored = 0;
+    if (!pen_db_begin(store->db, PEN_DB_READ, st) ||
+        !pen_db_end(store->db,
+                    find_known(store, in, known, st) &&
+                        pen_db_value(store->db, st, &stored,
+                                     "SELECT 1 FROM scene WHERE sha256 = $1", "b",
+                                     (const void *)in->job->scene_sha256, (size_t)32),
+                    st))
         return false;
     if (*known || (stored && !in->missing))
         return true;
-    if (!store->documents && !(store->documents = pen_compressor_new(LEVEL)))
-        return pen_fail(st, PEN_NO_MEMORY, "no memory to compress a scene");
-    return pen_compress(store->documents, in->job->scene, in->job->scene_bytes, &in->document,
+    return pen_store_documents(store, st) &&
+           pen_compress(store->documents, in->job->scene, in->job->scene_bytes, &in->document,
                         st) &&
            pen_object_load(store, &owner, NULL, in->document.data, in->document.bytes, &in->loaded,
                            st);
+}
+
+static bool submit(struct pen_store *store, struct submission *in, struct pen_status *st)
+{
+    for (int i = 0; i < TRIES; i++) {
+        bool known;
+        if (!prepare(store, in, &known, st))
+            return false;
+        if (known)
+            return true;
+        if (!pen_db_begin(store->db, PEN_DB_WRITE, st))
+            return false;
+        const bool ok = write_submission(store, in, st);
+        if (!pen_db_end(store->db, ok && !in->missing, st) && !(ok && in->missing))
+            return false;
+        if (!in->missing)
+            return true;
+    }
+    return pen_fail(st, PEN_UNAVAILABLE, "the job's scene was removed meanwhile");
 }
 
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
@@ -271,23 +285,11 @@ bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
     struct submission in = {.job = job,
                             .client = job->client ? job->client : "",
                             .result = result,
-                            .first_answer = first_answer};
-    for (int i = 0; i < TRIES; i++) {
-        bool known;
-        if (!prepare(store, &in, &known, st))
-            return false;
-        if (known)
-            return true;
-        if (!pen_db_begin(store->db, PEN_DB_WRITE, st))
-            return false;
-        const bool ok = write_submission(store, &in, st);
-        if (!pen_db_end(store->db, ok && !in.missing, st) && !(ok && in.missing))
-            return false;
-        if (!in.missing) {
-            if (*result == PEN_SUBMIT_CREATED)
-                pen_db_wake(store->db);
-            return true;
-        }
-    }
-    return pen_fail(st, PEN_UNAVAILABLE, "the job's scene was removed meanwhile");
+                            .first_answer = first_answer,
+                            .request = json_loads(job->request, JSON_DECODE_ANY, NULL)};
+    const bool ok = submit(store, &in, st);
+    json_decref(in.request);
+    if (ok && *result == PEN_SUBMIT_CREATED)
+        pen_db_wake(store->db);
+    return ok;
 }

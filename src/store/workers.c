@@ -251,59 +251,26 @@ static void fill(struct pen_rows *rows, struct pen_worker_record *worker)
         worker->seen_ms = told_ms;
 }
 
-static void free_list(struct pen_worker_record *list, int count)
-{
-    for (int i = 0; i < count; i++) {
-        free((char *)(uintptr_t)list[i].id);
-        free((char *)(uintptr_t)list[i].host);
-        free((char *)(uintptr_t)list[i].job_id);
-        free((char *)(uintptr_t)list[i].job_kind);
-        free((char *)(uintptr_t)list[i].view);
-    }
-    free(list);
-}
-
-static bool keep_text(const char **text)
-{
-    return !*text || (*text = strdup(*text)) != NULL;
-}
-
-static bool add_record(struct pen_rows *rows, struct pen_worker_record **list, int *count)
-{
-    struct pen_worker_record worker;
-    struct pen_worker_record *more = realloc(*list, ((size_t)*count + 1) * sizeof **list);
-    if (!more)
-        return false;
-    *list = more;
-    fill(rows, &worker);
-    const bool ok = keep_text(&worker.id) & keep_text(&worker.host) & keep_text(&worker.job_id) &
-                    keep_text(&worker.job_kind) & keep_text(&worker.view);
-    (*list)[(*count)++] = worker;
-    return ok;
-}
-
+/* Few batches are leased. IN and COALESCE keep SQLite from making an index of all batches here. */
 bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
                        struct pen_status *st)
 {
-    struct pen_worker_record *list = NULL;
-    int count = 0;
-    bool memory = true;
+    struct pen_worker_record worker;
+    bool more = true;
     struct pen_rows *rows = pen_db_rows(
         store->db, st,
         "SELECT worker.id, host, pid, threads, rays_per_s, worker.started_ms, seen_ms, job.id, "
         "job.kind, view.name, batch.number, batch.attempt, batch.kind, batch.pixels, "
         "batch.lease_ms - worker.lease_ms FROM worker "
-        "LEFT JOIN batch ON batch.worker = worker.id AND batch.state = 1 "
+        "LEFT JOIN batch ON batch.number IN (SELECT number FROM batch WHERE state = 1) "
+        "AND COALESCE(batch.worker, '') = worker.id "
         "LEFT JOIN job ON job.number = batch.job "
         "LEFT JOIN view ON view.job = batch.job AND view.view = batch.view "
         "ORDER BY worker.started_ms, worker.id, batch.number",
         "");
-    while (memory && pen_db_next(rows))
-        memory = add_record(rows, &list, &count);
-    const bool ok =
-        pen_db_done(rows) && (memory || pen_fail(st, PEN_NO_MEMORY, "no memory for workers"));
-    for (int i = 0; ok && i < count && each(user, &list[i]); i++) {
+    while (more && pen_db_next(rows)) {
+        fill(rows, &worker);
+        more = each(user, &worker);
     }
-    free_list(list, count);
-    return ok;
+    return pen_db_done(rows);
 }

@@ -9,24 +9,27 @@
 
 struct pen_store {
     struct pen_db *db;
-    struct pen_compressor *documents; /* made when the first one is stored */
+    struct pen_compressor *documents; /* made by pen_store_documents */
     struct pen_pixels *pixels;        /* made when the first ones are encoded */
     int64_t tidied_ms;                /* when pen_store_tidy last did what it does seldom */
 };
 
+/* The compressor of scene documents. Fails: NULL with PEN_NO_MEMORY. */
+struct pen_compressor *pen_store_documents(struct pen_store *store, struct pen_status *st);
+
 /* Every write about a job locks its row first, then views, then batches. The lock moves the job's
  * elapsed time on to now. All within a transaction. */
 
-/* The number of a job that is not removed, and its lock if wanted. Fails: PEN_NOT_FOUND, PEN_GONE.
- */
-bool pen_job_number(struct pen_store *store, const char *id, bool lock, int64_t *number,
+/* The number of a job that is not removed. `state` given: locks the job, and reads its state.
+ * Fails: PEN_NOT_FOUND, PEN_GONE. */
+bool pen_job_number(struct pen_store *store, const char *id, int64_t *number, int64_t *state,
                     struct pen_status *st);
 
 /* Locks a job; *state is -1 if there is none. */
 bool pen_job_lock(struct pen_store *store, int64_t job, int64_t *state, struct pen_status *st);
 
-/* Makes a queued job running; without `wait`, only if nobody has locked it. */
-bool pen_job_start(struct pen_store *store, int64_t job, bool wait, struct pen_status *st);
+/* Makes a queued job running, unless another transaction has locked it. */
+bool pen_job_start(struct pen_store *store, int64_t job, struct pen_status *st);
 
 /* Gives a locked job its next revision. */
 bool pen_job_changed(struct pen_store *store, int64_t job, struct pen_status *st);
@@ -83,11 +86,12 @@ bool pen_claim_next(struct pen_store *store, struct pen_next *next, struct pen_s
 bool pen_claim_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
                          struct pen_status *st);
 
+/* The bytes that the results of so many pixels are expected to take, with so many layers beside
+ * the picture (retention.c). */
+int64_t pen_results_bytes(int64_t pixels, int64_t layers);
+
 /* Fails if a job whose results are expected to take so many bytes is not accepted now
  * (retention.c). Within a transaction. `bytes` 0: any job. */
 bool pen_intake(struct pen_store *store, int64_t bytes, struct pen_status *st);
-
-/* The bytes that the results of so many pixels are expected to take (retention.c). */
-int64_t pen_results_bytes(int64_t pixels);
 
 #endif

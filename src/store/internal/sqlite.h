@@ -10,6 +10,7 @@
 enum {
     STATEMENTS = 512, /* slots of a table by address; about 150 are used */
     PEN_SQLITE_PATH_BYTES = 4096,
+    PEN_SQLITE_PAGE = 8192,     /* of files that are made */
     PEN_RESERVE = 16 << 20,     /* the reserve's bytes, */
     PEN_RESERVE_FREE = 64 << 20 /* which is made where so many are free beside it */
 };
@@ -41,8 +42,16 @@ struct pen_db {
 bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st);
 bool pen_sqlite_exec(struct pen_db *db, const char *sql, struct pen_status *st);
 
-/* The first column of the first row; 0: there is none. `sql` is a literal. */
-bool pen_sqlite_value(struct pen_db *db, const char *sql, int64_t *value, struct pen_status *st);
+/* Whether a file can be opened, by the flags of open(2); with O_CREAT, it is made, with its
+ * folders. Fails: PEN_NOT_FOUND, PEN_STORAGE, PEN_STORAGE_FULL. */
+bool pen_sqlite_find(const char *path, int flags, struct pen_status *st);
+
+/* Opens such a file, by flags of sqlite3_open_v2. */
+struct pen_db *pen_sqlite_open(const char *path, int flags, bool make, struct pen_status *st);
+
+/* Looks for damage, for at most limit_ms (0: in everything). Returns SQLite's code: SQLITE_OK,
+ * SQLITE_INTERRUPT (the time is up), or an error; `text` says what is damaged. */
+int pen_sqlite_check(sqlite3 *sqlite, int limit_ms, char text[256]);
 
 /* Makes the reserve file if it is not there; without it, cancels on a full disk fail. */
 void pen_sqlite_make_reserve(struct pen_db *db);
