@@ -148,8 +148,12 @@ bool pen_intake(struct pen_store *store, int64_t bytes, struct pen_status *st)
 
 bool pen_store_intake(struct pen_store *store, struct pen_status *st)
 {
-    return pen_db_begin(store->db, PEN_DB_READ, st) &&
-           pen_db_end(store->db, pen_intake(store, 0, st), st);
+    int64_t now_ms;
+    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+           pen_db_end(store->db,
+                      pen_intake(store, 0, st) && pen_db_now(store->db, &now_ms, st) &&
+                          pen_meta_put(store, "probed_ms", now_ms, st),
+                      st);
 }
 
 bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *st)

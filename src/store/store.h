@@ -41,8 +41,8 @@ void pen_store_close(struct pen_store *store);
  * PEN_STORAGE with the first damage found. */
 bool pen_store_check(struct pen_store *store, int limit_ms, bool *finished, struct pen_status *st);
 
-/* Whether a new job would be accepted now: there is space on the disk, and below keep_bytes. Fails:
- * as pen_store_submit. */
+/* Whether a new job would be accepted now: there is space on the disk, and below keep_bytes, and a
+ * write reaches the disk. Cost: a synced write. Fails: as pen_store_submit. */
 bool pen_store_intake(struct pen_store *store, struct pen_status *st);
 
 /* Makes a handle use another clock; for tests. */
