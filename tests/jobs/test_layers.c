@@ -144,8 +144,8 @@ static void finish(void)
 START_TEST(test_layers__parts_that_cannot_be_used_are_rendered_again)
 {
     static const char *const harms[] = {
-        "DELETE FROM artefact WHERE layer = 'kept'",
-        "DELETE FROM artefact WHERE layer = 'kept' AND format NOT LIKE '%-0'"};
+        "UPDATE object SET state = 2 WHERE layer LIKE 'kept:%'",
+        "UPDATE object SET state = 2 WHERE layer LIKE 'kept:%' AND layer NOT LIKE '%-0'"};
     for (int i = 0; i < 3; i++) {
         jobs_bed_open(&bed);
         make_whole(other);

@@ -666,7 +666,7 @@ START_TEST(test_submit__first_answer_is_made_again_from_the_job)
     ck_assert_mem_eq(again.answer.data, first.answer.data, first.answer.bytes);
     pen_buf_release(&again.answer);
     pen_buf_release(&first.answer);
-    store_run_sql(&bed.bed, "SELECT key FROM idempotency WHERE length(answer) > 100", NULL, 0);
+    store_run_sql(&bed.bed, "SELECT key FROM key WHERE length(answer) > 100", NULL, 0);
     ck_assert(pen_jobs_delete(bed.jobs, first.id, NULL, true, &st));
     ck_assert(!submit(body, "key-1", &again, &errors));
     ck_assert_int_eq(errors.item[0].code, PEN_GONE);

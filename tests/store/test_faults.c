@@ -229,7 +229,7 @@ static void check_healed(const struct scenario *s, bool ok, const char *what)
     struct pen_status st = {0};
     if (!disk.bed.store) {
         disk.bed.store = store_bed_handle(&disk.bed);
-    } else if (pen_store_is_broken(disk.bed.store)) {
+    } else if (pen_store_is_broken(disk.bed.store, NULL)) {
         pen_store_close(disk.bed.store);
         disk.bed.store = store_bed_handle(&disk.bed);
     }
@@ -263,7 +263,7 @@ static bool run_faulty(const struct scenario *s, const struct fault_plan *plan)
         fault_bed_check_refusal(&disk, plan, &st, what);
         unknown = disk.bed.store && pen_store_failure(disk.bed.store, &st) == PEN_FAILURE_UNKNOWN;
         ck_assert_msg(!disk.bed.store ||
-                          (st.code == PEN_STORAGE) == pen_store_is_broken(disk.bed.store),
+                          (st.code == PEN_STORAGE) == pen_store_is_broken(disk.bed.store, NULL),
                       "%s: %s", what, st.msg);
     }
     struct pen_buf now = dump();
