@@ -361,12 +361,14 @@ bool pen_db_give_reserve(struct pen_db *db)
 }
 
 /* Copies the log into the database and empties it, which also gives the free pages at the file's
- * end back. Writers wait meanwhile, for as long as readers last, but no longer than PATIENCE_MS. */
+ * end back. The copy stops nobody. Writers wait while the log is emptied, which waits for readers,
+ * but no longer than PATIENCE_MS. */
 static bool empty_log(struct pen_db *db, struct pen_status *st)
 {
+    int rc = sqlite3_wal_checkpoint_v2(db->sqlite, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
     db->patience_ms = PATIENCE_MS;
-    const int rc =
-        sqlite3_wal_checkpoint_v2(db->sqlite, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_wal_checkpoint_v2(db->sqlite, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL, NULL);
     db->patience_ms = PEN_SQLITE_BUSY_MS;
     return rc == SQLITE_OK || rc == SQLITE_BUSY || pen_sqlite_fail(db, rc, st);
 }
