@@ -2,8 +2,10 @@
 /* A connection to SQLite (db.h). The database has a write-ahead log; its application id and user
  * version tell whose it is and which version its schema has. Opening is in db_sqlite_open.c. */
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -12,7 +14,11 @@
 #include "store/internal/signals.h"
 #include "store/internal/sqlite.h"
 
-enum { TEXT_BYTES = 8192 };
+enum {
+    TEXT_BYTES = 8192,
+    LOG_BYTES = 32 << 20, /* a longer log is emptied, although readers must be waited for */
+    PATIENCE_MS = 50
+};
 
 bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
 {
@@ -46,9 +52,11 @@ bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
                                           .failure = code == PEN_STORAGE || code == PEN_INTERNAL
                                                          ? PEN_FAILURE_REFUSED
                                                          : PEN_FAILURE_RETRY};
-    const bool damaged = (rc & 0xff) == SQLITE_CORRUPT || (rc & 0xff) == SQLITE_NOTADB;
-    pen_fail(st, code, "%s: %s (SQLite error %d)%s", db->path, why, rc,
-             damaged ? "; restore a backup" : "");
+    pen_fail(st, code, "%s%s: %s (SQLite error %d)", db->path,
+             (rc & 0xff) == SQLITE_CORRUPT  ? " is damaged"
+             : (rc & 0xff) == SQLITE_NOTADB ? " is not a Penumbra store, or is damaged"
+                                            : "",
+             why, rc);
     if (code == PEN_STORAGE && db->broken.code == PEN_OK)
         db->broken = *st;
     return false;
@@ -360,6 +368,27 @@ bool pen_db_give_reserve(struct pen_db *db)
     return unlink(db->reserve) == 0;
 }
 
+/* Copies the log into the database and empties it, which also gives the free pages at the file's
+ * end back. The copy stops nobody. Writers wait while the log is emptied, which waits for readers,
+ * but no longer than PATIENCE_MS. */
+static bool empty_log(struct pen_db *db, struct pen_status *st)
+{
+    int rc = sqlite3_wal_checkpoint_v2(db->sqlite, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
+    db->patience_ms = PATIENCE_MS;
+    if (rc == SQLITE_OK)
+        rc = sqlite3_wal_checkpoint_v2(db->sqlite, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL, NULL);
+    db->patience_ms = PEN_SQLITE_BUSY_MS;
+    return rc == SQLITE_OK || rc == SQLITE_BUSY || pen_sqlite_fail(db, rc, st);
+}
+
+static bool is_log_long(const struct pen_db *db)
+{
+    char path[PEN_SQLITE_PATH_BYTES + 8];
+    struct stat info;
+    snprintf(path, sizeof path, "%s-wal", db->path);
+    return stat(path, &info) == 0 && info.st_size > LOG_BYTES;
+}
+
 bool pen_db_tidy(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st)
 {
     const int64_t most = bytes / PEN_SQLITE_PAGE;
@@ -370,9 +399,10 @@ bool pen_db_tidy(struct pen_db *db, int64_t bytes, bool *more, struct pen_status
         return false;
     if (left >= PEN_RESERVE_FREE + PEN_RESERVE)
         pen_sqlite_make_reserve(db);
-    if (unused == 0)
-        return true;
     sqlite3_snprintf(sizeof sql, sql, "PRAGMA incremental_vacuum(%lld)", (long long)most);
+    if (unused > 0 &&
+        (!pen_db_begin(db, PEN_DB_WRITE, st) || !pen_db_end(db, pen_sqlite_exec(db, sql, st), st)))
+        return false;
     *more = unused > most;
-    return pen_db_begin(db, PEN_DB_WRITE, st) && pen_db_end(db, pen_sqlite_exec(db, sql, st), st);
+    return (unused == 0 || *more) && !is_log_long(db) ? true : empty_log(db, st);
 }

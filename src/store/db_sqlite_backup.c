@@ -164,24 +164,18 @@ static bool check_copy(struct copy *copy, int64_t *jobs, struct pen_status *st)
     return rc == SQLITE_ROW || copy_failed(copy, rc, st);
 }
 
-static bool sync_path(const char *path, int flags, int64_t *bytes, struct pen_status *st)
+static bool sync_copy(const struct copy *copy, int64_t *bytes, struct pen_status *st)
 {
     struct stat info;
-    const int fd = open(path, flags | O_RDONLY | O_CLOEXEC);
-    const bool ok = fd >= 0 && fsync(fd) == 0 && fstat(fd, &info) == 0;
-    const int error = errno;
-    if (fd >= 0)
-        close(fd);
-    if (ok && bytes)
-        *bytes = info.st_size;
-    return ok || cannot_write(path, error, st);
+    if (fsync(copy->fd) != 0 || fstat(copy->fd, &info) != 0)
+        return cannot_write(copy->name, errno, st);
+    *bytes = info.st_size;
+    return true;
 }
 
 /* Without `replace`, the name is given by link(2), which replaces nothing. */
 static bool name_copy(struct copy *copy, struct pen_status *st)
 {
-    char folder[PATH_BYTES];
-    const char *slash = strrchr(copy->name, '/');
     const int rc = copy->replace ? rename(copy->path, copy->name) : link(copy->path, copy->name);
     if (rc != 0)
         return errno == EEXIST
@@ -192,9 +186,7 @@ static bool name_copy(struct copy *copy, struct pen_status *st)
     if (!copy->replace)
         unlink(copy->path);
     copy->path[0] = '\0';
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - copy->name) + 1 : 1,
-             slash ? copy->name : ".");
-    return sync_path(folder, O_DIRECTORY, NULL, st);
+    return pen_sqlite_sync_folder(copy->name) || cannot_write(copy->name, errno, st);
 }
 
 /* The first read fixes the moment. */
@@ -211,16 +203,16 @@ static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_st
         return false;
     sqlite3_close(copy->to);
     copy->to = NULL;
-    return sync_path(copy->path, 0, &out->bytes, st) && goes_on(copy, st) && name_copy(copy, st);
+    return sync_copy(copy, &out->bytes, st) && goes_on(copy, st) && name_copy(copy, st);
 }
 
 bool pen_db_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
                    struct pen_status *st)
 {
     struct copy copy = {.fd = -1, .stop = out->stop, .name = file, .replace = replace};
-    if (!check_name(url, file, replace, st) || !pen_sqlite_find(url, O_RDONLY, st))
+    if (!check_name(url, file, replace, st))
         return false;
-    copy.from = pen_sqlite_open(url, SQLITE_OPEN_READONLY, false, st);
+    copy.from = pen_sqlite_open(url, false, st);
     const bool ok = copy.from && make_part(&copy, st) && make_backup(&copy, out, st);
     sqlite3_close(copy.to);
     pen_db_close(copy.from);

@@ -19,15 +19,14 @@
 
 enum {
     APPLICATION = 0x50454e55, /* "PENU" */
-    BUSY_MS = 10000,
-    BUSY_SLEEP_US = 1000 /* less than most transactions take */
+    BUSY_SLEEP_US = 1000      /* less than most transactions take */
 };
 
 static const struct {
     const char *word, *text;
 } words[] = {{"{identity}", "INTEGER PRIMARY KEY AUTOINCREMENT"},
              {"{bytes}", "BLOB"},
-             {"{table options}", ""}};
+             {"{table options}", "WITHOUT ROWID"}};
 
 /* Waits for another writer in short sleeps, so that it is soon followed. */
 static int wait_busy(void *user, int count)
@@ -36,7 +35,7 @@ static int wait_busy(void *user, int count)
     const struct timespec pause = {.tv_nsec = BUSY_SLEEP_US * 1000};
     if (count == 0)
         db->busy_ns = pen_clock_ns();
-    if (pen_clock_ns() - db->busy_ns > (int64_t)BUSY_MS * 1000000)
+    if (pen_clock_ns() - db->busy_ns > db->patience_ms * 1000000)
         return 0;
     nanosleep(&pause, NULL);
     return 1;
@@ -74,67 +73,33 @@ static bool add_schema(struct pen_db *db, struct pen_status *st)
     return ok;
 }
 
-/* The version of the schema; 0: the file is empty. */
-static bool read_version(struct pen_db *db, int64_t *version, struct pen_status *st)
+static bool check_version(struct pen_db *db, struct pen_status *st)
 {
-    int64_t application, tables;
+    int64_t application, version;
     if (!pen_db_value(db, st, &application, "PRAGMA application_id", "") ||
-        !pen_db_value(db, st, version, "PRAGMA user_version", "") ||
-        !pen_db_value(db, st, &tables, "SELECT count(*) FROM sqlite_master", ""))
+        !pen_db_value(db, st, &version, "PRAGMA user_version", ""))
         return false;
-    if (application == 0 && tables == 0)
-        return true;
     if (application != APPLICATION)
         return pen_fail(st, PEN_STORAGE, "%s is not a Penumbra store", db->path);
-    return *version == PEN_SCHEMA_VERSION ||
+    return version == PEN_SCHEMA_VERSION ||
            pen_fail(st, PEN_STORAGE,
                     "%s is a store of version %lld; this build reads version %d alone", db->path,
-                    (long long)*version, PEN_SCHEMA_VERSION);
+                    (long long)version, PEN_SCHEMA_VERSION);
 }
 
-/* Another process may make the tables at the same time, so the version is read again. */
+/* The log comes last, so that the file alone is the store. */
 static bool make_tables(struct pen_db *db, struct pen_status *st)
 {
-    int64_t version;
     char sql[128];
-    sqlite3_snprintf(sizeof sql, sql,
-                     "PRAGMA page_size=%d; PRAGMA auto_vacuum=INCREMENTAL; PRAGMA journal_mode=WAL",
+    sqlite3_snprintf(sizeof sql, sql, "PRAGMA page_size=%d; PRAGMA auto_vacuum=INCREMENTAL",
                      PEN_SQLITE_PAGE);
     return pen_sqlite_exec(db, sql, st) && pen_db_begin(db, PEN_DB_WRITE, st) &&
-           pen_db_end(db, read_version(db, &version, st) && (version != 0 || add_schema(db, st)),
-                      st);
+           pen_db_end(db, add_schema(db, st), st) &&
+           pen_sqlite_exec(db, "PRAGMA journal_mode=WAL", st);
 }
 
-static bool make_folders(const char *path, struct pen_status *st)
+static bool open_file(struct pen_db *db, int flags, struct pen_status *st)
 {
-    char folder[PEN_SQLITE_PATH_BYTES];
-    strcpy(folder, path);
-    for (char *at = strchr(folder + 1, '/'); at; at = strchr(at + 1, '/')) {
-        *at = '\0';
-        if (mkdir(folder, 0700) != 0 && errno != EEXIST)
-            return pen_fail(st, PEN_STORAGE, "%s cannot be made: %s", folder, strerror(errno));
-        *at = '/';
-    }
-    return true;
-}
-
-/* What is not there is made, with this user's permissions alone. */
-bool pen_sqlite_find(const char *path, int flags, struct pen_status *st)
-{
-    if ((flags & O_CREAT) && !make_folders(path, st))
-        return false;
-    const int fd = open(path, flags | O_CLOEXEC, 0600);
-    if (fd < 0)
-        return errno == ENOENT ? pen_fail(st, PEN_NOT_FOUND, "%s: there is no store", path)
-                               : pen_fail(st, errno == ENOSPC ? PEN_STORAGE_FULL : PEN_STORAGE,
-                                          "%s cannot be opened: %s", path, strerror(errno));
-    close(fd);
-    return true;
-}
-
-static bool open_file(struct pen_db *db, int flags, bool make, struct pen_status *st)
-{
-    int64_t version;
     int rc = sqlite3_open_v2(db->path, &db->sqlite,
                              flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, NULL);
     if (rc == SQLITE_OK)
@@ -144,19 +109,14 @@ static bool open_file(struct pen_db *db, int flags, bool make, struct pen_status
                                         sql_now, NULL, NULL, NULL);
     if (rc != SQLITE_OK)
         return pen_sqlite_fail(db, rc, st);
-    if (!pen_db_begin(db, PEN_DB_READ, st) || !pen_db_end(db, read_version(db, &version, st), st))
-        return false;
-    if (version == 0 && !make)
-        return pen_fail(st, PEN_STORAGE, "%s is not a Penumbra store", db->path);
     db->syncs = true;
-    return (version != 0 || make_tables(db, st)) &&
-           pen_sqlite_exec(db,
+    return pen_sqlite_exec(db,
                            "PRAGMA synchronous=FULL; PRAGMA journal_size_limit=67108864; "
                            "PRAGMA temp_store=MEMORY; PRAGMA cache_size=-8192",
                            st);
 }
 
-struct pen_db *pen_sqlite_open(const char *path, int flags, bool make, struct pen_status *st)
+static struct pen_db *open_path(const char *path, int flags, struct pen_status *st)
 {
     struct pen_db *db = calloc(1, sizeof *db);
     if (!db) {
@@ -165,7 +125,81 @@ struct pen_db *pen_sqlite_open(const char *path, int flags, bool make, struct pe
     }
     snprintf(db->path, sizeof db->path, "%s", path);
     snprintf(db->reserve, sizeof db->reserve, "%.*s-reserve", PEN_SQLITE_PATH_BYTES - 16, path);
-    if (open_file(db, flags, make, st))
+    db->patience_ms = PEN_SQLITE_BUSY_MS;
+    if (open_file(db, flags, st))
+        return db;
+    pen_db_close(db);
+    return NULL;
+}
+
+static bool cannot_make(const char *path, struct pen_status *st)
+{
+    return pen_fail(st, errno == ENOSPC || errno == EDQUOT ? PEN_STORAGE_FULL : PEN_STORAGE,
+                    "%s cannot be made: %s", path, strerror(errno));
+}
+
+static bool make_folders(const char *path, struct pen_status *st)
+{
+    char folder[PEN_SQLITE_PATH_BYTES];
+    strcpy(folder, path);
+    for (char *at = strchr(folder + 1, '/'); at; at = strchr(at + 1, '/')) {
+        *at = '\0';
+        if (mkdir(folder, 0700) != 0 && errno != EEXIST)
+            return cannot_make(folder, st);
+        *at = '/';
+    }
+    return true;
+}
+
+/* Makes a whole store under another name, which then becomes the path. If another process is
+ * faster, its store stays. */
+static bool make_store(const char *path, struct pen_status *st)
+{
+    char part[PEN_SQLITE_PATH_BYTES + 8];
+    snprintf(part, PEN_SQLITE_PATH_BYTES, "%.*s.new-XXXXXX", PEN_SQLITE_PATH_BYTES - 16, path);
+    if (!make_folders(path, st))
+        return false;
+    const int fd = mkostemp(part, O_CLOEXEC); /* mode 0600 */
+    if (fd < 0)
+        return cannot_make(path, st);
+    close(fd);
+    struct pen_db *db = open_path(part, SQLITE_OPEN_READWRITE, st);
+    bool ok = db && make_tables(db, st);
+    pen_db_close(db);
+    if (ok && link(part, path) != 0 && errno != EEXIST)
+        ok = cannot_make(path, st);
+    unlink(part);
+    unlink(strcat(part, "-journal")); /* of a disk that failed */
+    return ok && (pen_sqlite_sync_folder(path) || cannot_make(path, st));
+}
+
+bool pen_sqlite_sync_folder(const char *path)
+{
+    char folder[PEN_SQLITE_PATH_BYTES];
+    const char *slash = strrchr(path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1,
+             slash ? path : ".");
+    const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const bool ok = fd >= 0 && fsync(fd) == 0;
+    const int error = errno;
+    if (fd >= 0)
+        close(fd);
+    errno = error;
+    return ok;
+}
+
+/* A store is never opened but by SQLite: closing a descriptor drops the locks of its process. */
+struct pen_db *pen_sqlite_open(const char *path, bool writes, struct pen_status *st)
+{
+    if (access(path, writes ? R_OK | W_OK : R_OK) != 0) {
+        if (errno == ENOENT)
+            pen_fail(st, PEN_NOT_FOUND, "%s: there is no store", path);
+        else
+            pen_fail(st, PEN_STORAGE, "%s cannot be opened: %s", path, strerror(errno));
+        return NULL;
+    }
+    struct pen_db *db = open_path(path, writes ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY, st);
+    if (!db || check_version(db, st))
         return db;
     pen_db_close(db);
     return NULL;
@@ -181,9 +215,9 @@ struct pen_db *pen_db_open(const char *url, bool make, struct pen_status *st)
         pen_fail(st, PEN_USAGE, "the path of the store is %s", *url ? "too long" : "empty");
         return NULL;
     }
-    return pen_sqlite_find(url, O_RDWR | (make ? O_CREAT : 0), st)
-               ? pen_sqlite_open(url, SQLITE_OPEN_READWRITE, make, st)
-               : NULL;
+    if (make && access(url, F_OK) != 0 && errno == ENOENT && !make_store(url, st))
+        return NULL;
+    return pen_sqlite_open(url, true, st);
 }
 
 void pen_db_close(struct pen_db *db)
@@ -263,5 +297,5 @@ bool pen_db_check(struct pen_db *db, int limit_ms, bool *finished, struct pen_st
     if (rc == SQLITE_OK || rc == SQLITE_INTERRUPT)
         return true;
     pen_sqlite_fail(db, rc, st);
-    return pen_fail(st, st->code, "%s is damaged: %s; restore a backup", db->path, text);
+    return pen_fail(st, st->code, "%s is damaged: %s", db->path, text);
 }

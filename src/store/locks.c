@@ -39,7 +39,7 @@ bool pen_job_number(struct pen_store *store, const char *id, int64_t *number, in
                                  "SELECT removed_ms FROM removed WHERE id = $1", "t", id)))
         return false;
     if (removed_ms > 0)
-        return pen_fail(st, PEN_GONE, "job %s was removed", id);
+        return pen_fail(st, PEN_GONE, "job %s was removed; only its statistics are left", id);
     return found || pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
 }
 

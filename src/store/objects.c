@@ -2,6 +2,8 @@
 /* Values of any length (internal/objects.h), and scene documents, which are values too. */
 #include "store/internal/objects.h"
 
+#include <stdio.h>
+
 static bool gone_meanwhile(struct pen_status *st)
 {
     return pen_fail(st, PEN_UNAVAILABLE, "a value that was being written was removed meanwhile");
@@ -117,13 +119,17 @@ bool pen_object_read_row(struct pen_store *store, int64_t number, struct pen_buf
                          struct pen_status *st)
 {
     const size_t before = out->bytes;
+    char name[128] = "";
     size_t bytes = 0, size;
     int64_t checksum = 0;
     struct pen_rows *rows = pen_db_rows(
-        store->db, st, "SELECT bytes, checksum FROM object WHERE number = $1", "i", number);
+        store->db, st, "SELECT bytes, checksum, layer, format, job FROM object WHERE number = $1",
+        "i", number);
     if (pen_db_next(rows)) {
         bytes = (size_t)pen_db_int(rows, 0);
         checksum = pen_db_int(rows, 1);
+        snprintf(name, sizeof name, "%s %s of the job with number %lld", pen_db_text(rows, 2),
+                 pen_db_text(rows, 3), (long long)pen_db_int(rows, 4));
     }
     if (!pen_db_done(rows))
         return false;
@@ -136,10 +142,12 @@ bool pen_object_read_row(struct pen_store *store, int64_t number, struct pen_buf
     }
     if (!pen_db_done(rows))
         return false;
-    if (!room)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for a value of %zu bytes", bytes);
-    return (out->bytes - before == bytes && pen_checksum(out->data + before, bytes) == checksum) ||
-           pen_fail(st, PEN_STORAGE, "the stored value %lld is damaged", (long long)number);
+    if (room && out->bytes - before == bytes && pen_checksum(out->data + before, bytes) == checksum)
+        return true;
+    out->bytes = before;
+    return room ? pen_fail(st, PEN_STORAGE, "the stored value %lld is damaged: %s",
+                           (long long)number, name)
+                : pen_fail(st, PEN_NO_MEMORY, "no memory for a value of %zu bytes", bytes);
 }
 
 bool pen_object_find(struct pen_store *store, const struct pen_object_owner *owner, int64_t *number,

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads what was committed: pixels, statistics, commits, artefacts, scenes. A committed row never
- * changes, so reads of different moments fit together. If the job is removed meanwhile, the list
- * ends. */
+ * changes, so reads of different moments fit together. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,19 +40,14 @@ static bool next_piece(struct pen_store *store, int64_t job, int view, struct pi
     return pen_db_end(store->db, ok, st);
 }
 
-static bool find_job(struct pen_store *store, const char *id, int64_t *job, struct pen_status *st)
-{
-    return pen_db_begin(store->db, PEN_DB_READ, st) &&
-           pen_db_end(store->db, pen_job_number(store, id, job, NULL, st), st);
-}
-
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
                       void *user, struct pen_status *st)
 {
     struct piece piece = {.first_tile = -1};
     float *rgb = NULL;
     int64_t job, room = 0;
-    bool found = true, ok = pen_store_documents(store, st) && find_job(store, id, &job, st);
+    bool found = true,
+         ok = pen_store_documents(store, st) && pen_job_number(store, id, &job, NULL, st);
     while (ok && found) {
         ok = next_piece(store, job, view, &piece, &found, st);
         if (!ok || !found)
@@ -68,6 +62,8 @@ bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pix
                  : pen_fail(st, PEN_NO_MEMORY, "no memory for the pixels of a batch");
         found = ok && each(user, (int)piece.first_tile, (int)piece.tile_count, rgb, piece.pixels);
     }
+    ok = ok &&
+         pen_job_number(store, id, &job, NULL, st); /* it is still there, and so was all of it */
     free(rgb);
     pen_buf_release(&piece.encoded);
     return ok;

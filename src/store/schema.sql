@@ -1,5 +1,6 @@
 -- SPDX-License-Identifier: MIT
--- The tables of a store, for SQLite and PostgreSQL. Words in braces are replaced (db.h). A build opens stores
+-- The tables of a store, for SQLite and PostgreSQL. Words in braces are replaced: {table options}, of tables that
+-- are kept in the order of a key, stands for WITHOUT ROWID in SQLite. A build opens stores
 -- of its own version alone. All integers are BIGINT; times are ms of the store's clock unless their names say _us.
 -- Indexes have the columns of their conditions too, where a query is to be answered by the index alone.
 -- There are no foreign keys: they take hidden locks on jobs. Numbers are never used again, so that a claim fits no
@@ -18,7 +19,7 @@ CREATE TABLE scene (
     sha256 {bytes} NOT NULL UNIQUE,
     object BIGINT NOT NULL,
     used_ms BIGINT NOT NULL
-) {table options};
+);
 
 CREATE TABLE job (
     number {identity},
@@ -55,7 +56,7 @@ CREATE TABLE job (
     updated_ms BIGINT NOT NULL,
     removed_ms BIGINT NOT NULL,        -- 0: not removed; its rows go in slices, its own row last
     results_bytes BIGINT NOT NULL      -- what its results are expected to take, until it ends
-) {table options};
+);
 CREATE INDEX job_by_state ON job (state, number, removed_ms) WHERE removed_ms = 0;
 CREATE INDEX job_by_kind ON job (kind, number) WHERE removed_ms = 0;
 CREATE INDEX job_by_end ON job (finished_ms, number, removed_ms)
@@ -109,7 +110,7 @@ CREATE TABLE batch (
     revision BIGINT NOT NULL,          -- that its commit gave the job
     commit_us BIGINT NOT NULL,
     stats TEXT
-) {table options};
+);
 CREATE INDEX batch_open ON batch (priority DESC, turn, number, job, state) WHERE state = 0;
 CREATE INDEX batch_open_of_client ON batch (client, priority, turn) WHERE state = 0;
 CREATE INDEX batch_leased ON batch (job, number) WHERE state = 1;
@@ -138,7 +139,7 @@ CREATE TABLE object (
     touched_ms BIGINT NOT NULL,        -- when a part was last written
     cached BIGINT NOT NULL,            -- 1: it can be made again
     used_ms BIGINT NOT NULL            -- when a cached one was last read
-) {table options};
+);
 CREATE INDEX object_used ON object (job, view, layer, format) WHERE state = 1;
 CREATE INDEX object_of_batch ON object (batch) WHERE batch > 0;
 CREATE INDEX object_loading ON object (number) WHERE state = 0;

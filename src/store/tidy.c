@@ -91,10 +91,10 @@ static bool shrink_job(struct pen_store *store, int64_t *changed, struct pen_sta
 
 /* Loading objects whose claim no longer holds, whose job is removed, or that nobody has touched
  * for a day. */
-static bool collect_loading(struct pen_store *store, struct pen_status *st)
+static bool collect_loading(struct pen_store *store, int64_t *changed, struct pen_status *st)
 {
     return pen_db_run(
-        store->db, st, NULL,
+        store->db, st, changed,
         "UPDATE object SET state = 2 WHERE state = 0 AND "
         "(touched_ms < (SELECT now_ms()) - $1 OR "
         "(batch > 0 AND NOT EXISTS (SELECT 1 FROM batch WHERE batch.number = object.batch AND "
@@ -154,26 +154,29 @@ static bool trim_stats(struct pen_store *store, struct pen_status *st)
 }
 
 /* What is done once a minute. Notes a clock that has jumped ahead. */
-static bool do_seldom(struct pen_store *store, struct pen_status *st)
+static bool do_seldom(struct pen_store *store, int64_t *changed, struct pen_status *st)
 {
-    int64_t now_ms, last_ms, dropped;
+    int64_t now_ms, last_ms, collected = 0, dropped = 0;
     bool wait;
     if (!pen_db_now(store->db, &now_ms, st) || !pen_meta_get(store, "tidied_ms", &last_ms, st))
         return false;
     if (last_ms <= now_ms && now_ms - last_ms < SELDOM_MS)
         return true;
-    return (last_ms == 0 || now_ms - last_ms <= DAY_MS ||
-            pen_meta_put(store, "ages_from_ms", now_ms + DAY_MS, st)) &&
-           pen_meta_put(store, "tidied_ms", now_ms, st) && end_futures(store, st) &&
-           pen_ages_wait(store, now_ms, &wait, st) && (wait || remove_old(store, now_ms, st)) &&
-           collect_loading(store, st) && trim_stats(store, st) &&
-           pen_cache_trim(store, &dropped, st);
+    const bool ok = (last_ms == 0 || now_ms - last_ms <= DAY_MS ||
+                     pen_meta_put(store, "ages_from_ms", now_ms + DAY_MS, st)) &&
+                    pen_meta_put(store, "tidied_ms", now_ms, st) && end_futures(store, st) &&
+                    pen_ages_wait(store, now_ms, &wait, st) &&
+                    (wait || remove_old(store, now_ms, st)) &&
+                    collect_loading(store, &collected, st) && trim_stats(store, st) &&
+                    pen_cache_trim(store, &dropped, st);
+    *changed += collected + dropped;
+    return ok;
 }
 
 static bool slice(struct pen_store *store, int64_t *changed, struct pen_status *st)
 {
     return pen_meta_put(store, "tidy", 0, st) && remove_gone(store, changed, st) &&
-           (*changed > 0 || shrink_job(store, changed, st)) && do_seldom(store, st);
+           (*changed > 0 || shrink_job(store, changed, st)) && do_seldom(store, changed, st);
 }
 
 /* An idle store is only read. */

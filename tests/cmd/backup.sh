@@ -103,7 +103,7 @@ daemon_stop
 printf 'not a database' >"$store"
 rm -f "$store-wal" "$store-shm"
 exits "a daemon does not start with a damaged store" 8 "$build/penumbrad" --listen 127.0.0.1:0 --store "$store"
-prints "and proposes to restore a backup" stderr "restore a backup"
+prints "and says so" stderr "is not a Penumbra store, or is damaged"
 exits "a worker does not start with a damaged store" 8 "$build/penumbrad" --role worker --store "$store"
 expect "the damaged store is not changed" "$(cat "$store")" "not a database"
 finish

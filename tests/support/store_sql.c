@@ -3,7 +3,6 @@
 
 #include <check.h>
 #include <sqlite3.h>
-#include <stdio.h>
 
 void store_run_sql(const struct store_bed *bed, const char *sql, const void *blob, size_t bytes)
 {

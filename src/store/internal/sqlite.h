@@ -10,6 +10,7 @@
 enum {
     STATEMENTS = 512, /* slots of a table by address; about 150 are used */
     PEN_SQLITE_PATH_BYTES = 4096,
+    PEN_SQLITE_BUSY_MS = 10000,
     PEN_SQLITE_PAGE = 8192,     /* of files that are made */
     PEN_RESERVE = 16 << 20,     /* the reserve's bytes, */
     PEN_RESERVE_FREE = 64 << 20 /* which is made where so many are free beside it */
@@ -33,7 +34,8 @@ struct pen_db {
     struct pen_status failed; /* of the first call that failed in the transaction */
     struct pen_db_trouble trouble;
     struct pen_status broken;      /* the first I/O error or damage; code PEN_OK: there was none */
-    int64_t begun_ns, busy_ns;     /* of the transaction; of its wait for another one */
+    int64_t begun_ns, busy_ns;     /* of the transaction; of its wait for another one, */
+    int64_t patience_ms;           /* and how long that may be */
     int64_t (*now_ms)(void *user); /* NULL: the wall clock */
     void *now_user;
 };
@@ -42,12 +44,11 @@ struct pen_db {
 bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st);
 bool pen_sqlite_exec(struct pen_db *db, const char *sql, struct pen_status *st);
 
-/* Whether a file can be opened, by the flags of open(2); with O_CREAT, it is made, with its
- * folders. Fails: PEN_NOT_FOUND, PEN_STORAGE, PEN_STORAGE_FULL. */
-bool pen_sqlite_find(const char *path, int flags, struct pen_status *st);
+/* Opens a store, or only to read it. */
+struct pen_db *pen_sqlite_open(const char *path, bool writes, struct pen_status *st);
 
-/* Opens such a file, by flags of sqlite3_open_v2. */
-struct pen_db *pen_sqlite_open(const char *path, int flags, bool make, struct pen_status *st);
+/* Makes a name in the path's folder durable. Fails: errno. */
+bool pen_sqlite_sync_folder(const char *path);
 
 /* Looks for damage, for at most limit_ms (0: in everything). Returns SQLite's code: SQLITE_OK,
  * SQLITE_INTERRUPT (the time is up), or an error; `text` says what is damaged. */
