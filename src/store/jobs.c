@@ -250,28 +250,38 @@ static bool delete (struct pen_store *store, const char *id, const char *client,
                       "UPDATE job SET removed_ms = (SELECT now_ms()) WHERE number = $1", "i", job);
 }
 
-/* A second delete without statistics drops those that the first one left. */
-static bool drop_stats(struct pen_store *store, const char *id, struct pen_status *st)
+/* A second delete without statistics drops those that the first one left; *any: there were some. */
+static bool drop_stats(struct pen_store *store, const char *id, bool *any, struct pen_status *st)
 {
-    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-           pen_db_end(store->db,
-                      pen_db_run(store->db, st, NULL,
-                                 "UPDATE removed SET stats = NULL, bytes = 0 WHERE id = $1", "t",
-                                 id),
-                      st);
+    int64_t changed = 0;
+    const bool ok =
+        pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+        pen_db_end(store->db,
+                   pen_db_run(store->db, st, &changed,
+                              "UPDATE removed SET stats = NULL WHERE id = $1 AND stats IS NOT NULL",
+                              "t", id),
+                   st);
+    *any = changed > 0;
+    return ok;
 }
 
 bool pen_store_delete(struct pen_store *store, const char *id, const char *client,
                       const char *stats, struct pen_status *st)
 {
-    struct pen_status other;
-    bool ok, tried = false;
+    struct pen_status gone;
+    bool ok, any, tried = false;
     do
         ok = pen_db_begin(store->db, PEN_DB_WRITE, st) &&
              pen_db_end(store->db, delete (store, id, client, stats, st), st);
     while (!ok && again(store, st, &tried));
-    if (!ok && st->code == PEN_GONE && !stats && !drop_stats(store, id, &other))
-        *st = other;
+    if (!ok && st->code == PEN_GONE && !stats) {
+        gone = *st;
+        ok = drop_stats(store, id, &any, st);
+        if (ok && !any) {
+            *st = gone;
+            ok = false;
+        }
+    }
     if (ok)
         pen_db_wake(store->db);
     return ok;
