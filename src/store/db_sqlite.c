@@ -83,6 +83,15 @@ bool pen_sqlite_exec(struct pen_db *db, const char *sql, struct pen_status *st)
 
 /* ---- Transactions */
 
+/* Unless SQLite has done it. */
+static void roll_back(struct pen_db *db)
+{
+    if (sqlite3_get_autocommit(db->sqlite))
+        return;
+    sqlite3_step(db->rollback);
+    sqlite3_reset(db->rollback);
+}
+
 bool pen_db_begin(struct pen_db *db, enum pen_db_access access, struct pen_status *st)
 {
     db->trouble = (struct pen_db_trouble){0};
@@ -96,6 +105,8 @@ bool pen_db_begin(struct pen_db *db, enum pen_db_access access, struct pen_statu
             return false;
     }
     db->in = pen_sqlite_exec(db, access == PEN_DB_READ ? "BEGIN" : "BEGIN IMMEDIATE", st);
+    if (!db->in)
+        roll_back(db);
     return db->in;
 }
 
@@ -128,8 +139,8 @@ bool pen_db_end(struct pen_db *db, bool ok, struct pen_status *st)
         ok = false;
     }
     ok = ok && commit(db, st);
-    if (!ok && !sqlite3_get_autocommit(db->sqlite))
-        sqlite3_exec(db->sqlite, "ROLLBACK", NULL, NULL, NULL);
+    if (!ok)
+        roll_back(db);
     db->in = false;
     pen_timing_add(db->access == PEN_DB_READ ? PEN_TIMING_READ : PEN_TIMING_WRITE,
                    (pen_clock_ns() - db->begun_ns) / 1000);

@@ -107,6 +107,9 @@ static bool open_file(struct pen_db *db, int flags, struct pen_status *st)
     if (rc == SQLITE_OK)
         rc = sqlite3_create_function_v2(db->sqlite, "now_ms", 0, SQLITE_UTF8 | SQLITE_INNOCUOUS, db,
                                         sql_now, NULL, NULL, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_prepare_v3(db->sqlite, "ROLLBACK", -1, SQLITE_PREPARE_PERSISTENT,
+                                &db->rollback, NULL);
     if (rc != SQLITE_OK)
         return pen_sqlite_fail(db, rc, st);
     db->syncs = true;
@@ -226,6 +229,7 @@ void pen_db_close(struct pen_db *db)
         return;
     for (int i = 0; i < STATEMENTS; i++)
         sqlite3_finalize(db->statements[i].stmt);
+    sqlite3_finalize(db->rollback);
     sqlite3_close(db->sqlite);
     free(db);
 }
