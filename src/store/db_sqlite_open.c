@@ -194,11 +194,16 @@ bool pen_sqlite_sync_folder(const char *path)
 /* A store is never opened but by SQLite: closing a descriptor drops the locks of its process. */
 struct pen_db *pen_sqlite_open(const char *path, bool writes, struct pen_status *st)
 {
+    struct stat info;
     if (access(path, writes ? R_OK | W_OK : R_OK) != 0) {
         if (errno == ENOENT)
             pen_fail(st, PEN_NOT_FOUND, "%s: there is no store", path);
         else
             pen_fail(st, PEN_STORAGE, "%s cannot be opened: %s", path, strerror(errno));
+        return NULL;
+    }
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
+        pen_fail(st, PEN_STORAGE, "%s is not a file", path);
         return NULL;
     }
     struct pen_db *db = open_path(path, writes ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY, st);
