@@ -191,7 +191,7 @@ START_TEST(test_damage__lengths)
         refuse("cut within a page", "damaged");
     }
     write_content(bed.url, good.data, 50);
-    refuse("cut within the header", "not a Penumbra store");
+    refuse("cut within the header", "damaged");
     write_content(bed.url, "", 0);
     refuse("empty", "not a Penumbra store");
     write_content(bed.url, "a diary\n", 8);
@@ -294,9 +294,13 @@ START_TEST(test_damage__a_check_ends_when_its_time_is_up)
                    "put");
     }
     free(data);
-    int64_t begun_ns = pen_clock_ns();
-    store_must(pen_store_check(bed.store, SHORT_MS, &finished, &st), &st, "short");
-    const int64_t short_ns = pen_clock_ns() - begun_ns;
+    int64_t begun_ns = 0, short_ns = 0;
+    finished = true;
+    for (int i = 0; i < 50 && finished; i++) { /* a busy machine may be late to interrupt it */
+        begun_ns = pen_clock_ns();
+        store_must(pen_store_check(bed.store, SHORT_MS, &finished, &st), &st, "short");
+        short_ns = pen_clock_ns() - begun_ns;
+    }
     ck_assert(!finished);
     ck_assert(!pen_store_is_broken(bed.store));
     begun_ns = pen_clock_ns();
