@@ -17,14 +17,25 @@
 enum {
     TEXT_BYTES = 8192,
     LOG_BYTES = 32 << 20, /* a longer log is emptied, although readers must be waited for */
-    PATIENCE_MS = 50
+    PATIENCE_MS = 50,
+    INDEX_BYTES = 32 << 10 /* the step in which SQLite lengthens the log's index */
 };
+
+/* SQLite does not say why it cannot lengthen the log's index. */
+static bool is_disk_full(const struct pen_db *db)
+{
+    struct statvfs info;
+    return statvfs(db->path, &info) == 0 &&
+           (int64_t)info.f_bavail * (int64_t)info.f_frsize < INDEX_BYTES;
+}
 
 bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
 {
     const char *why = sqlite3_errmsg(db->sqlite);
     enum pen_code code;
     bool broken = false;
+    if (rc == SQLITE_IOERR_SHMSIZE && is_disk_full(db))
+        rc = SQLITE_FULL;
     switch (rc & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
