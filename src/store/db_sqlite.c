@@ -17,13 +17,28 @@
 enum {
     TEXT_BYTES = 8192,
     LOG_BYTES = 32 << 20, /* a longer log is emptied, although readers must be waited for */
-    PATIENCE_MS = 50
+    PATIENCE_MS = 50,
+    INDEX_BYTES = 32 << 10 /* the step in which SQLite lengthens the log's index */
 };
+
+/* SQLite does not say why it cannot lengthen the log's index. */
+static bool is_disk_full(const struct pen_db *db)
+{
+    struct statvfs info;
+    return statvfs(db->path, &info) == 0 &&
+           (int64_t)info.f_bavail * (int64_t)info.f_frsize < INDEX_BYTES;
+}
 
 bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
 {
     const char *why = sqlite3_errmsg(db->sqlite);
     enum pen_code code;
+<<<<<<< HEAD
+=======
+    bool broken = false;
+    if (rc == SQLITE_IOERR_SHMSIZE && is_disk_full(db))
+        rc = SQLITE_FULL;
+>>>>>>> 6941374b60ac3bcfaa4d0444abc34264ca763999
     switch (rc & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
@@ -91,6 +106,15 @@ bool pen_sqlite_exec(struct pen_db *db, const char *sql, struct pen_status *st)
 
 /* ---- Transactions */
 
+/* Unless SQLite has done it. */
+static void roll_back(struct pen_db *db)
+{
+    if (sqlite3_get_autocommit(db->sqlite))
+        return;
+    sqlite3_step(db->rollback);
+    sqlite3_reset(db->rollback);
+}
+
 bool pen_db_begin(struct pen_db *db, enum pen_db_access access, struct pen_status *st)
 {
     db->trouble = (struct pen_db_trouble){0};
@@ -104,6 +128,8 @@ bool pen_db_begin(struct pen_db *db, enum pen_db_access access, struct pen_statu
             return false;
     }
     db->in = pen_sqlite_exec(db, access == PEN_DB_READ ? "BEGIN" : "BEGIN IMMEDIATE", st);
+    if (!db->in)
+        roll_back(db);
     return db->in;
 }
 
@@ -136,8 +162,8 @@ bool pen_db_end(struct pen_db *db, bool ok, struct pen_status *st)
         ok = false;
     }
     ok = ok && commit(db, st);
-    if (!ok && !sqlite3_get_autocommit(db->sqlite))
-        sqlite3_exec(db->sqlite, "ROLLBACK", NULL, NULL, NULL);
+    if (!ok)
+        roll_back(db);
     db->in = false;
     pen_timing_add(db->access == PEN_DB_READ ? PEN_TIMING_READ : PEN_TIMING_WRITE,
                    (pen_clock_ns() - db->begun_ns) / 1000);

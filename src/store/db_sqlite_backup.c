@@ -24,8 +24,8 @@ struct copy {
     sqlite3 *to;
     int fd; /* of the unfinished copy, which it locks; -1: none */
     const atomic_bool *stop;
-    char path[PATH_BYTES + sizeof part_end]; /* of the unfinished copy; empty: there is none */
-    const char *name;                        /* the final name */
+    char path[PATH_BYTES + 32]; /* of the unfinished copy; empty: there is none */
+    const char *name;           /* the final name */
     bool replace;
 };
 
@@ -154,7 +154,7 @@ static bool check_copy(struct copy *copy, int64_t *jobs, struct pen_status *st)
     char text[256];
     sqlite3_stmt *stmt = NULL;
     if (pen_sqlite_check(copy->to, 0, text) != SQLITE_OK)
-        return pen_fail(st, PEN_STORAGE, "no backup was made, its check failed: %s", text);
+        return pen_fail(st, PEN_STORAGE, "no backup was made, the store is damaged: %s", text);
     int rc = sqlite3_prepare_v2(copy->to, "SELECT count(*) FROM job WHERE removed_ms = 0", -1,
                                 &stmt, NULL);
     if (rc == SQLITE_OK)
@@ -216,8 +216,10 @@ bool pen_db_backup(const char *url, const char *file, bool replace, struct pen_b
     const bool ok = copy.from && make_part(&copy, st) && make_backup(&copy, out, st);
     sqlite3_close(copy.to);
     pen_db_close(copy.from);
-    if (copy.path[0])
+    if (copy.path[0]) {
         unlink(copy.path);
+        unlink(strcat(copy.path, "-journal")); /* of a disk that failed */
+    }
     if (copy.fd >= 0)
         close(copy.fd);
     return ok;

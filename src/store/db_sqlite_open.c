@@ -107,6 +107,9 @@ static bool open_file(struct pen_db *db, int flags, struct pen_status *st)
     if (rc == SQLITE_OK)
         rc = sqlite3_create_function_v2(db->sqlite, "now_ms", 0, SQLITE_UTF8 | SQLITE_INNOCUOUS, db,
                                         sql_now, NULL, NULL, NULL);
+    if (rc == SQLITE_OK)
+        rc = sqlite3_prepare_v3(db->sqlite, "ROLLBACK", -1, SQLITE_PREPARE_PERSISTENT,
+                                &db->rollback, NULL);
     if (rc != SQLITE_OK)
         return pen_sqlite_fail(db, rc, st);
     db->syncs = true;
@@ -114,6 +117,11 @@ static bool open_file(struct pen_db *db, int flags, struct pen_status *st)
                            "PRAGMA synchronous=FULL; PRAGMA journal_size_limit=67108864; "
                            "PRAGMA temp_store=MEMORY; PRAGMA cache_size=-8192",
                            st);
+}
+
+static void name_reserve(const char *path, char reserve[PEN_SQLITE_PATH_BYTES])
+{
+    snprintf(reserve, PEN_SQLITE_PATH_BYTES, "%.*s-reserve", PEN_SQLITE_PATH_BYTES - 16, path);
 }
 
 static struct pen_db *open_path(const char *path, int flags, struct pen_status *st)
@@ -124,7 +132,7 @@ static struct pen_db *open_path(const char *path, int flags, struct pen_status *
         return NULL;
     }
     snprintf(db->path, sizeof db->path, "%s", path);
-    snprintf(db->reserve, sizeof db->reserve, "%.*s-reserve", PEN_SQLITE_PATH_BYTES - 16, path);
+    name_reserve(path, db->reserve);
     db->patience_ms = PEN_SQLITE_BUSY_MS;
     if (open_file(db, flags, st))
         return db;
@@ -188,9 +196,21 @@ bool pen_sqlite_sync_folder(const char *path)
     return ok;
 }
 
-/* A store is never opened but by SQLite: closing a descriptor drops the locks of its process. */
+static struct pen_db *open_checked(const char *path, bool writes, struct pen_status *st)
+{
+    struct pen_db *db = open_path(path, writes ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY, st);
+    if (!db || check_version(db, st))
+        return db;
+    pen_db_close(db);
+    return NULL;
+}
+
+/* A store is never opened but by SQLite: closing a descriptor drops the locks of its process. On a
+ * full disk the log's index takes the place of the reserve. */
 struct pen_db *pen_sqlite_open(const char *path, bool writes, struct pen_status *st)
 {
+    char reserve[PEN_SQLITE_PATH_BYTES];
+    struct stat info;
     if (access(path, writes ? R_OK | W_OK : R_OK) != 0) {
         if (errno == ENOENT)
             pen_fail(st, PEN_NOT_FOUND, "%s: there is no store", path);
@@ -198,11 +218,15 @@ struct pen_db *pen_sqlite_open(const char *path, bool writes, struct pen_status 
             pen_fail(st, PEN_STORAGE, "%s cannot be opened: %s", path, strerror(errno));
         return NULL;
     }
-    struct pen_db *db = open_path(path, writes ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY, st);
-    if (!db || check_version(db, st))
-        return db;
-    pen_db_close(db);
-    return NULL;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
+        pen_fail(st, PEN_STORAGE, "%s is not a file", path);
+        return NULL;
+    }
+    struct pen_db *db = open_checked(path, writes, st);
+    name_reserve(path, reserve);
+    return !db && writes && st->code == PEN_STORAGE_FULL && unlink(reserve) == 0
+               ? open_checked(path, writes, st)
+               : db;
 }
 
 struct pen_db *pen_db_open(const char *url, bool make, struct pen_status *st)
@@ -226,6 +250,7 @@ void pen_db_close(struct pen_db *db)
         return;
     for (int i = 0; i < STATEMENTS; i++)
         sqlite3_finalize(db->statements[i].stmt);
+    sqlite3_finalize(db->rollback);
     sqlite3_close(db->sqlite);
     free(db);
 }

@@ -11,11 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/log.h"
 #include "support/faults.h"
 #include "support/store.h"
+#include "support/store_rows.h"
 #include "support/suite.h"
 
 static struct store_bed bed;
@@ -89,12 +91,13 @@ START_TEST(test_backup__is_a_store_of_one_file)
     ck_assert_msg(access(log, F_OK) != 0, "%s", log);
     expect_no_parts();
     struct pen_status st;
-    struct pen_store *copy = pen_store_open(file, &st);
+    ck_assert_int_eq(store_contradictions(file), 0);
+    struct pen_store *copy = pen_store_open(file, false, &st);
     store_must(copy != NULL, &st, "open the copy");
-    store_audit_clean(copy);
     ck_assert_int_eq(jobs_in(copy), 5);
+    const struct pen_worker_death death = {.worker = "w", .end = PEN_WORKER_LEFT};
     int opened;
-    store_must(pen_store_expire_leases(copy, "w", &opened, &st), &st, "expire");
+    store_must(pen_store_worker_ended(copy, &death, &opened, &st), &st, "ended");
     ck_assert_int_eq(opened, 1);
     ck_assert_int_eq(store_work_off(copy, "x"), 5 * 4);
     pen_store_close(copy);
@@ -165,9 +168,9 @@ START_TEST(test_backup__under_load_has_what_was_acknowledged_before)
         ck_assert_int_ge(backup.jobs, before);
         ck_assert_int_ge(before, last);
         last = before;
-        struct pen_store *copy = pen_store_open(file, &st);
+        ck_assert_int_eq(store_contradictions(file), 0);
+        struct pen_store *copy = pen_store_open(file, false, &st);
         store_must(copy != NULL, &st, "open the copy");
-        store_audit_clean(copy);
         ck_assert_int_eq(jobs_in(copy), backup.jobs);
         pen_store_close(copy);
     }
@@ -186,8 +189,8 @@ START_TEST(test_backup__of_nothing_or_of_a_damaged_store_is_refused)
     pen_store_close(bed.store);
     FILE *store = fopen(bed.url, "r+b");
     ck_assert_ptr_nonnull(store);
-    fseek(store, 6 * 4096, SEEK_SET);
-    for (int i = 0; i < 4096; i++)
+    fseek(store, 5 * 8192, SEEK_SET);
+    for (int i = 0; i < 8192; i++)
         fputc(0x5a, store);
     fclose(store);
     refuse(PEN_STORAGE, "damaged");
@@ -253,52 +256,78 @@ START_TEST(test_backup__that_is_stopped_leaves_nothing)
 }
 END_TEST
 
-static void make_file(const char *end)
+static int make_part(void)
 {
     char path[160];
-    snprintf(path, sizeof path, "%s%s", file, end);
-    FILE *made = fopen(path, "w");
-    ck_assert(made && fputs("pages", made) >= 0 && fclose(made) == 0);
+    snprintf(path, sizeof path, "%s.part-new", file);
+    const int fd = open(path, O_RDWR | O_CREAT, 0600);
+    ck_assert_int_ge(fd, 0);
+    ck_assert_int_eq(write(fd, "pages", 5), 5);
+    return fd;
 }
 
-static bool is_there(const char *end)
-{
-    char path[160];
-    snprintf(path, sizeof path, "%s%s", file, end);
-    return access(path, F_OK) == 0;
-}
-
-/* What a killed process has left is removed; what a living one writes, and what only looks similar,
- * is not. */
-START_TEST(test_backup__removes_what_killed_ones_left)
+/* What a killed process has left is written over; what a living one writes is not touched. */
+START_TEST(test_backup__takes_over_what_a_killed_one_left)
 {
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_len = 1};
-    char held[160];
     open_bed();
     submit(1);
-    make_file(".part-Dead01");
-    make_file(".part-Dead01-journal");
-    make_file(".part-Dead02");
-    make_file(".part-Held03");
-    make_file(".part-longer7");
-    make_file("2.part-Dead01");
-    snprintf(held, sizeof held, "%s.part-Held03", file);
-    int fd = open(held, O_RDWR);
-    ck_assert(fd >= 0 && fcntl(fd, F_OFD_SETLK, &lock) == 0);
+    close(make_part());
     must_back_up(false);
-    ck_assert(!is_there(".part-Dead01") && !is_there(".part-Dead01-journal"));
-    ck_assert(!is_there(".part-Dead02"));
-    ck_assert(is_there(".part-Held03") && is_there(".part-longer7") && is_there("2.part-Dead01"));
+    expect_no_parts();
+    unlink(file);
+    int fd = make_part();
+    ck_assert_int_eq(fcntl(fd, F_OFD_SETLK, &lock), 0);
+    refuse(PEN_CONFLICT, "another backup");
+    pen_store_backup_remove_left(file);
+    char text[5];
+    ck_assert_int_eq(pread(fd, text, sizeof text, 0), 5);
+    ck_assert_mem_eq(text, "pages", 5);
     close(fd);
-    must_back_up(true);
-    ck_assert(!is_there(".part-Held03"));
+    pen_store_backup_remove_left(file);
+    expect_no_parts();
+    store_bed_close(&bed);
+}
+END_TEST
+
+static int64_t file_time_ns(const char *path)
+{
+    struct stat info;
+    ck_assert_int_eq(stat(path, &info), 0);
+    return (int64_t)info.st_mtim.tv_sec * 1000000000 + info.st_mtim.tv_nsec;
+}
+
+/* The store's files are left as they are: a log that a killed daemon left is not copied. */
+START_TEST(test_backup__only_reads_the_store)
+{
+    char log[140];
+    open_bed();
+    submit(1);
+    snprintf(log, sizeof log, "%s-wal", bed.url);
+    pen_store_close(bed.store);
+    const pid_t child = fork();
+    ck_assert_int_ge(child, 0);
+    if (child == 0) {
+        store_bed_open(&bed);
+        submit(2);
+        _exit(0);
+    }
+    ck_assert_int_eq(waitpid(child, NULL, 0), child);
+    const int64_t before = file_time_ns(bed.url), log_before = file_time_ns(log);
+    ck_assert_int_eq(must_back_up(false).jobs, 2);
+    ck_assert_int_eq(file_time_ns(bed.url), before);
+    ck_assert_int_eq(file_time_ns(log), log_before);
+    ck_assert_int_eq(chmod(bed.url, 0400), 0);
+    ck_assert_int_eq(must_back_up(true).jobs, 2);
+    ck_assert_int_eq(chmod(bed.url, 0600), 0);
+    bed.store = store_bed_handle(&bed);
     store_bed_close(&bed);
 }
 END_TEST
 
 PEN_SUITE("backup", test_backup__that_is_stopped_leaves_nothing,
-          test_backup__removes_what_killed_ones_left, test_backup__is_a_store_of_one_file,
-          test_backup__replaces_only_what_it_may,
+          test_backup__takes_over_what_a_killed_one_left, test_backup__only_reads_the_store,
+          test_backup__is_a_store_of_one_file, test_backup__replaces_only_what_it_may,
           test_backup__under_load_has_what_was_acknowledged_before,
           test_backup__of_nothing_or_of_a_damaged_store_is_refused,
           test_backup__that_cannot_be_written_leaves_nothing)

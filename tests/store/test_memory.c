@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The n-th allocation fails, and all after it, for every n unless a test says otherwise. A handle
- * that has run out of memory keeps no lock that others wait for, and running out of memory is no
- * fault of the store. */
-#include <errno.h>
-#include <unistd.h>
-
+/* The n-th allocation fails, and all after it, for every n. A handle that has run out of memory
+ * keeps no lock that others wait for, and running out of memory is no fault of the store. */
 #include "base/clock.h"
 #include "base/log.h"
 #include "support/alloc.h"
@@ -30,8 +26,7 @@ static bool claim(struct pen_store *store, int number, struct pen_status *st)
 {
     struct pen_claim claim;
     bool found;
-    (void)number;
-    return pen_store_claim(store, "w", 60000, &claim, &found, st);
+    return pen_store_claim(store, "w", 60000, number, &claim, &found, st);
 }
 
 static bool list(struct pen_store *store, int number, struct pen_status *st)
@@ -46,18 +41,38 @@ static bool list(struct pen_store *store, int number, struct pen_status *st)
     return ok;
 }
 
+/* A job of its own, from its submit to its end, with a value of several parts. */
+static bool commit(struct pen_store *store, int number, struct pen_status *st)
+{
+    static char picture[(1 << 20) + 1000];
+    static const float rgb[STORE_JOB_TILE * STORE_JOB_TILE * 3];
+    const struct pen_result result = {.rgb = rgb,
+                                      .pixels = STORE_JOB_TILE * STORE_JOB_TILE,
+                                      .stats = "{}",
+                                      .layer = "beauty",
+                                      .format = "png",
+                                      .artefact = picture,
+                                      .artefact_bytes = sizeof picture};
+    struct pen_claim claim;
+    bool found;
+    return submit(store, number, st) &&
+           pen_store_claim(store, "v", 60000, number, &claim, &found, st) && found &&
+           pen_store_commit(store, &claim, &result, NULL, st);
+}
+
 typedef bool work_fn(struct pen_store *store, int number, struct pen_status *st);
 
-/* How long a handle takes to write, the shortest of a few times: it waits for 5 s for a lock that
+/* How long a handle takes to write, the shortest of a few times: it waits for 10 s for a lock that
  * another one keeps, each time. */
 static int64_t shortest_write_ms(struct pen_store *store)
 {
     enum { TRIES = 3, SHORT_MS = 4000 };
+    const struct pen_retention none = {0};
     struct pen_status st;
     int64_t took_ms = SHORT_MS;
     for (int i = 0; i < TRIES && took_ms >= SHORT_MS; i++) {
         const int64_t begun_ns = pen_clock_ns();
-        store_must(pen_store_probe(store, &st), &st, "another handle writes");
+        store_must(pen_store_set_retention(store, &none, &st), &st, "another handle writes");
         took_ms = (pen_clock_ns() - begun_ns) / 1000000;
     }
     return took_ms;
@@ -72,7 +87,7 @@ static bool blocks_nobody(work_fn *work, long n, struct pen_store *other, struct
     bool refused = alloc_succeed();
     ck_assert_msg(ok || (refused && st->code == PEN_NO_MEMORY), "allocation %ld: %s", n, st->msg);
     ck_assert(shortest_write_ms(other) < 4000 || !suite_timed());
-    store_must(work(store, 2000 + (int)n, st), st, "and so does this one");
+    store_must(work(store, 1000000 + (int)n, st), st, "and so does this one");
     pen_store_close(store);
     return refused;
 }
@@ -102,60 +117,18 @@ START_TEST(test_memory__of_a_claim_keeps_no_lock)
 }
 END_TEST
 
+START_TEST(test_memory__of_a_commit_keeps_no_lock)
+{
+    fail_every_allocation(commit);
+}
+END_TEST
+
 START_TEST(test_memory__of_a_list_keeps_no_lock)
 {
     fail_every_allocation(list);
 }
 END_TEST
 
-/* Makes a sync fail: the store has a fault until a call recovers it. */
-static void make_faulty(void)
-{
-    struct pen_status st;
-    struct fault_plan plan = {.calls = FAULT_SYNC, .mode = FAULT_FROM, .n = 1, .error = EIO};
-    faults_arm(&plan);
-    ck_assert(!pen_store_probe(bed.store, &st));
-    ck_assert_int_eq(st.code, PEN_STORAGE);
-    ck_assert_int_gt(faults_disarm(), 0);
-}
-
-/* A recovery runs out of memory at its n-th allocation. The next one must not wait half a second,
- * as it would after a fault of the disk, unless this one took long (125 ms). */
-static bool recovers_next(long n, bool *failed)
-{
-    struct pen_status st = {0};
-    make_faulty();
-    int64_t begun_ns = pen_clock_ns();
-    alloc_fail_after(n);
-    *failed = !pen_store_probe(bed.store, &st);
-    bool refused = alloc_succeed();
-    int64_t took_ms = (pen_clock_ns() - begun_ns) / 1000000;
-    ck_assert_msg(!*failed || (refused && st.code == PEN_NO_MEMORY), "allocation %ld: %s", n,
-                  st.msg);
-    while (!pen_store_probe(bed.store, &st)) {
-        ck_assert_msg(took_ms >= 100, "allocation %ld, next: %s", n, st.msg);
-        usleep(20000);
-    }
-    return refused;
-}
-
-START_TEST(test_memory__of_a_recovery_does_not_delay_the_next)
-{
-    bool failed;
-    long n = 0, failures = 0;
-    pen_log_set_level(PEN_LOG_ERROR + 1);
-    faults_install();
-    store_bed_open(&bed);
-    while (recovers_next(n, &failed)) {
-        failures += failed;
-        n += random_stride() *
-             (n < random_some(200, 40) ? 1 : random_some(41, 211)); /* one check makes thousands */
-    }
-    ck_assert_int_gt(failures, random_some(200, 40));
-    store_bed_close(&bed);
-}
-END_TEST
-
 PEN_SUITE("store memory", test_memory__of_a_submit_keeps_no_lock,
-          test_memory__of_a_claim_keeps_no_lock, test_memory__of_a_list_keeps_no_lock,
-          test_memory__of_a_recovery_does_not_delay_the_next)
+          test_memory__of_a_claim_keeps_no_lock, test_memory__of_a_commit_keeps_no_lock,
+          test_memory__of_a_list_keeps_no_lock)

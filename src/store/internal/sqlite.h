@@ -26,6 +26,7 @@ struct pen_rows {
 
 struct pen_db {
     sqlite3 *sqlite;
+    sqlite3_stmt *rollback; /* prepared, so that it needs no memory */
     char path[PEN_SQLITE_PATH_BYTES], reserve[PEN_SQLITE_PATH_BYTES];
     struct pen_rows statements[STATEMENTS];
     bool in; /* a transaction has begun */
