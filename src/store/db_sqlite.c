@@ -33,12 +33,8 @@ bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
 {
     const char *why = sqlite3_errmsg(db->sqlite);
     enum pen_code code;
-<<<<<<< HEAD
-=======
-    bool broken = false;
     if (rc == SQLITE_IOERR_SHMSIZE && is_disk_full(db))
         rc = SQLITE_FULL;
->>>>>>> 6941374b60ac3bcfaa4d0444abc34264ca763999
     switch (rc & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
