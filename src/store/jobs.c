@@ -234,13 +234,26 @@ bool pen_store_cancel(struct pen_store *store, const char *id, const char *clien
     return ok;
 }
 
+/* A second delete without statistics drops those that the first one left; if it left none, the
+ * status stays. */
+static bool drop_stats(struct pen_store *store, const char *id, struct pen_status *st)
+{
+    int64_t changed;
+    return pen_db_run(store->db, st, &changed,
+                      "UPDATE removed SET stats = NULL, bytes = 0 WHERE id = $1 AND bytes > 0", "t",
+                      id) &&
+           changed > 0;
+}
+
 static bool delete (struct pen_store *store, const char *id, const char *client, const char *stats,
                     struct pen_status *st)
 {
     int64_t job, state;
-    return pen_store_check_client(store, id, client, st) &&
-           pen_job_number(store, id, &job, &state, st) &&
-           (pen_job_state_ended((enum pen_job_state)state) ||
+    if (!pen_store_check_client(store, id, client, st))
+        return false;
+    if (!pen_job_number(store, id, &job, &state, st))
+        return st->code == PEN_GONE && !stats && drop_stats(store, id, st);
+    return (pen_job_state_ended((enum pen_job_state)state) ||
             pen_fail(st, PEN_CONFLICT, "job %s has not ended; cancel it first", id)) &&
            pen_db_run(store->db, st, NULL,
                       "INSERT INTO removed (id, client, removed_ms, stats, bytes) "
@@ -250,38 +263,14 @@ static bool delete (struct pen_store *store, const char *id, const char *client,
                       "UPDATE job SET removed_ms = (SELECT now_ms()) WHERE number = $1", "i", job);
 }
 
-/* A second delete without statistics drops those that the first one left; *any: there were some. */
-static bool drop_stats(struct pen_store *store, const char *id, bool *any, struct pen_status *st)
-{
-    int64_t changed = 0;
-    const bool ok =
-        pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-        pen_db_end(store->db,
-                   pen_db_run(store->db, st, &changed,
-                              "UPDATE removed SET stats = NULL WHERE id = $1 AND stats IS NOT NULL",
-                              "t", id),
-                   st);
-    *any = changed > 0;
-    return ok;
-}
-
 bool pen_store_delete(struct pen_store *store, const char *id, const char *client,
                       const char *stats, struct pen_status *st)
 {
-    struct pen_status gone;
-    bool ok, any, tried = false;
+    bool ok, tried = false;
     do
         ok = pen_db_begin(store->db, PEN_DB_WRITE, st) &&
              pen_db_end(store->db, delete (store, id, client, stats, st), st);
     while (!ok && again(store, st, &tried));
-    if (!ok && st->code == PEN_GONE && !stats) {
-        gone = *st;
-        ok = drop_stats(store, id, &any, st);
-        if (ok && !any) {
-            *st = gone;
-            ok = false;
-        }
-    }
     if (ok)
         pen_db_wake(store->db);
     return ok;

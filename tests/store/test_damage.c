@@ -266,7 +266,7 @@ START_TEST(test_damage__found_in_use_breaks_the_handle)
     ck_assert(!pen_store_job(bed.store, in.id, &record, &st));
     ck_assert_int_eq(st.code, PEN_STORAGE);
     ck_assert_msg(strstr(st.msg, "damaged") && strstr(st.msg, bed.url), "%s", st.msg);
-    ck_assert(pen_store_is_broken(bed.store));
+    ck_assert(pen_store_is_broken(bed.store, NULL));
     pen_store_close(bed.store);
     struct content after = read_content(bed.url);
     ck_assert_mem_eq(after.data, good.data, (size_t)good.bytes);
@@ -302,7 +302,7 @@ START_TEST(test_damage__a_check_ends_when_its_time_is_up)
         short_ns = pen_clock_ns() - begun_ns;
     }
     ck_assert(!finished);
-    ck_assert(!pen_store_is_broken(bed.store));
+    ck_assert(!pen_store_is_broken(bed.store, NULL));
     begun_ns = pen_clock_ns();
     store_must(pen_store_check(bed.store, LONG_MS, &finished, &st), &st, "long");
     const int64_t long_ns = pen_clock_ns() - begun_ns;

@@ -111,6 +111,8 @@ START_TEST(test_jobs__delete_leaves_statistics_until_a_second_one_drops_them)
     ck_assert_int_eq(delete ("a", "{}"), PEN_GONE);
     store_must(pen_store_removed_stats(bed.store, job.id, &stats, &st), &st, "statistics");
     ck_assert_str_eq((const char *)stats.data, "{}");
+    ck_assert_int_eq(delete ("b", NULL), PEN_FORBIDDEN);
+    ck_assert_int_eq(delete ("a", NULL), PEN_OK);
     ck_assert_int_eq(delete ("a", NULL), PEN_GONE);
     ck_assert(!pen_store_removed_stats(bed.store, job.id, &stats, &st));
     ck_assert_int_eq(st.code, PEN_GONE);

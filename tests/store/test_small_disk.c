@@ -113,7 +113,7 @@ static enum pen_code commit_until_full(struct pen_claim *claim)
     struct pen_status st = {0};
     const bool ok = pen_store_commit(bed.store, claim, &result, NULL, &st);
     ck_assert_msg(ok || pen_store_failure(bed.store, &st) == PEN_FAILURE_RETRY, "%s", st.msg);
-    ck_assert(!pen_store_is_broken(bed.store));
+    ck_assert(!pen_store_is_broken(bed.store, NULL));
     return ok ? PEN_OK : st.code;
 }
 
