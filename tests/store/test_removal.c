@@ -14,7 +14,6 @@
 #include "base/clock.h"
 #include "support/store.h"
 #include "support/store_rows.h"
-#include "support/store_sql.h"
 #include "support/suite.h"
 
 static struct store_bed bed;
@@ -248,14 +247,14 @@ START_TEST(test_removal__a_scene_goes_with_its_last_job)
     store_bed_open(&bed);
     for (int i = 0; i < 2; i++)
         finish_job(&job[i], 8 * i, 0, 0);
-    ck_assert_int_eq(store_number(bed.url, "SELECT count(*) FROM scene"), 1);
+    ck_assert_int_eq(store_value(bed.url, "SELECT count(*) FROM scene"), 1);
     for (int i = 0; i < 2; i++) {
         store_must(pen_store_delete(bed.store, job[i].id, NULL, NULL, &st), &st, "delete");
         store_purge_slices(bed.store);
-        ck_assert_int_eq(store_number(bed.url, "SELECT count(*) FROM scene"), 1 - i);
+        ck_assert_int_eq(store_value(bed.url, "SELECT count(*) FROM scene"), 1 - i);
     }
-    ck_assert_int_eq(store_number(bed.url, "SELECT count(*) FROM object"), 0);
-    ck_assert_int_eq(store_number(bed.url, "SELECT count(*) FROM part"), 0);
+    ck_assert_int_eq(store_value(bed.url, "SELECT count(*) FROM object"), 0);
+    ck_assert_int_eq(store_value(bed.url, "SELECT count(*) FROM part"), 0);
     store_bed_close(&bed);
 }
 END_TEST
@@ -272,18 +271,18 @@ START_TEST(test_removal__values_that_nobody_uses_go)
     const struct pen_claim claim = claim_job(&in, 1);
     put_layers(&claim, 1, BYTES);
     put_layers(&claim, 1, BYTES);
-    store_run_sql(&bed,
-                  "INSERT INTO object SELECT 999, job, view, batch, attempt, layer, format, 0, "
-                  "bytes, checksum, touched_ms, cached, used_ms FROM object WHERE layer = 'layer0' "
-                  "AND state = 1",
-                  NULL, 0);
+    store_change(bed.url,
+                 "INSERT INTO object SELECT 999, job, view, batch, attempt, layer, format, 0, "
+                 "bytes, checksum, touched_ms, cached, used_ms FROM object WHERE layer = 'layer0' "
+                 "AND state = 1",
+                 NULL, 0);
     store_purge_slices(bed.store);
-    ck_assert_int_eq(store_number(bed.url, "SELECT count(*) FROM object WHERE state <> 1"), 1);
+    ck_assert_int_eq(store_value(bed.url, "SELECT count(*) FROM object WHERE state <> 1"), 1);
     store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
     now_ms += 61000;
     store_purge_slices(bed.store);
-    ck_assert_int_eq(store_number(bed.url, "SELECT count(*) FROM object WHERE state <> 1"), 0);
-    ck_assert_int_eq(store_number(bed.url, "SELECT count(*) FROM part"), 3 + 1);
+    ck_assert_int_eq(store_value(bed.url, "SELECT count(*) FROM object WHERE state <> 1"), 0);
+    ck_assert_int_eq(store_value(bed.url, "SELECT count(*) FROM part"), 3 + 1);
     store_bed_close(&bed);
 }
 END_TEST

@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "support/store_sql.h"
+#include "support/store.h"
+#include "support/store_rows.h"
 #include "support/suite.h"
 
 static struct store_bed bed;
@@ -55,10 +56,10 @@ static void check_refused(void)
 /* Changes the stored bytes of the artefact. */
 static void change(const void *data, size_t bytes)
 {
-    store_run_sql(&bed,
-                  "UPDATE part SET data = ?1 WHERE object = "
-                  "(SELECT number FROM object WHERE layer = 'depth' AND state = 1)",
-                  data, bytes);
+    store_change(bed.url,
+                 "UPDATE part SET data = $1 WHERE object = "
+                 "(SELECT number FROM object WHERE layer = 'depth' AND state = 1)",
+                 data, bytes);
 }
 
 START_TEST(test_values__every_changed_bit_is_noticed)
@@ -105,9 +106,9 @@ START_TEST(test_values__a_missing_part_and_parts_in_another_order_are_noticed)
         data[i] = (unsigned char)(i >> 20);
     put(data, BYTES);
     check_got(data, BYTES);
-    store_run_sql(&bed, "UPDATE part SET n = -n WHERE n > 0", NULL, 0);
+    store_change(bed.url, "UPDATE part SET n = -n WHERE n > 0", NULL, 0);
     check_refused();
-    store_run_sql(&bed, "DELETE FROM part WHERE n = 2", NULL, 0);
+    store_change(bed.url, "DELETE FROM part WHERE n = 2", NULL, 0);
     check_refused();
     free(data);
     store_bed_close(&bed);
@@ -132,14 +133,14 @@ START_TEST(test_values__of_all_kinds_are_checked)
     put("depth", 5);
     const struct pen_kept kept = {.done = -1, .data = "state", .bytes = 5};
     store_must(pen_store_keep(bed.store, &claim, &kept, &outranked, &st), &st, "keep");
-    store_run_sql(&bed, "UPDATE object SET checksum = checksum + 1", NULL, 0);
+    store_change(bed.url, "UPDATE object SET checksum = checksum + 1", NULL, 0);
     ck_assert(!pen_store_kept(bed.store, &claim, PEN_KEPT_STATE, &out, &st));
     ck_assert_int_eq(st.code, PEN_STORAGE);
     ck_assert(!pen_store_scene(bed.store, job.id, &out, &st));
     ck_assert_int_eq(st.code, PEN_STORAGE);
     check_refused();
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
-    store_run_sql(&bed, "UPDATE object SET checksum = checksum + 1 WHERE layer = ''", NULL, 0);
+    store_change(bed.url, "UPDATE object SET checksum = checksum + 1 WHERE layer = ''", NULL, 0);
     ck_assert(!pen_store_pixels(bed.store, job.id, 0, ignore, &pixels, &st));
     ck_assert_int_eq(st.code, PEN_STORAGE);
     ck_assert_int_eq(pixels, 0);

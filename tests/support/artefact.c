@@ -12,7 +12,7 @@ void store_put(struct pen_store *store, const struct store_artefact *artefact)
     int64_t loaded;
     store_must(
         pen_db_begin(store->db, PEN_DB_READ, &st) &&
-            pen_db_end(store->db, pen_job_number(store, artefact->id, false, &owner.job, &st),
+            pen_db_end(store->db, pen_job_number(store, artefact->id, &owner.job, NULL, &st),
                        &st) &&
             pen_object_load(store, &owner, NULL, artefact->data, artefact->bytes, &loaded, &st) &&
             pen_db_begin(store->db, PEN_DB_WRITE, &st) &&

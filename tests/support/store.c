@@ -24,6 +24,8 @@ struct pen_store *store_bed_handle(const struct store_bed *bed)
 
 void store_bed_make(struct store_bed *bed)
 {
+    const char *engine = getenv("PEN_STORE_ENGINE");
+    ck_assert_msg(!engine || strcmp(engine, "sqlite") == 0, "no engine is called %s", engine);
     *bed = (struct store_bed){0};
     snprintf(bed->folder, sizeof bed->folder, "/tmp/penumbra-test-XXXXXX");
     ck_assert_ptr_nonnull(mkdtemp(bed->folder));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A store in a folder of its own, and jobs to put in it, for tests of the rooms store and jobs.
- * Only this file names the URL: the tests that use it hold for every driver. */
+ * Only store.c names the URL, of the engine that PEN_STORE_ENGINE names (sqlite, if nothing). So
+ * the tests hold for every engine, but tests/store/test_sqlite_*.c. */
 #ifndef TESTS_SUPPORT_STORE_H
 #define TESTS_SUPPORT_STORE_H
 

@@ -47,6 +47,27 @@ int store_batches(const char *url, const char *id, struct store_batch *batch, in
     return count;
 }
 
+int64_t store_value(const char *url, const char *sql)
+{
+    struct pen_db *db = open_db(url);
+    struct pen_status st;
+    int64_t value;
+    ck_assert_msg(pen_db_value(db, &st, &value, sql, ""), "%s: %s", sql, st.msg);
+    close_db(db);
+    return value;
+}
+
+void store_change(const char *url, const char *sql, const void *blob, size_t bytes)
+{
+    struct pen_status st;
+    struct pen_db *db = pen_db_open(url, false, &st);
+    const bool ok =
+        db && pen_db_begin(db, PEN_DB_WRITE, &st) &&
+        pen_db_end(db, pen_db_run(db, &st, NULL, sql, blob ? "b" : "", blob, bytes), &st);
+    ck_assert_msg(ok, "%s: %s", sql, st.msg);
+    pen_db_close(db);
+}
+
 /* Each statement names the rows for which its sentence holds. */
 static const struct {
     const char *sentence, *sql;

@@ -143,7 +143,7 @@ static int each_page(void *user, int columns, char **value, char **name)
     return 0;
 }
 
-START_TEST(test_damage__every_page_of_every_table_and_index)
+START_TEST(test_sqlite_damage__every_page_of_every_table_and_index)
 {
     sqlite3 *db;
     char path[160];
@@ -167,7 +167,7 @@ static void with_header(const struct content *good, int at, unsigned value)
     write_content(bed.url, good->data, (size_t)good->bytes);
 }
 
-START_TEST(test_damage__headers)
+START_TEST(test_sqlite_damage__headers)
 {
     struct content good = make_store();
     with_header(&good, 68, 0x00000007);
@@ -179,7 +179,7 @@ START_TEST(test_damage__headers)
 }
 END_TEST
 
-START_TEST(test_damage__lengths)
+START_TEST(test_sqlite_damage__lengths)
 {
     struct content good = make_store();
     static const double parts[] = {0.9, 0.5, 0.1};
@@ -200,7 +200,7 @@ START_TEST(test_damage__lengths)
 }
 END_TEST
 
-START_TEST(test_damage__not_a_file)
+START_TEST(test_sqlite_damage__not_a_file)
 {
     struct pen_status st;
     struct content good = make_store();
@@ -217,7 +217,7 @@ START_TEST(test_damage__not_a_file)
 END_TEST
 
 /* In a process that is not root, since root may open any file. */
-START_TEST(test_damage__no_permission)
+START_TEST(test_sqlite_damage__no_permission)
 {
     enum { SKIPPED = 77 };
     struct content good = make_store();
@@ -252,7 +252,7 @@ START_TEST(test_damage__no_permission)
 END_TEST
 
 /* A page that a process reads is damaged: it is told to end, and copies nothing from its log. */
-START_TEST(test_damage__found_in_use_breaks_the_handle)
+START_TEST(test_sqlite_damage__found_in_use_breaks_the_handle)
 {
     struct content good = make_store();
     struct pen_status st = {0};
@@ -275,7 +275,7 @@ START_TEST(test_damage__found_in_use_breaks_the_handle)
 }
 END_TEST
 
-START_TEST(test_damage__a_check_ends_when_its_time_is_up)
+START_TEST(test_sqlite_damage__a_check_ends_when_its_time_is_up)
 {
     enum { LAYERS = 48, BYTES = 4 << 20, SHORT_MS = 2, LONG_MS = 100000 };
     struct pen_status st;
@@ -313,7 +313,7 @@ START_TEST(test_damage__a_check_ends_when_its_time_is_up)
 }
 END_TEST
 
-PEN_SUITE("damaged stores", test_damage__every_page_of_every_table_and_index, test_damage__headers,
-          test_damage__lengths, test_damage__not_a_file, test_damage__no_permission,
-          test_damage__found_in_use_breaks_the_handle,
-          test_damage__a_check_ends_when_its_time_is_up)
+PEN_SUITE("damaged stores", test_sqlite_damage__every_page_of_every_table_and_index,
+          test_sqlite_damage__headers, test_sqlite_damage__lengths, test_sqlite_damage__not_a_file,
+          test_sqlite_damage__no_permission, test_sqlite_damage__found_in_use_breaks_the_handle,
+          test_sqlite_damage__a_check_ends_when_its_time_is_up)

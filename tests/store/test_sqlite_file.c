@@ -79,7 +79,7 @@ static void closed_bed(void)
     pen_store_close(bed.store);
 }
 
-START_TEST(test_file__what_was_stored_is_there_after_reopening)
+START_TEST(test_sqlite_file__what_was_stored_is_there_after_reopening)
 {
     closed_bed();
     bed.store = store_bed_handle(&bed);
@@ -90,7 +90,7 @@ START_TEST(test_file__what_was_stored_is_there_after_reopening)
 }
 END_TEST
 
-START_TEST(test_file__folders_are_made_and_all_is_private)
+START_TEST(test_sqlite_file__folders_are_made_and_all_is_private)
 {
     store_bed_open(&bed);
     char folder[160], url[256];
@@ -118,7 +118,7 @@ START_TEST(test_file__folders_are_made_and_all_is_private)
 }
 END_TEST
 
-START_TEST(test_file__other_files_are_refused_and_left)
+START_TEST(test_sqlite_file__other_files_are_refused_and_left)
 {
     store_bed_open(&bed);
     pen_store_close(bed.store);
@@ -135,7 +135,7 @@ START_TEST(test_file__other_files_are_refused_and_left)
 }
 END_TEST
 
-START_TEST(test_file__another_schema_is_refused_with_both_versions_and_left)
+START_TEST(test_sqlite_file__another_schema_is_refused_with_both_versions_and_left)
 {
     char hint[64];
     closed_bed();
@@ -150,7 +150,7 @@ START_TEST(test_file__another_schema_is_refused_with_both_versions_and_left)
 }
 END_TEST
 
-START_TEST(test_file__damage_is_found_and_left)
+START_TEST(test_sqlite_file__damage_is_found_and_left)
 {
     closed_bed();
     size_t bytes;
@@ -169,7 +169,7 @@ START_TEST(test_file__damage_is_found_and_left)
 }
 END_TEST
 
-START_TEST(test_file__postgres_is_known_and_not_supported_yet)
+START_TEST(test_sqlite_file__postgres_is_known_and_not_supported_yet)
 {
     struct pen_status st;
     ck_assert_ptr_null(pen_store_open("postgres://farm/penumbra", true, &st));
@@ -179,7 +179,7 @@ START_TEST(test_file__postgres_is_known_and_not_supported_yet)
 }
 END_TEST
 
-START_TEST(test_file__folder_that_cannot_be_made_is_an_error)
+START_TEST(test_sqlite_file__folder_that_cannot_be_made_is_an_error)
 {
     store_bed_open(&bed);
     char url[128];
@@ -220,7 +220,7 @@ static void *read_on(void *job)
 }
 
 /* There is always a reader, so the log begins anew only if somebody waits for readers. */
-START_TEST(test_file__log_stays_bounded_with_readers_all_the_time)
+START_TEST(test_sqlite_file__log_stays_bounded_with_readers_all_the_time)
 {
     enum { READERS = 4, SUBMITS = 3000 };
     pthread_t reader[READERS];
@@ -254,7 +254,7 @@ START_TEST(test_file__log_stays_bounded_with_readers_all_the_time)
 }
 END_TEST
 
-START_TEST(test_file__space_of_deleted_jobs_is_given_back)
+START_TEST(test_sqlite_file__space_of_deleted_jobs_is_given_back)
 {
     store_bed_open(&bed);
     struct pen_status st;
@@ -302,7 +302,7 @@ static void work_and_exit(int number)
     _exit(store ? done : 255);
 }
 
-START_TEST(test_file__processes_share_the_work_without_doing_any_twice)
+START_TEST(test_sqlite_file__processes_share_the_work_without_doing_any_twice)
 {
     enum { WORKERS = 6, JOBS = 30, BATCHES = 8 };
     store_bed_open(&bed);
@@ -350,7 +350,7 @@ static void *open_and_submit(void *arg)
     return NULL;
 }
 
-START_TEST(test_file__many_may_open_a_new_store_at_once)
+START_TEST(test_sqlite_file__many_may_open_a_new_store_at_once)
 {
     enum { THREADS = 8 };
     for (int try = 0; try < 5; try++) {
@@ -369,7 +369,7 @@ START_TEST(test_file__many_may_open_a_new_store_at_once)
 END_TEST
 
 /* Another program keeps the database locked for writing. */
-START_TEST(test_file__a_locked_store_is_read_and_a_write_gives_up_after_ten_seconds)
+START_TEST(test_sqlite_file__a_locked_store_is_read_and_a_write_gives_up_after_ten_seconds)
 {
     struct pen_status st;
     struct store_job in;
@@ -394,14 +394,16 @@ START_TEST(test_file__a_locked_store_is_read_and_a_write_gives_up_after_ten_seco
 }
 END_TEST
 
-PEN_SUITE("store file", test_file__a_locked_store_is_read_and_a_write_gives_up_after_ten_seconds,
-          test_file__what_was_stored_is_there_after_reopening,
-          test_file__folders_are_made_and_all_is_private,
-          test_file__other_files_are_refused_and_left,
-          test_file__another_schema_is_refused_with_both_versions_and_left,
-          test_file__damage_is_found_and_left, test_file__postgres_is_known_and_not_supported_yet,
-          test_file__folder_that_cannot_be_made_is_an_error,
-          test_file__log_stays_bounded_with_readers_all_the_time,
-          test_file__space_of_deleted_jobs_is_given_back,
-          test_file__processes_share_the_work_without_doing_any_twice,
-          test_file__many_may_open_a_new_store_at_once)
+PEN_SUITE("store file",
+          test_sqlite_file__a_locked_store_is_read_and_a_write_gives_up_after_ten_seconds,
+          test_sqlite_file__what_was_stored_is_there_after_reopening,
+          test_sqlite_file__folders_are_made_and_all_is_private,
+          test_sqlite_file__other_files_are_refused_and_left,
+          test_sqlite_file__another_schema_is_refused_with_both_versions_and_left,
+          test_sqlite_file__damage_is_found_and_left,
+          test_sqlite_file__postgres_is_known_and_not_supported_yet,
+          test_sqlite_file__folder_that_cannot_be_made_is_an_error,
+          test_sqlite_file__log_stays_bounded_with_readers_all_the_time,
+          test_sqlite_file__space_of_deleted_jobs_is_given_back,
+          test_sqlite_file__processes_share_the_work_without_doing_any_twice,
+          test_sqlite_file__many_may_open_a_new_store_at_once)

@@ -131,7 +131,7 @@ static const char *offence(const char *statement)
     return NULL;
 }
 
-START_TEST(test_sql__the_common_sql_is_kept)
+START_TEST(test_sqlite_sql__the_common_sql_is_kept)
 {
     static const char *const wrong[] = {
         "SELECT max(a, b) FROM job",
@@ -167,7 +167,7 @@ static struct pen_db *open_db(void)
     return db;
 }
 
-START_TEST(test_sql__every_statement_is_prepared)
+START_TEST(test_sqlite_sql__every_statement_is_prepared)
 {
     struct pen_db *db = open_db();
     struct pen_status st = {0};
@@ -199,7 +199,7 @@ static bool is_long(const char *step)
     return false;
 }
 
-START_TEST(test_sql__no_statement_reads_a_large_table_from_end_to_end)
+START_TEST(test_sqlite_sql__no_statement_reads_a_large_table_from_end_to_end)
 {
     static char plan[MOST][8192];
     struct pen_db *db = open_db();
@@ -225,5 +225,6 @@ START_TEST(test_sql__no_statement_reads_a_large_table_from_end_to_end)
 }
 END_TEST
 
-PEN_SUITE("store SQL", test_sql__the_common_sql_is_kept, test_sql__every_statement_is_prepared,
-          test_sql__no_statement_reads_a_large_table_from_end_to_end)
+PEN_SUITE("store SQL", test_sqlite_sql__the_common_sql_is_kept,
+          test_sqlite_sql__every_statement_is_prepared,
+          test_sqlite_sql__no_statement_reads_a_large_table_from_end_to_end)

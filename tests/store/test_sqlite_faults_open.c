@@ -48,7 +48,7 @@ static bool make_faulty(const struct fault_plan *plan)
     return failed;
 }
 
-START_TEST(test_faults_open__making_a_store)
+START_TEST(test_sqlite_faults_open__making_a_store)
 {
     fault_bed_open(&disk);
     for (int k = 0; k < FAULT_PLANS; k++) {
@@ -60,4 +60,4 @@ START_TEST(test_faults_open__making_a_store)
 }
 END_TEST
 
-PEN_SUITE("store faults when opened", test_faults_open__making_a_store)
+PEN_SUITE("store faults when opened", test_sqlite_faults_open__making_a_store)

@@ -340,7 +340,7 @@ static bool run_to_power_cut(const struct scenario *s, long n, uint64_t seed)
     return failed;
 }
 
-START_TEST(test_faults__power_cuts)
+START_TEST(test_sqlite_faults__power_cuts)
 {
     enum { SEEDS = 3 };
     fault_bed_open(&disk);
@@ -363,23 +363,23 @@ START_TEST(test_faults__power_cuts)
 }
 END_TEST
 
-START_TEST(test_faults__writes)
+START_TEST(test_sqlite_faults__writes)
 {
     run_plans(0, 5);
 }
 END_TEST
 
-START_TEST(test_faults__syncs)
+START_TEST(test_sqlite_faults__syncs)
 {
     run_plans(5, 8);
 }
 END_TEST
 
-START_TEST(test_faults__reads_and_the_rest)
+START_TEST(test_sqlite_faults__reads_and_the_rest)
 {
     run_plans(8, FAULT_PLANS);
 }
 END_TEST
 
-PEN_SUITE("store faults", test_faults__writes, test_faults__syncs, test_faults__reads_and_the_rest,
-          test_faults__power_cuts)
+PEN_SUITE("store faults", test_sqlite_faults__writes, test_sqlite_faults__syncs,
+          test_sqlite_faults__reads_and_the_rest, test_sqlite_faults__power_cuts)

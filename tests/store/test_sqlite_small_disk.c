@@ -77,7 +77,7 @@ static enum pen_code intake(void)
     return pen_store_intake(bed.store, &st) ? PEN_OK : st.code;
 }
 
-START_TEST(test_small_disk__takes_no_job_below_64_mib_and_ends_those_that_run)
+START_TEST(test_sqlite_small_disk__takes_no_job_below_64_mib_and_ends_those_that_run)
 {
     if (!begin(1))
         return;
@@ -117,7 +117,7 @@ static enum pen_code commit_until_full(struct pen_claim *claim)
     return ok ? PEN_OK : st.code;
 }
 
-START_TEST(test_small_disk__a_commit_without_space_may_be_repeated)
+START_TEST(test_sqlite_small_disk__a_commit_without_space_may_be_repeated)
 {
     if (!begin(2))
         return;
@@ -135,7 +135,7 @@ START_TEST(test_small_disk__a_commit_without_space_may_be_repeated)
 }
 END_TEST
 
-START_TEST(test_small_disk__a_full_one_lets_jobs_be_cancelled_and_removed)
+START_TEST(test_sqlite_small_disk__a_full_one_lets_jobs_be_cancelled_and_removed)
 {
     enum { JOBS = 4 };
     struct pen_status st;
@@ -162,7 +162,7 @@ START_TEST(test_small_disk__a_full_one_lets_jobs_be_cancelled_and_removed)
 }
 END_TEST
 
-START_TEST(test_small_disk__jobs_are_removed_after_a_start_on_a_full_one)
+START_TEST(test_sqlite_small_disk__jobs_are_removed_after_a_start_on_a_full_one)
 {
     struct pen_status st;
     if (!begin(1))
@@ -179,7 +179,7 @@ START_TEST(test_small_disk__jobs_are_removed_after_a_start_on_a_full_one)
 END_TEST
 
 PEN_SUITE("store on a small disk",
-          test_small_disk__takes_no_job_below_64_mib_and_ends_those_that_run,
-          test_small_disk__a_commit_without_space_may_be_repeated,
-          test_small_disk__a_full_one_lets_jobs_be_cancelled_and_removed,
-          test_small_disk__jobs_are_removed_after_a_start_on_a_full_one)
+          test_sqlite_small_disk__takes_no_job_below_64_mib_and_ends_those_that_run,
+          test_sqlite_small_disk__a_commit_without_space_may_be_repeated,
+          test_sqlite_small_disk__a_full_one_lets_jobs_be_cancelled_and_removed,
+          test_sqlite_small_disk__jobs_are_removed_after_a_start_on_a_full_one)

@@ -74,7 +74,7 @@ static int jobs_in(struct pen_store *store)
     return count;
 }
 
-START_TEST(test_backup__is_a_store_of_one_file)
+START_TEST(test_sqlite_backup__is_a_store_of_one_file)
 {
     struct stat info;
     char log[140];
@@ -105,7 +105,7 @@ START_TEST(test_backup__is_a_store_of_one_file)
 }
 END_TEST
 
-START_TEST(test_backup__replaces_only_what_it_may)
+START_TEST(test_sqlite_backup__replaces_only_what_it_may)
 {
     struct stat before, after;
     char name[128];
@@ -151,7 +151,7 @@ static void *write_on(void *arg)
     return NULL;
 }
 
-START_TEST(test_backup__under_load_has_what_was_acknowledged_before)
+START_TEST(test_sqlite_backup__under_load_has_what_was_acknowledged_before)
 {
     enum { BACKUPS = 8 };
     pthread_t writer;
@@ -181,7 +181,7 @@ START_TEST(test_backup__under_load_has_what_was_acknowledged_before)
 }
 END_TEST
 
-START_TEST(test_backup__of_nothing_or_of_a_damaged_store_is_refused)
+START_TEST(test_sqlite_backup__of_nothing_or_of_a_damaged_store_is_refused)
 {
     open_bed();
     for (int n = 0; n < 20; n++)
@@ -206,7 +206,7 @@ START_TEST(test_backup__of_nothing_or_of_a_damaged_store_is_refused)
 END_TEST
 
 /* The disk fails while the copy is written, at every write in turn. */
-START_TEST(test_backup__that_cannot_be_written_leaves_nothing)
+START_TEST(test_sqlite_backup__that_cannot_be_written_leaves_nothing)
 {
     static const int errors[] = {ENOSPC, EIO};
     pen_log_set_level(PEN_LOG_ERROR + 1);
@@ -239,7 +239,7 @@ START_TEST(test_backup__that_cannot_be_written_leaves_nothing)
 }
 END_TEST
 
-START_TEST(test_backup__that_is_stopped_leaves_nothing)
+START_TEST(test_sqlite_backup__that_is_stopped_leaves_nothing)
 {
     atomic_bool now = true;
     struct pen_backup backup = {.stop = &now};
@@ -267,7 +267,7 @@ static int make_part(void)
 }
 
 /* What a killed process has left is written over; what a living one writes is not touched. */
-START_TEST(test_backup__takes_over_what_a_killed_one_left)
+START_TEST(test_sqlite_backup__takes_over_what_a_killed_one_left)
 {
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_len = 1};
     open_bed();
@@ -298,7 +298,7 @@ static int64_t file_time_ns(const char *path)
 }
 
 /* The store's files are left as they are: a log that a killed daemon left is not copied. */
-START_TEST(test_backup__only_reads_the_store)
+START_TEST(test_sqlite_backup__only_reads_the_store)
 {
     char log[140];
     open_bed();
@@ -325,9 +325,10 @@ START_TEST(test_backup__only_reads_the_store)
 }
 END_TEST
 
-PEN_SUITE("backup", test_backup__that_is_stopped_leaves_nothing,
-          test_backup__takes_over_what_a_killed_one_left, test_backup__only_reads_the_store,
-          test_backup__is_a_store_of_one_file, test_backup__replaces_only_what_it_may,
-          test_backup__under_load_has_what_was_acknowledged_before,
-          test_backup__of_nothing_or_of_a_damaged_store_is_refused,
-          test_backup__that_cannot_be_written_leaves_nothing)
+PEN_SUITE("backup", test_sqlite_backup__that_is_stopped_leaves_nothing,
+          test_sqlite_backup__takes_over_what_a_killed_one_left,
+          test_sqlite_backup__only_reads_the_store, test_sqlite_backup__is_a_store_of_one_file,
+          test_sqlite_backup__replaces_only_what_it_may,
+          test_sqlite_backup__under_load_has_what_was_acknowledged_before,
+          test_sqlite_backup__of_nothing_or_of_a_damaged_store_is_refused,
+          test_sqlite_backup__that_cannot_be_written_leaves_nothing)

@@ -105,30 +105,31 @@ static void fail_every_allocation(work_fn *work)
     store_bed_close(&bed);
 }
 
-START_TEST(test_memory__of_a_submit_keeps_no_lock)
+START_TEST(test_sqlite_memory__of_a_submit_keeps_no_lock)
 {
     fail_every_allocation(submit);
 }
 END_TEST
 
-START_TEST(test_memory__of_a_claim_keeps_no_lock)
+START_TEST(test_sqlite_memory__of_a_claim_keeps_no_lock)
 {
     fail_every_allocation(claim);
 }
 END_TEST
 
-START_TEST(test_memory__of_a_commit_keeps_no_lock)
+START_TEST(test_sqlite_memory__of_a_commit_keeps_no_lock)
 {
     fail_every_allocation(commit);
 }
 END_TEST
 
-START_TEST(test_memory__of_a_list_keeps_no_lock)
+START_TEST(test_sqlite_memory__of_a_list_keeps_no_lock)
 {
     fail_every_allocation(list);
 }
 END_TEST
 
-PEN_SUITE("store memory", test_memory__of_a_submit_keeps_no_lock,
-          test_memory__of_a_claim_keeps_no_lock, test_memory__of_a_commit_keeps_no_lock,
-          test_memory__of_a_list_keeps_no_lock)
+PEN_SUITE("store memory", test_sqlite_memory__of_a_submit_keeps_no_lock,
+          test_sqlite_memory__of_a_claim_keeps_no_lock,
+          test_sqlite_memory__of_a_commit_keeps_no_lock,
+          test_sqlite_memory__of_a_list_keeps_no_lock)
