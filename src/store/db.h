@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* A connection to a database, as the rules of this room need it: transactions, statements, a clock,
- * signals. db_sqlite.c implements it, and only that file knows SQLite.
+ * signals, space. db_sqlite*.c and signals.c implement it, and only they know SQLite.
  *
- * Statements are written in SQL that SQLite 3.40 and PostgreSQL 15 understand alike; README.md
- * lists what that excludes. These words are replaced when a statement is prepared: {skip_locked}
- * FOR UPDATE SKIP LOCKED, or nothing {bytes} {identity} {table options}    in schema.sql alone
- * now_ms() is the store's clock, used as (SELECT now_ms()). Parameters are $1, $2, …
+ * Statements are literals in the SQL that SQLite 3.40 and PostgreSQL 15 both know; README.md lists
+ * what that excludes. Words in braces are replaced when a statement is prepared.
  *
  * Failures. A call that fails has filled the status. Within a transaction every later call fails at
  * once with the same status, so a chain of calls needs one check: pen_db_end rolls back and returns
@@ -28,9 +26,6 @@ struct pen_db;
  * must be this build's. Owns: pen_db_close. Fails: as pen_store_open. */
 struct pen_db *pen_db_open(const char *url, bool make, struct pen_status *st);
 void pen_db_close(struct pen_db *db);
-
-/* ---- Transactions ------------------------------------------------------------------------------
- */
 
 enum pen_db_access {
     PEN_DB_READ,  /* one snapshot for all statements */
@@ -57,15 +52,12 @@ struct pen_db_trouble pen_db_trouble(const struct pen_db *db);
 /* As pen_store_is_broken. */
 bool pen_db_is_broken(const struct pen_db *db, struct pen_status *why);
 
-/* ---- Statements --------------------------------------------------------------------------------
- */
-
 /* A statement that is being run. It ends at its last row, at pen_db_done, or with its transaction.
  * The text is a literal: it is prepared once for each connection and found by its address. */
 struct pen_rows;
 
 /* Runs a statement with parameters, a letter for each in `types`:
- *   i int64_t   t const char *, NULL: null   b const void *, size_t, NULL: null   n nothing: null
+ *   i int64_t   t const char *, NULL: null   b const void *, size_t, NULL: null
  * pen_db_run runs a statement without rows; *changed (may be NULL) is the number of rows changed.
  */
 struct pen_rows *pen_db_rows(struct pen_db *db, struct pen_status *st, const char *sql,
@@ -89,9 +81,6 @@ const char *pen_db_text(struct pen_rows *rows, int column);
 const void *pen_db_bytes(struct pen_rows *rows, int column, size_t *bytes);
 bool pen_db_is_null(struct pen_rows *rows, int column);
 
-/* ---- Clock and signals -------------------------------------------------------------------------
- */
-
 /* The store's clock, as now_ms() in statements. Units: ms since 1970. */
 bool pen_db_now(struct pen_db *db, int64_t *now_ms, struct pen_status *st);
 void pen_db_set_clock(struct pen_db *db, int64_t (*now_ms)(void *user), void *user);
@@ -99,9 +88,6 @@ void pen_db_set_clock(struct pen_db *db, int64_t (*now_ms)(void *user), void *us
 /* As pen_store_wait and pen_store_wake. */
 void pen_db_wait(struct pen_db *db, uint32_t *seen, int timeout_ms);
 void pen_db_wake(struct pen_db *db);
-
-/* ---- The place where it is kept ----------------------------------------------------------------
- */
 
 /* Bytes that the database uses, and bytes that it may still take from the disk (INT64_MAX: that is
  * somebody else's care). */
@@ -112,7 +98,7 @@ bool pen_db_space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_st
 bool pen_db_give_reserve(struct pen_db *db);
 
 /* A little housekeeping of the engine: gives at most `bytes` of free space back to the file system,
- * and makes the reserve again. *more: there is more to do. */
+ * makes the reserve again, and empties a log that has become long. *more: there is more to do. */
 bool pen_db_tidy(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st);
 
 /* Looks for damage, for at most limit_ms (0: as long as it takes). *finished: it came to the end.

@@ -11,7 +11,6 @@
 
 #include "base/clock.h"
 #include "store/internal/counters.h"
-#include "store/internal/signals.h"
 #include "store/internal/sqlite.h"
 
 enum {
@@ -100,8 +99,6 @@ bool pen_sqlite_exec(struct pen_db *db, const char *sql, struct pen_status *st)
     return rc == SQLITE_OK || pen_sqlite_fail(db, rc, st);
 }
 
-/* ---- Transactions */
-
 /* Unless SQLite has done it. */
 static void roll_back(struct pen_db *db)
 {
@@ -166,8 +163,6 @@ bool pen_db_end(struct pen_db *db, bool ok, struct pen_status *st)
     return ok;
 }
 
-/* ---- Statements */
-
 /* The text without the word that stands for row locks, which SQLite has no need of. */
 static const char *plain(const char *sql, char text[TEXT_BYTES])
 {
@@ -223,12 +218,10 @@ static int bind(sqlite3_stmt *stmt, const char *types, va_list args)
             rc = sqlite3_bind_int64(stmt, at, va_arg(args, int64_t));
         } else if (type == 't') {
             rc = sqlite3_bind_text(stmt, at, va_arg(args, const char *), -1, SQLITE_STATIC);
-        } else if (type == 'b') {
+        } else {
             const void *data = va_arg(args, const void *);
             const size_t bytes = va_arg(args, size_t);
             rc = sqlite3_bind_blob64(stmt, at, data, bytes, SQLITE_STATIC);
-        } else {
-            rc = sqlite3_bind_null(stmt, at);
         }
     }
     return rc;
@@ -333,8 +326,6 @@ bool pen_db_is_null(struct pen_rows *rows, int column)
     return sqlite3_column_type(rows->stmt, column) == SQLITE_NULL;
 }
 
-/* ---- Clock and signals */
-
 bool pen_db_now(struct pen_db *db, int64_t *now_ms, struct pen_status *st)
 {
     (void)st;
@@ -347,20 +338,6 @@ void pen_db_set_clock(struct pen_db *db, int64_t (*now_ms)(void *user), void *us
     db->now_ms = now_ms;
     db->now_user = user;
 }
-
-void pen_db_wait(struct pen_db *db, uint32_t *seen, int timeout_ms)
-{
-    (void)db;
-    pen_signals_wait(seen, timeout_ms);
-}
-
-void pen_db_wake(struct pen_db *db)
-{
-    (void)db;
-    pen_signals_wake();
-}
-
-/* ---- The place where it is kept */
 
 /* Pages of the file, those of them that are free, and bytes that the disk has left. */
 static bool read_space(struct pen_db *db, int64_t *pages, int64_t *unused, int64_t *left,

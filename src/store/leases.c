@@ -75,8 +75,6 @@ bool pen_batches_open(struct pen_store *store, const struct pen_opening *opening
                                        "ii", opening->job, wait_ms));
 }
 
-/* ---- Leases that have ended */
-
 /* Another job with a lease that has ended, or that ends later than a lease that begins now. */
 static bool find_expired(struct pen_store *store, int64_t after, int64_t *job,
                          struct pen_status *st)
@@ -129,8 +127,6 @@ bool pen_store_expire_leases(struct pen_store *store, int *opened, struct pen_st
     }
     return false;
 }
-
-/* ---- Workers that have ended */
 
 /* What a worker holds: how many jobs have a batch of it, and one of them. */
 struct held {

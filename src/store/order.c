@@ -64,8 +64,6 @@ bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim,
            pen_db_end(store->db, pen_claim_outranked(store, claim, outranked, st), st);
 }
 
-/* ---- The queue */
-
 /* Whether a job is new in a set of at most PEN_QUEUE_TOLD. */
 static bool add_to_set(int64_t set[SLOTS], int64_t job)
 {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "store/internal/signals.h"
-
+/* Signals between the processes of one host that use a store, and between their threads: one
+ * eventfd a process, made by the supervisor before its first child, so that they stay when children
+ * are started again. A signal writes all of them. Without them (a command beside the daemon), a
+ * wait looks every quarter of a second. All stores of a process share them. */
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
@@ -13,7 +15,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "store/store.h"
+#include "store/db.h"
 
 enum {
     SLOTS_MAX = 64,
@@ -54,7 +56,7 @@ static void open_own(void)
         signals.own = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
 }
 
-uint32_t pen_signals_count(void)
+uint32_t pen_store_changes(void)
 {
     return atomic_load_explicit(&signals.changes, memory_order_acquire);
 }
@@ -67,13 +69,14 @@ static void take(void)
         atomic_fetch_add_explicit(&signals.changes, 1, memory_order_release);
 }
 
-void pen_signals_wait(uint32_t *seen, int timeout_ms)
+void pen_db_wait(struct pen_db *db, uint32_t *seen, int timeout_ms)
 {
+    (void)db;
     const int64_t until_ns = pen_clock_ns() + (int64_t)timeout_ms * 1000000;
     int64_t left_ms = timeout_ms;
     pthread_once(&once, open_own);
     take();
-    while (pen_signals_count() == *seen && left_ms > 0) {
+    while (pen_store_changes() == *seen && left_ms > 0) {
         struct pollfd poll_own = {.fd = signals.own, .events = POLLIN};
         const bool looks = !signals.is_shared && left_ms >= LOOK_MS;
         if (poll(&poll_own, 1, looks ? LOOK_MS : (int)left_ms) == 0 && looks)
@@ -81,12 +84,13 @@ void pen_signals_wait(uint32_t *seen, int timeout_ms)
         take();
         left_ms = (until_ns - pen_clock_ns() + 999999) / 1000000;
     }
-    *seen = pen_signals_count();
+    *seen = pen_store_changes();
 }
 
-void pen_signals_wake(void)
+void pen_db_wake(struct pen_db *db)
 {
     static const uint64_t one = 1;
+    (void)db;
     pthread_once(&once, open_own);
     atomic_fetch_add_explicit(&signals.changes, 1, memory_order_release);
     if (!signals.is_shared)

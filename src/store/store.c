@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "store/internal/handle.h"
-#include "store/internal/signals.h"
 
 enum { LEVEL = 3 }; /* zstd's, of scene documents */
 
@@ -74,11 +73,6 @@ enum pen_failure pen_store_failure(const struct pen_store *store, const struct p
     return st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL || st->code == PEN_NO_MEMORY
                ? PEN_FAILURE_RETRY
                : PEN_FAILURE_REFUSED;
-}
-
-uint32_t pen_store_changes(void)
-{
-    return pen_signals_count();
 }
 
 void pen_store_wait(struct pen_store *store, uint32_t *seen, int timeout_ms)

@@ -59,8 +59,6 @@ bool pen_worker_id_make(char id[PEN_WORKER_ID_BYTES], struct pen_status *st)
     return true;
 }
 
-/* ---- Counters, as numbers with spaces */
-
 static bool write_counters(const struct pen_counters *counters, struct pen_buf *text,
                            struct pen_status *st)
 {
@@ -109,8 +107,6 @@ bool pen_store_counters(struct pen_store *store, struct pen_counters *counters,
                                    counters),
                       st);
 }
-
-/* ---- Rows */
 
 bool pen_store_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
                            struct pen_status *st)
@@ -227,8 +223,6 @@ bool pen_store_release_gone(struct pen_store *store, int *opened, struct pen_sta
     }
     return false;
 }
-
-/* ---- The list */
 
 static void fill(struct pen_rows *rows, struct pen_worker_record *worker)
 {
