@@ -210,8 +210,8 @@ static int bind(sqlite3_stmt *stmt, const char *types, va_list args)
 {
     int rc = SQLITE_OK;
     for (int n = 1; types[n - 1] && rc == SQLITE_OK; n++) {
-        const char name[] = {'$', (char)('0' + (n < 10 ? n : n / 10)),
-                             n < 10 ? '\0' : (char)('0' + n % 10), '\0'};
+        char name[16];
+        snprintf(name, sizeof name, "$%d", n);
         const int at = sqlite3_bind_parameter_index(stmt, name);
         const char type = types[n - 1];
         if (type == 'i') {
