@@ -57,14 +57,20 @@ bool pen_meta_get(struct pen_store *store, const char *name, int64_t *value, str
     return pen_db_done(rows);
 }
 
-bool pen_meta_put(struct pen_store *store, const char *name, int64_t value, struct pen_status *st)
+bool pen_meta_put(struct pen_store *store, const char *name, const char *text,
+                  struct pen_status *st)
 {
-    char text[24];
-    snprintf(text, sizeof text, "%lld", (long long)value);
     return pen_db_run(store->db, st, NULL,
                       "INSERT INTO meta (name, value) VALUES ($1, $2) "
                       "ON CONFLICT (name) DO UPDATE SET value = excluded.value",
                       "tt", name, text);
+}
+
+bool pen_meta_set(struct pen_store *store, const char *name, int64_t value, struct pen_status *st)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%lld", (long long)value);
+    return pen_meta_put(store, name, text, st);
 }
 
 bool pen_store_set_retention(struct pen_store *store, const struct pen_retention *retention,
@@ -72,9 +78,9 @@ bool pen_store_set_retention(struct pen_store *store, const struct pen_retention
 {
     return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
            pen_db_end(store->db,
-                      pen_meta_put(store, "keep_ms", retention->keep_ms, st) &&
-                          pen_meta_put(store, "keep_bytes", retention->keep_bytes, st) &&
-                          pen_meta_put(store, "keep_jobs", retention->keep_jobs, st),
+                      pen_meta_set(store, "keep_ms", retention->keep_ms, st) &&
+                          pen_meta_set(store, "keep_bytes", retention->keep_bytes, st) &&
+                          pen_meta_set(store, "keep_jobs", retention->keep_jobs, st),
                       st);
 }
 
@@ -169,7 +175,7 @@ bool pen_store_intake(struct pen_store *store, struct pen_status *st)
     return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
            pen_db_end(store->db,
                       pen_intake(store, 0, st) && pen_db_now(store->db, &now_ms, st) &&
-                          pen_meta_put(store, "probed_ms", now_ms, st),
+                          pen_meta_set(store, "probed_ms", now_ms, st),
                       st);
 }
 
