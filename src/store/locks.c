@@ -144,6 +144,17 @@ bool pen_claim_hold(struct pen_store *store, const struct pen_claim *claim, cons
            (batch->held || pen_fail(st, PEN_STALE, "the batch is no longer held; %s", what));
 }
 
+bool pen_work_of_pixels(struct pen_store *store, int64_t job, int64_t pixels, int64_t *work,
+                        struct pen_status *st)
+{
+    int64_t total = 0;
+    if (!pen_db_value(store->db, st, &total, "SELECT total_pixels FROM job WHERE number = $1", "i",
+                      job))
+        return false;
+    *work = total > 0 ? (int64_t)(PEN_WORK_ALL * ((double)pixels / (double)total)) : 0;
+    return true;
+}
+
 bool pen_claim_tell(struct pen_store *store, const struct pen_batch *batch, int64_t pixels,
                     int64_t work, int64_t estimate_ms, struct pen_status *st)
 {
