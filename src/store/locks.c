@@ -163,9 +163,7 @@ bool pen_claim_tell(struct pen_store *store, const struct pen_batch *batch, int6
     return pen_db_run(store->db, st, NULL,
                       "UPDATE job SET done_pixels = done_pixels + $2, "
                       "work = CASE WHEN work + $3 > 1000000000 THEN 1000000000 ELSE work + $3 END, "
-                      "told_us = CASE WHEN CAST($4 AS BIGINT) > 0 THEN spent_us ELSE told_us END, "
-                      "told_elapsed_us = CASE WHEN CAST($4 AS BIGINT) > 0 THEN elapsed_us ELSE "
-                      "told_elapsed_us END, "
+                      "told_us = spent_us, told_elapsed_us = elapsed_us, "
                       "estimate_ms = CASE WHEN CAST($4 AS BIGINT) > 0 THEN $4 ELSE estimate_ms END "
                       "WHERE number = $1",
                       "iiii", batch->job, told_pixels - batch->told_pixels, told_work - batch->work,
