@@ -189,14 +189,13 @@ bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, 
                         struct pen_status *st)
 {
     struct pen_batch batch;
+    int64_t work;
     if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
-        !pen_db_end(
-            store->db,
-            pen_claim_hold(store, claim, "its progress was refused", &batch, st) &&
-                pen_claim_tell(store, &batch, done,
-                               (int64_t)(PEN_WORK_ALL * ((double)done / (double)batch.pixels)),
-                               claim->estimate_ms, st),
-            st))
+        !pen_db_end(store->db,
+                    pen_claim_hold(store, claim, "its progress was refused", &batch, st) &&
+                        pen_work_of_pixels(store, batch.job, done, &work, st) &&
+                        pen_claim_tell(store, &batch, done, work, claim->estimate_ms, st),
+                    st))
         return false;
     pen_db_wake(store->db);
     return true;

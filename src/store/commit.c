@@ -109,14 +109,9 @@ static bool split(struct pen_store *store, struct commit *commit, struct pen_sta
 static bool tell(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
     const int64_t pixels = commit->batch.kind == PEN_BATCH_ASSEMBLE ? 0 : commit->batch.pixels;
-    int64_t work = commit->result->work, total = 0;
-    if (work == 0 && pixels > 0) {
-        if (!pen_db_value(store->db, st, &total, "SELECT total_pixels FROM job WHERE number = $1",
-                          "i", commit->batch.job))
-            return false;
-        work = total > 0 ? (int64_t)(PEN_WORK_ALL * ((double)pixels / (double)total)) : 0;
-    }
-    return pen_claim_tell(store, &commit->batch, pixels, work, commit->claim->estimate_ms, st);
+    int64_t work = commit->result->work;
+    return (work > 0 || pen_work_of_pixels(store, commit->batch.job, pixels, &work, st)) &&
+           pen_claim_tell(store, &commit->batch, pixels, work, commit->claim->estimate_ms, st);
 }
 
 /* A commit ends the quarantine of its batch, and the charges, losses and waits of its job. */

@@ -137,11 +137,8 @@ bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter
         if (!ok)
             break;
         texts += pen_job_record_text_bytes(job);
-        if (filter->text_bytes > 0 && texts > filter->text_bytes && *count > 0) {
-            pen_job_record_release(job);
+        if (++*count > 1 && filter->text_bytes > 0 && texts > filter->text_bytes)
             break;
-        }
-        ++*count;
     }
     ok = pen_db_done(rows) && ok;
     if (!ok) {
@@ -200,7 +197,11 @@ bool pen_store_check_client(struct pen_store *store, const char *id, const char 
         return false;
     if (!found)
         return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
-    return own || pen_fail(st, PEN_FORBIDDEN, "job %s belongs to another client", id);
+    return own ||
+           pen_fail(
+               st, PEN_FORBIDDEN,
+               "job %s belongs to another client; a token of scope admin may cancel or delete it",
+               id);
 }
 
 static bool cancel(struct pen_store *store, const char *id, const char *client,

@@ -33,7 +33,7 @@ static bool keep(struct pen_store *store, const struct pen_claim *claim, struct 
                  int count, int64_t done, bool *outranked, struct pen_status *st)
 {
     struct pen_batch batch;
-    int64_t bytes = 0;
+    int64_t bytes = 0, work;
     for (int i = 0; i < count; i++) {
         all[i].owner.layer = all[i].layer;
         bytes += (int64_t)all[i].bytes;
@@ -54,7 +54,8 @@ static bool keep(struct pen_store *store, const struct pen_claim *claim, struct 
         ok = pen_object_use(store, &all[i].owner, all[i].number, all[i].data, all[i].bytes, st);
     }
     ok = ok &&
-         (done < 0 || pen_claim_tell(store, &batch, done, claim->work, claim->estimate_ms, st)) &&
+         (done < 0 || (pen_work_of_pixels(store, batch.job, done, &work, st) &&
+                       pen_claim_tell(store, &batch, done, work, claim->estimate_ms, st))) &&
          (!outranked || pen_claim_outranked(store, claim, outranked, st));
     if (!pen_db_end(store->db, ok, st))
         return false;

@@ -144,6 +144,17 @@ bool pen_claim_hold(struct pen_store *store, const struct pen_claim *claim, cons
            (batch->held || pen_fail(st, PEN_STALE, "the batch is no longer held; %s", what));
 }
 
+bool pen_work_of_pixels(struct pen_store *store, int64_t job, int64_t pixels, int64_t *work,
+                        struct pen_status *st)
+{
+    int64_t total = 0;
+    if (!pen_db_value(store->db, st, &total, "SELECT total_pixels FROM job WHERE number = $1", "i",
+                      job))
+        return false;
+    *work = total > 0 ? (int64_t)(PEN_WORK_ALL * ((double)pixels / (double)total)) : 0;
+    return true;
+}
+
 bool pen_claim_tell(struct pen_store *store, const struct pen_batch *batch, int64_t pixels,
                     int64_t work, int64_t estimate_ms, struct pen_status *st)
 {
@@ -152,9 +163,7 @@ bool pen_claim_tell(struct pen_store *store, const struct pen_batch *batch, int6
     return pen_db_run(store->db, st, NULL,
                       "UPDATE job SET done_pixels = done_pixels + $2, "
                       "work = CASE WHEN work + $3 > 1000000000 THEN 1000000000 ELSE work + $3 END, "
-                      "told_us = CASE WHEN CAST($4 AS BIGINT) > 0 THEN spent_us ELSE told_us END, "
-                      "told_elapsed_us = CASE WHEN CAST($4 AS BIGINT) > 0 THEN elapsed_us ELSE "
-                      "told_elapsed_us END, "
+                      "told_us = spent_us, told_elapsed_us = elapsed_us, "
                       "estimate_ms = CASE WHEN CAST($4 AS BIGINT) > 0 THEN $4 ELSE estimate_ms END "
                       "WHERE number = $1",
                       "iiii", batch->job, told_pixels - batch->told_pixels, told_work - batch->work,

@@ -56,7 +56,8 @@ static void check_same_layers(void)
     check_same("beauty");
     for (int i = 0; i < LAYERS; i++)
         check_same(names[i]);
-    ck_assert_int_eq(count_of("SELECT count(*) FROM artefact WHERE layer = 'kept'"), 0);
+    ck_assert_int_eq(
+        count_of("SELECT count(*) FROM object WHERE layer LIKE 'kept:%' AND state = 1"), 0);
 }
 
 static int render_batches(void)
@@ -196,7 +197,8 @@ START_TEST(test_layers__cancel_drops_the_parts)
     ck_assert(jobs_has_kept(&bed, id, "cost-0"));
     store_must(pen_jobs_cancel(bed.jobs, id, NULL, &snapshot, &st), &st, "cancel");
     json_decref(snapshot.json);
-    ck_assert_int_eq(count_of("SELECT count(*) FROM artefact WHERE layer = 'kept'"), 0);
+    ck_assert_int_eq(
+        count_of("SELECT count(*) FROM object WHERE layer LIKE 'kept:%' AND state = 1"), 0);
     jobs_bed_close(&bed);
 }
 END_TEST

@@ -21,7 +21,7 @@ static char id[PEN_ID_BYTES];
 
 /* Many samples make many rays, so that a small image has several batches. */
 static const char several_batches[] =
-    ", \"render\": {\"width\": 150, \"height\": 110, \"samples_per_pixel\": 600, \"tile\": 8}";
+    ", \"render\": {\"width\": 150, \"height\": 110, \"samples_per_pixel\": 1000, \"tile\": 8}";
 static const char one_batch[] = ", \"render\": {\"width\": 40, \"height\": 30}";
 
 /* Renders a bare scene without store and worker. */

@@ -67,6 +67,7 @@ void jobs_worker_stop(struct jobs_bed *bed)
 
 pid_t jobs_worker_fork(const struct jobs_bed *bed)
 {
+    pen_store_close(store_bed_handle(&bed->bed)); /* a worker makes no store */
     pid_t pid = fork();
     ck_assert_int_ge(pid, 0);
     if (pid == 0) {

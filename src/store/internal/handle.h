@@ -54,6 +54,10 @@ bool pen_claim_lock(struct pen_store *store, const struct pen_claim *claim, stru
 bool pen_claim_hold(struct pen_store *store, const struct pen_claim *claim, const char *what,
                     struct pen_batch *batch, struct pen_status *st);
 
+/* The share of a job's expected work, of PEN_WORK_ALL, if it is that of so many of its pixels. */
+bool pen_work_of_pixels(struct pen_store *store, int64_t job, int64_t pixels, int64_t *work,
+                        struct pen_status *st);
+
 /* Tells the work and the pixels that a held batch has done so far, and the job's estimate (0: as it
  * was); none of them goes back. For a job's readers it is a change. */
 bool pen_claim_tell(struct pen_store *store, const struct pen_batch *batch, int64_t pixels,
