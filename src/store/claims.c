@@ -127,8 +127,8 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
         return false;
     if (any == 0)
         return true;
-    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-           pen_write_end(store, pen_claim_next(store, &next, st), st))
+    if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
+        !pen_db_end(store->db, pen_claim_next(store, &next, st), st))
         return false;
     *found = next.found;
     if (next.found) {
@@ -190,12 +190,12 @@ bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, 
 {
     struct pen_batch batch;
     int64_t work;
-    if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
-        !pen_db_end(store->db,
-                    pen_claim_hold(store, claim, "its progress was refused", &batch, st) &&
-                        pen_work_of_pixels(store, batch.job, done, &work, st) &&
-                        pen_claim_tell(store, &batch, done, work, claim->estimate_ms, st),
-                    st);
+    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+           pen_write_end(store,
+                         pen_claim_hold(store, claim, "its progress was refused", &batch, st) &&
+                             pen_work_of_pixels(store, batch.job, done, &work, st) &&
+                             pen_claim_tell(store, &batch, done, work, claim->estimate_ms, st),
+                         st);
 }
 
 bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,
