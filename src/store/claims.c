@@ -127,8 +127,8 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
         return false;
     if (any == 0)
         return true;
-    if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
-        !pen_db_end(store->db, pen_claim_next(store, &next, st), st))
+    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+           pen_write_end(store, pen_claim_next(store, &next, st), st))
         return false;
     *found = next.found;
     if (next.found) {
@@ -195,28 +195,22 @@ bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, 
                     pen_claim_hold(store, claim, "its progress was refused", &batch, st) &&
                         pen_work_of_pixels(store, batch.job, done, &work, st) &&
                         pen_claim_tell(store, &batch, done, work, claim->estimate_ms, st),
-                    st))
-        return false;
-    pen_db_wake(store->db);
-    return true;
+                    st);
 }
 
 bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,
                         const struct pen_buf *cost_map, struct pen_status *st)
 {
     struct pen_batch batch;
-    if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
-        !pen_db_end(
-            store->db,
-            pen_claim_hold(store, claim, "its estimate was refused", &batch, st) &&
-                pen_claim_tell(store, &batch, 0, 0, estimate_ms, st) &&
-                (!cost_map ||
-                 pen_db_run(store->db, st, NULL, "UPDATE job SET cost_map = $2 WHERE number = $1",
-                            "ib", batch.job, (const void *)cost_map->data, cost_map->bytes)),
-            st))
-        return false;
-    pen_db_wake(store->db);
-    return true;
+    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+           pen_write_end(store,
+                         pen_claim_hold(store, claim, "its estimate was refused", &batch, st) &&
+                             pen_claim_tell(store, &batch, 0, 0, estimate_ms, st) &&
+                             (!cost_map ||
+                              pen_db_run(store->db, st, NULL,
+                                         "UPDATE job SET cost_map = $2 WHERE number = $1", "ib",
+                                         batch.job, (const void *)cost_map->data, cost_map->bytes)),
+                         st);
 }
 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
@@ -243,12 +237,9 @@ bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, cons
                     struct pen_status *st)
 {
     struct pen_batch batch;
-    if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
-        !pen_db_end(store->db,
-                    pen_claim_hold(store, claim, "its job was left as it is", &batch, st) &&
-                        pen_job_end(store, batch.job, PEN_JOB_FAILED, error, st),
-                    st))
-        return false;
-    pen_db_wake(store->db);
-    return true;
+    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+           pen_write_end(store,
+                         pen_claim_hold(store, claim, "its job was left as it is", &batch, st) &&
+                             pen_job_end(store, batch.job, PEN_JOB_FAILED, error, st),
+                         st);
 }

@@ -235,9 +235,9 @@ typedef bool pen_worker_fn(void *user, const struct pen_worker_record *worker);
 bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
                        struct pen_status *st);
 
-/* Counters of what the processes have done, for monitoring. A process counts in memory; a worker's
- * numbers are stored with its row (pen_store_worker_seen, pen_store_worker_gone), so a crash loses
- * the last ones. Numbers of workers that are gone stay in the sums. */
+/* Counters of what the processes have done, for monitoring. A process counts in memory; a worker
+ * moves its numbers to the store (pen_store_worker_seen, pen_store_worker_gone), so a crash loses
+ * the last ones. */
 enum pen_counter {
     PEN_COUNT_COMMIT_OK,
     PEN_COUNT_COMMIT_DUPLICATE,
@@ -267,7 +267,7 @@ extern const double pen_timing_bounds_s[PEN_TIMING_BUCKETS]; /* upper bounds, as
 /* Adds to a counter of this process. Threads: any. */
 void pen_store_count(enum pen_counter counter, uint64_t count);
 
-/* The sums over all processes. Cost: a row for each worker. */
+/* The sums of what processes have moved to the store, and what this one has not. */
 bool pen_store_counters(struct pen_store *store, struct pen_counters *counters,
                         struct pen_status *st);
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Counters of this process and, in the rows of workers, of others (pen_store_counters). Those of
- * workers that are gone are added to the value `counters` in meta. */
+/* What this process has counted and has not moved to the store yet (workers.c). */
 #include <string.h>
 
 #include "store/internal/counters.h"
@@ -35,4 +34,10 @@ void pen_counters_own(struct pen_counters *counters)
 {
     for (int i = 0; i < PEN_COUNTERS; i++)
         counters->count[i] = atomic_load_explicit(&own[i], memory_order_relaxed);
+}
+
+void pen_counters_take(const struct pen_counters *counters)
+{
+    for (int i = 0; i < PEN_COUNTERS; i++)
+        atomic_fetch_sub_explicit(&own[i], counters->count[i], memory_order_relaxed);
 }

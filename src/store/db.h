@@ -2,7 +2,7 @@
 /* A connection to a database, as the rules of this room need it: transactions, statements, a clock,
  * signals, space. db_sqlite*.c and signals.c implement it, and only they know SQLite.
  *
- * Statements are literals in the SQL that SQLite 3.40 and PostgreSQL 15 both know; README.md lists
+ * Statements are literals in the SQL that SQLite 3.40 and PostgreSQL 15 both know; SQL.md lists
  * what that excludes. Words in braces are replaced when a statement is prepared.
  *
  * Failures. A call that fails has filled the status. Within a transaction every later call fails at

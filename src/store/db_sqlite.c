@@ -208,12 +208,12 @@ static struct pen_rows *prepared(struct pen_db *db, const char *sql, struct pen_
 /* Parameters are bound by name: SQLite numbers them by their first appearance. */
 static int bind(sqlite3_stmt *stmt, const char *types, va_list args)
 {
+    static const char *const names[] = {"$1", "$2",  "$3",  "$4",  "$5",  "$6",  "$7",  "$8",
+                                        "$9", "$10", "$11", "$12", "$13", "$14", "$15", "$16"};
     int rc = SQLITE_OK;
-    for (int n = 1; types[n - 1] && rc == SQLITE_OK; n++) {
-        const char name[] = {'$', (char)('0' + (n < 10 ? n : n / 10)),
-                             n < 10 ? '\0' : (char)('0' + n % 10), '\0'};
-        const int at = sqlite3_bind_parameter_index(stmt, name);
-        const char type = types[n - 1];
+    for (int i = 0; types[i] && rc == SQLITE_OK; i++) {
+        const int at = sqlite3_bind_parameter_index(stmt, names[i]);
+        const char type = types[i];
         if (type == 'i') {
             rc = sqlite3_bind_int64(stmt, at, va_arg(args, int64_t));
         } else if (type == 't') {

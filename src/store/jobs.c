@@ -228,10 +228,8 @@ bool pen_store_cancel(struct pen_store *store, const char *id, const char *clien
     bool ok, tried = false;
     do
         ok = pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-             pen_db_end(store->db, cancel(store, id, client, st), st);
+             pen_write_end(store, cancel(store, id, client, st), st);
     while (!ok && again(store, st, &tried));
-    if (ok)
-        pen_db_wake(store->db);
     return ok;
 }
 
@@ -270,10 +268,8 @@ bool pen_store_delete(struct pen_store *store, const char *id, const char *clien
     bool ok, tried = false;
     do
         ok = pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-             pen_db_end(store->db, delete (store, id, client, stats, st), st);
+             pen_write_end(store, delete (store, id, client, stats, st), st);
     while (!ok && again(store, st, &tried));
-    if (ok)
-        pen_db_wake(store->db);
     return ok;
 }
 

@@ -7,7 +7,8 @@
  *    keep_bytes. Its limits are the store's. An end in the future, by a clock that was ahead,
  *    becomes the time at which housekeeping finds it (tidy.c).
  *  - By bytes it begins an eighth below keep_bytes, or where unfinished jobs and a job that was
- *    just refused need the space. It waits while space of removed jobs is still to become free.
+ *    refused in the last two minutes need the space. It waits while space of removed jobs is still
+ *    to become free.
  *  - A new job is refused where the disk has less than 64 MiB free, or if the results of all
  *    unfinished jobs are expected to take more than what keep_bytes leaves, or more than half of
  *    it unless it is the only one: the other half is for what has ended.
@@ -23,6 +24,7 @@
 
 enum {
     GRACE_MS = 60000,
+    WANTED_MS = 120000,
     DAY_MS = 86400000,
     RESULT_BYTES = 10,   /* of a pixel: its picture and what its batch has stored (2 to 8) */
     LAYER_BYTES = 12,    /* of a pixel of a layer beside the picture: three floats */
@@ -31,10 +33,16 @@ enum {
     CACHE_PART = 8       /* cached artefacts: an eighth of keep_bytes at most */
 };
 static const int64_t intake_bytes = INT64_C(64) << 20, cache_bytes = INT64_C(256) << 20;
-static const int64_t empty_bytes = INT64_C(256) << 10; /* what a store without jobs takes */
+static const int64_t empty_bytes = INT64_C(320) << 10; /* what a store without jobs takes */
 
-/* The results of a job that this process has just refused; retention makes room for it. */
-static _Atomic int64_t wanted_bytes;
+/* The results of a job that this process has refused lately; retention makes room for it. */
+static _Atomic int64_t wanted_bytes, wanted_until_ms;
+
+static int64_t wanted(int64_t now_ms)
+{
+    const int64_t left_ms = atomic_load(&wanted_until_ms) - now_ms;
+    return left_ms > 0 && left_ms <= WANTED_MS ? atomic_load(&wanted_bytes) : 0;
+}
 
 int64_t pen_results_bytes(int64_t pixels, int64_t layers)
 {
@@ -49,14 +57,20 @@ bool pen_meta_get(struct pen_store *store, const char *name, int64_t *value, str
     return pen_db_done(rows);
 }
 
-bool pen_meta_put(struct pen_store *store, const char *name, int64_t value, struct pen_status *st)
+bool pen_meta_put(struct pen_store *store, const char *name, const char *text,
+                  struct pen_status *st)
 {
-    char text[24];
-    snprintf(text, sizeof text, "%lld", (long long)value);
     return pen_db_run(store->db, st, NULL,
                       "INSERT INTO meta (name, value) VALUES ($1, $2) "
                       "ON CONFLICT (name) DO UPDATE SET value = excluded.value",
                       "tt", name, text);
+}
+
+bool pen_meta_set(struct pen_store *store, const char *name, int64_t value, struct pen_status *st)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%lld", (long long)value);
+    return pen_meta_put(store, name, text, st);
 }
 
 bool pen_store_set_retention(struct pen_store *store, const struct pen_retention *retention,
@@ -64,9 +78,9 @@ bool pen_store_set_retention(struct pen_store *store, const struct pen_retention
 {
     return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
            pen_db_end(store->db,
-                      pen_meta_put(store, "keep_ms", retention->keep_ms, st) &&
-                          pen_meta_put(store, "keep_bytes", retention->keep_bytes, st) &&
-                          pen_meta_put(store, "keep_jobs", retention->keep_jobs, st),
+                      pen_meta_set(store, "keep_ms", retention->keep_ms, st) &&
+                          pen_meta_set(store, "keep_bytes", retention->keep_bytes, st) &&
+                          pen_meta_set(store, "keep_jobs", retention->keep_jobs, st),
                       st);
 }
 
@@ -112,10 +126,22 @@ static bool read_load(struct pen_store *store, struct load *load, struct pen_sta
     return pen_db_done(rows);
 }
 
+static bool refuse_bytes(const struct load *load, const char *what, int64_t bytes,
+                         struct pen_status *st)
+{
+    return pen_fail(st, PEN_STORAGE_FULL,
+                    "the store has no space left for %s, about %lld KiB: it holds %lld KiB of the "
+                    "%lld KiB that it may (--keep-bytes), and the jobs that wait or run take about "
+                    "%lld KiB",
+                    what, (long long)(bytes >> 10), (long long)(load->used >> 10),
+                    (long long)(load->keep >> 10), (long long)(load->expected >> 10));
+}
+
 bool pen_intake(struct pen_store *store, int64_t bytes, struct pen_status *st)
 {
     struct load load;
-    if (!read_load(store, &load, st))
+    int64_t now_ms;
+    if (!read_load(store, &load, st) || !pen_db_now(store->db, &now_ms, st))
         return false;
     if (load.left < intake_bytes)
         return pen_fail(st, PEN_STORAGE_FULL,
@@ -136,14 +162,11 @@ bool pen_intake(struct pen_store *store, int64_t bytes, struct pen_status *st)
             atomic_store(&wanted_bytes, 0);
         return true;
     }
-    if (!half && bytes > 0)
+    if (!half && bytes > 0) {
         atomic_store(&wanted_bytes, bytes);
-    return pen_fail(st, PEN_STORAGE_FULL,
-                    "the store has no space left for this job, which takes about %lld KiB: it "
-                    "holds %lld KiB of the %lld KiB that it may (--keep-bytes), and the jobs that "
-                    "wait or run take about %lld KiB",
-                    (long long)(bytes >> 10), (long long)(load.used >> 10),
-                    (long long)(load.keep >> 10), (long long)(load.expected >> 10));
+        atomic_store(&wanted_until_ms, now_ms + WANTED_MS);
+    }
+    return refuse_bytes(&load, "this job", bytes, st);
 }
 
 bool pen_store_intake(struct pen_store *store, struct pen_status *st)
@@ -152,7 +175,7 @@ bool pen_store_intake(struct pen_store *store, struct pen_status *st)
     return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
            pen_db_end(store->db,
                       pen_intake(store, 0, st) && pen_db_now(store->db, &now_ms, st) &&
-                          pen_meta_put(store, "probed_ms", now_ms, st),
+                          pen_meta_set(store, "probed_ms", now_ms, st),
                       st);
 }
 
@@ -161,16 +184,12 @@ bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *s
     struct load load;
     return read_load(store, &load, st) &&
            (load.keep == 0 || load.used + load.expected + bytes <= load.keep ||
-            pen_fail(st, PEN_STORAGE_FULL,
-                     "the store has no space left for what a batch keeps, %lld KiB: it holds %lld "
-                     "KiB of the %lld KiB that it may (--keep-bytes), and the jobs that wait or "
-                     "run take about %lld KiB",
-                     (long long)(bytes >> 10), (long long)(load.used >> 10),
-                     (long long)(load.keep >> 10), (long long)(load.expected >> 10)));
+            refuse_bytes(&load, "what a batch keeps", bytes, st));
 }
 
 /* Whether retention by bytes removes a job now. */
-static bool find_excess(struct pen_store *store, bool *any, bool *above, struct pen_status *st)
+static bool find_excess(struct pen_store *store, int64_t now_ms, bool *any, bool *above,
+                        struct pen_status *st)
 {
     struct load load;
     int64_t soon;
@@ -186,7 +205,7 @@ static bool find_excess(struct pen_store *store, bool *any, bool *above, struct 
         return false;
     *above = load.used > load.keep;
     *any = soon == 0 && (load.used > load.keep - load.keep / SLACK_PART ||
-                         load.used + load.expected + atomic_load(&wanted_bytes) > load.keep);
+                         load.used + load.expected + wanted(now_ms) > load.keep);
     return true;
 }
 
@@ -209,7 +228,7 @@ static bool find_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *f
     int64_t now_ms, count = 0, end_ms = 0;
     bool any, above, wait;
     if (!read_limits(store, &keep, st) || !pen_db_now(store->db, &now_ms, st) ||
-        !pen_ages_wait(store, now_ms, &wait, st) || !find_excess(store, &any, &above, st) ||
+        !pen_ages_wait(store, now_ms, &wait, st) || !find_excess(store, now_ms, &any, &above, st) ||
         (keep.keep_jobs > 0 &&
          !pen_db_value(store->db, st, &count,
                        "SELECT count(*) FROM job WHERE finished_ms > 0 AND removed_ms = 0", "")))

@@ -187,6 +187,5 @@ CREATE TABLE worker (
     rays_per_s BIGINT NOT NULL,        -- by its last batches; 0: not known
     lease_ms BIGINT NOT NULL,
     started_ms BIGINT NOT NULL,
-    seen_ms BIGINT NOT NULL,
-    counters TEXT NOT NULL             -- what it has counted for /metrics
+    seen_ms BIGINT NOT NULL
 ) {table options};

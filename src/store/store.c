@@ -75,6 +75,14 @@ enum pen_failure pen_store_failure(const struct pen_store *store, const struct p
                : PEN_FAILURE_REFUSED;
 }
 
+bool pen_write_end(struct pen_store *store, bool ok, struct pen_status *st)
+{
+    ok = pen_db_end(store->db, ok, st);
+    if (ok)
+        pen_db_wake(store->db);
+    return ok;
+}
+
 void pen_store_wait(struct pen_store *store, uint32_t *seen, int timeout_ms)
 {
     pen_db_wait(store->db, seen, timeout_ms);

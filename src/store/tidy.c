@@ -163,8 +163,8 @@ static bool do_seldom(struct pen_store *store, int64_t *changed, struct pen_stat
     if (last_ms <= now_ms && now_ms - last_ms < SELDOM_MS)
         return true;
     const bool ok = (last_ms == 0 || now_ms - last_ms <= DAY_MS ||
-                     pen_meta_put(store, "ages_from_ms", now_ms + DAY_MS, st)) &&
-                    pen_meta_put(store, "tidied_ms", now_ms, st) && end_futures(store, st) &&
+                     pen_meta_set(store, "ages_from_ms", now_ms + DAY_MS, st)) &&
+                    pen_meta_set(store, "tidied_ms", now_ms, st) && end_futures(store, st) &&
                     pen_ages_wait(store, now_ms, &wait, st) &&
                     (wait || remove_old(store, now_ms, st)) &&
                     collect_loading(store, &collected, st) && trim_stats(store, st) &&
@@ -175,7 +175,7 @@ static bool do_seldom(struct pen_store *store, int64_t *changed, struct pen_stat
 
 static bool slice(struct pen_store *store, int64_t *changed, struct pen_status *st)
 {
-    return pen_meta_put(store, "tidy", 0, st) && remove_gone(store, changed, st) &&
+    return pen_meta_set(store, "tidy", 0, st) && remove_gone(store, changed, st) &&
            (*changed > 0 || shrink_job(store, changed, st)) && do_seldom(store, changed, st);
 }
 

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "store/internal/counters.h"
-#include "store/internal/handle.h"
+#include "store/internal/retention.h"
 
 /* A process, so that it is never taken for a later one of its number. */
 struct process {
@@ -59,121 +59,84 @@ bool pen_worker_id_make(char id[PEN_WORKER_ID_BYTES], struct pen_status *st)
     return true;
 }
 
-static bool write_counters(const struct pen_counters *counters, struct pen_buf *text,
-                           struct pen_status *st)
+/* Adds the sums of what processes have moved there, as numbers with spaces. */
+static bool add_sums(struct pen_store *store, struct pen_counters *sum, struct pen_status *st)
 {
-    for (int i = 0; i < PEN_COUNTERS; i++) {
-        pen_buf_number(text, counters->count[i]);
-        pen_buf_puts(text, " ");
-    }
-    return !text->failed || pen_fail(st, PEN_NO_MEMORY, "no memory for counters");
-}
-
-static void add_counters(struct pen_counters *sum, const char *text)
-{
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st, "SELECT value FROM meta WHERE name = 'counters'", "");
+    const char *text = pen_db_next(rows) ? pen_db_text(rows, 0) : "";
     char *end;
-    for (int i = 0; i < PEN_COUNTERS && text && *text; i++, text = end)
+    for (int i = 0; i < PEN_COUNTERS && *text; i++, text = end)
         sum->count[i] += strtoull(text, &end, 10);
-}
-
-/* Adds what one text column tells, of the statement's rows. */
-static bool add_rows(struct pen_rows *rows, struct pen_counters *sum)
-{
-    while (pen_db_next(rows))
-        add_counters(sum, pen_db_text(rows, 0));
     return pen_db_done(rows);
 }
 
-static bool add_gone(struct pen_store *store, struct pen_counters *sum, struct pen_status *st)
+/* Moves what this process has counted to the sums, which stay when it ends. */
+static bool move_counters(struct pen_store *store, const struct pen_counters *own,
+                          struct pen_status *st)
 {
-    return add_rows(
-        pen_db_rows(store->db, st, "SELECT value FROM meta WHERE name = 'counters'", ""), sum);
+    struct pen_counters sum = *own;
+    struct pen_buf text = {0};
+    if (!add_sums(store, &sum, st))
+        return false;
+    for (int i = 0; i < PEN_COUNTERS; i++) {
+        pen_buf_number(&text, sum.count[i]);
+        pen_buf_puts(&text, " ");
+    }
+    const bool ok = text.failed ? pen_fail(st, PEN_NO_MEMORY, "no memory for counters")
+                                : pen_meta_put(store, "counters", (const char *)text.data, st);
+    pen_buf_release(&text);
+    return ok;
 }
 
 bool pen_store_counters(struct pen_store *store, struct pen_counters *counters,
                         struct pen_status *st)
 {
+    pen_counters_own(counters);
+    return add_sums(store, counters, st);
+}
+
+static bool write_seen(struct pen_store *store, const struct pen_worker_new *worker,
+                       struct pen_status *st)
+{
     struct process own;
     this_process(&own);
-    if (!pen_db_begin(store->db, PEN_DB_READ, st))
-        return false;
-    pen_counters_own(counters);
-    return pen_db_end(store->db,
-                      add_gone(store, counters, st) &&
-                          add_rows(pen_db_rows(store->db, st,
-                                               "SELECT counters FROM worker WHERE NOT (pid = $1 "
-                                               "AND start = $2 AND host = $3)",
-                                               "iit", own.pid, own.start, own.host),
-                                   counters),
-                      st);
+    return pen_db_run(
+        store->db, st, NULL,
+        "INSERT INTO worker (id, host, boot, pid, start, supervisor, supervisor_start, threads, "
+        "rays_per_s, lease_ms, started_ms, seen_ms) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, "
+        "$10, (SELECT now_ms()), (SELECT now_ms())) ON CONFLICT (id) DO UPDATE SET "
+        "rays_per_s = excluded.rays_per_s, lease_ms = excluded.lease_ms, "
+        "threads = excluded.threads, seen_ms = excluded.seen_ms",
+        "tttiiiiiii", worker->id, own.host, own.boot, own.pid, own.start,
+        (int64_t)worker->supervisor, worker->supervisor > 0 ? start_of(worker->supervisor) : 0,
+        (int64_t)worker->threads, worker->rays_per_s, worker->lease_ms);
 }
 
 bool pen_store_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
                            struct pen_status *st)
 {
-    struct pen_counters counters;
-    struct pen_buf text = {0};
-    struct process own;
-    this_process(&own);
-    pen_counters_own(&counters);
-    const bool ok =
-        write_counters(&counters, &text, st) && pen_db_begin(store->db, PEN_DB_PART, st) &&
-        pen_db_end(
-            store->db,
-            pen_db_run(
-                store->db, st, NULL,
-                "INSERT INTO worker (id, host, boot, pid, start, supervisor, "
-                "supervisor_start, threads, rays_per_s, lease_ms, started_ms, "
-                "seen_ms, counters) VALUES ($1, $2, $3, $4, $5, $10, $11, $6, $7, "
-                "$8, (SELECT now_ms()), (SELECT now_ms()), $9) ON CONFLICT (id) DO UPDATE SET "
-                "rays_per_s = excluded.rays_per_s, lease_ms = excluded.lease_ms, "
-                "threads = excluded.threads, seen_ms = excluded.seen_ms, "
-                "counters = excluded.counters",
-                "tttiiiiitii", worker->id, own.host, own.boot, own.pid, own.start,
-                (int64_t)worker->threads, worker->rays_per_s, worker->lease_ms,
-                (const char *)text.data, (int64_t)worker->supervisor,
-                worker->supervisor > 0 ? start_of(worker->supervisor) : 0),
-            st);
-    pen_buf_release(&text);
-    return ok;
-}
-
-/* What a worker has counted stays in the sums. Of this process it is more than its row tells. */
-static bool remove_worker(struct pen_store *store, const char *id, struct pen_status *st)
-{
-    struct pen_counters sum = {{0}};
-    struct pen_buf text = {0};
-    struct process own;
-    bool found = false;
-    this_process(&own);
-    if (!add_gone(store, &sum, st))
+    struct pen_counters own;
+    pen_counters_own(&own);
+    if (!pen_db_begin(store->db, PEN_DB_PART, st) ||
+        !pen_db_end(store->db, write_seen(store, worker, st) && move_counters(store, &own, st), st))
         return false;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st, "DELETE FROM worker WHERE id = $1 RETURNING counters, pid, start, host", "t",
-        id);
-    if (pen_db_next(rows)) {
-        found = true;
-        if (pen_db_int(rows, 1) != own.pid || pen_db_int(rows, 2) != own.start ||
-            strcmp(pen_db_text(rows, 3), own.host) != 0)
-            add_counters(&sum, pen_db_text(rows, 0));
-        else
-            found = false; /* this process tells itself, until it ends */
-    }
-    if (!pen_db_done(rows))
-        return false;
-    const bool ok = !found || (write_counters(&sum, &text, st) &&
-                               pen_db_run(store->db, st, NULL,
-                                          "INSERT INTO meta (name, value) VALUES ('counters', $1) "
-                                          "ON CONFLICT (name) DO UPDATE SET value = excluded.value",
-                                          "t", (const char *)text.data));
-    pen_buf_release(&text);
-    return ok;
+    pen_counters_take(&own);
+    return true;
 }
 
 bool pen_store_worker_gone(struct pen_store *store, const char *id, struct pen_status *st)
 {
-    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-           pen_db_end(store->db, remove_worker(store, id, st), st);
+    struct pen_counters own;
+    pen_counters_own(&own);
+    if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
+        !pen_db_end(store->db,
+                    pen_db_run(store->db, st, NULL, "DELETE FROM worker WHERE id = $1", "t", id) &&
+                        move_counters(store, &own, st),
+                    st))
+        return false;
+    pen_counters_take(&own);
+    return true;
 }
 
 /* Whether a process exists; `unknown` is the answer if its start was not known. */

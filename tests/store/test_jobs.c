@@ -59,7 +59,7 @@ START_TEST(test_jobs__lists_have_those_that_meet_all_conditions)
         &(struct pen_job_filter){
             .state = -1, .label_key = "show", .label_value = "one", .limit = 9},
         "21");
-    expect_list(&(struct pen_job_filter){.state = -1, .limit = 9, .text_bytes = 1}, "3");
+    expect_list(&(struct pen_job_filter){.state = -1, .limit = 9, .text_bytes = 1}, "32");
     store_bed_close(&bed);
 }
 END_TEST

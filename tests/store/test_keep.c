@@ -130,7 +130,7 @@ START_TEST(test_keep__progress_is_told_once_and_does_not_go_back)
     claim.work = PEN_WORK_ALL / 2;
     claim.spent_us = 3000;
     ck_assert(keep(&claim, 6, "six", &outranked));
-    expect_told(6, PEN_WORK_ALL / 2, 70, 3000);
+    expect_told(6, PEN_WORK_ALL / 10 * 6, 70, 3000); /* the share of its runs */
     store_must(pen_store_release(bed.store, &claim, &st), &st, "release");
     claim = store_claim(bed.store, "v");
     ck_assert_int_eq(claim.job_spent_us, 3000);
@@ -140,7 +140,7 @@ START_TEST(test_keep__progress_is_told_once_and_does_not_go_back)
     claim.work = PEN_WORK_ALL / 4;
     store_must(pen_store_heartbeat(bed.store, &claim, STORE_LEASE_MS, &held, &st), &st, "beat");
     ck_assert(held);
-    expect_told(6, PEN_WORK_ALL / 2, 80, 3500);
+    expect_told(6, PEN_WORK_ALL / 10 * 6, 80, 3500);
     claim.spent_us = 900;
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     expect_told(10, PEN_WORK_ALL, 80, 3900);

@@ -138,7 +138,7 @@ END_TEST
 START_TEST(test_order__a_new_client_waits_twice_for_each_other_one)
 {
     enum { CLIENTS = 7 };
-    char name[CLIENTS][8];
+    char name[CLIENTS][16];
     begin();
     for (int i = 0; i < CLIENTS; i++) {
         snprintf(name[i], sizeof name[i], "c%d", i);

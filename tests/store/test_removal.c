@@ -34,7 +34,7 @@ static struct pen_claim claim_job(struct store_job *in, int n)
 static void put_layers(const struct pen_claim *claim, int count, size_t bytes)
 {
     struct pen_status st;
-    char layer[16];
+    char layer[24];
     unsigned char *data = malloc(bytes);
     ck_assert_ptr_nonnull(data);
     for (int i = 0; i < count; i++) {

@@ -250,7 +250,47 @@ START_TEST(test_retention__unfinished_jobs_are_expected_to_take_half_of_the_limi
 }
 END_TEST
 
-PEN_SUITE("store retention", test_retention__by_number_after_a_minute_those_that_ended_first,
+/* A job that was refused for lack of space has two minutes to come again: until then retention
+ * makes room for it. */
+START_TEST(test_retention__makes_room_for_a_job_that_was_refused)
+{
+    enum { PIXELS = 20000, BYTES = 10 * PIXELS };
+    enum pen_submit_result result;
+    struct pen_buf answer = {0};
+    static const char picture[100000];
+    struct pen_counts counts;
+    begin(0);
+    store_must(pen_store_counts(bed.store, &counts, &st), &st, "counts");
+    ck_assert_int_le(counts.bytes, 320 << 10); /* what retention.c expects of an empty store */
+    store_job_init(&jobs[0], 1, 1, 1);
+    store_job_submit(bed.store, &jobs[0]);
+    const struct pen_claim claim = store_claim(bed.store, "w");
+    store_must(
+        pen_store_artefact_put(bed.store, &claim, "depth", "pfm", picture, sizeof picture, &st),
+        &st, "put");
+    ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
+    now_ms += 62000;
+    tidy();
+    store_must(pen_store_counts(bed.store, &counts, &st), &st, "counts");
+    keep(0, counts.bytes + BYTES - 1, 0);
+    store_job_init(&jobs[1], 2, 1, 1);
+    jobs[1].view[0].width = PIXELS;
+    jobs[1].view[0].height = 1;
+    for (int i = 0; i < 2; i++) {
+        ck_assert_int_eq(expire(0), 0);
+        ck_assert(!pen_store_submit(bed.store, &jobs[1].job, &result, &answer, &st));
+        ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
+        now_ms += i == 0 ? 121000 : 119000;
+    }
+    ck_assert_int_eq(expire(0), 1);
+    store_job_submit(bed.store, &jobs[1]);
+    pen_buf_release(&answer);
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("store retention", test_retention__makes_room_for_a_job_that_was_refused,
+          test_retention__by_number_after_a_minute_those_that_ended_first,
           test_retention__by_age_waits_a_day_after_the_clock_has_jumped,
           test_retention__by_age_those_that_ended_first,
           test_retention__by_bytes_those_that_ended_first_until_an_eighth_is_free,

@@ -281,7 +281,7 @@ START_TEST(test_sqlite_damage__a_check_ends_when_its_time_is_up)
     struct pen_status st;
     struct store_job in;
     bool finished;
-    char layer[16];
+    char layer[24];
     char *data = calloc(1, BYTES);
     faults_install(); /* its syncs are quick */
     store_bed_open(&bed);

@@ -79,7 +79,7 @@ static void read_statements(void)
     ck_assert_int_ge(count, LEAST);
 }
 
-/* What one of the engines refuses, or understands in another way (README.md). */
+/* What one of the engines refuses, or understands in another way (src/store/SQL.md). */
 static const struct {
     const char *pattern, *why;
 } refused[] = {

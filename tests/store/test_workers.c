@@ -84,5 +84,39 @@ START_TEST(test_workers__whose_process_is_gone_give_batches_and_counters_back)
 }
 END_TEST
 
-PEN_SUITE("store workers", test_workers__are_listed_with_each_batch_that_they_hold,
+/* A worker that is told to stop leaves the list and its numbers. */
+START_TEST(test_workers__that_leave_have_their_counters_stay)
+{
+    struct pen_counters counters;
+    struct pen_status st;
+    store_bed_open(&bed);
+    pen_store_close(bed.store);
+    for (int i = 0; i < 2; i++) {
+        const pid_t child = fork();
+        ck_assert_int_ge(child, 0);
+        if (child == 0) {
+            store_bed_open(&bed);
+            store_worker_seen(bed.store, "v");
+            pen_store_count(PEN_COUNT_RAYS, 7);
+            store_worker_seen(bed.store, "v");
+            pen_store_count(PEN_COUNT_RAYS, 5);
+            store_must(pen_store_worker_gone(bed.store, "v", &st), &st, "gone");
+            store_must(pen_store_counters(bed.store, &counters, &st), &st, "counters");
+            _exit((int)counters.count[PEN_COUNT_RAYS]);
+        }
+        int status;
+        ck_assert_int_eq(waitpid(child, &status, 0), child);
+        ck_assert_int_eq(WEXITSTATUS(status), 12 * (i + 1));
+    }
+    store_bed_open(&bed);
+    expect_held(0, 0);
+    pen_store_count(PEN_COUNT_RAYS, 1);
+    store_must(pen_store_counters(bed.store, &counters, &st), &st, "counters");
+    ck_assert_uint_eq(counters.count[PEN_COUNT_RAYS], 25);
+    store_bed_close(&bed);
+}
+END_TEST
+
+PEN_SUITE("store workers", test_workers__that_leave_have_their_counters_stay,
+          test_workers__are_listed_with_each_batch_that_they_hold,
           test_workers__whose_process_is_gone_give_batches_and_counters_back)

@@ -7,7 +7,8 @@
 
 void pen_timing_add(enum pen_timing timing, int64_t us);
 
-/* What this process has counted. */
+/* What this process has counted, and takes some of it away. */
 void pen_counters_own(struct pen_counters *counters);
+void pen_counters_take(const struct pen_counters *counters);
 
 #endif

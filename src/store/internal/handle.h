@@ -17,6 +17,9 @@ struct pen_store {
 /* The compressor of scene documents. Fails: NULL with PEN_NO_MEMORY. */
 struct pen_compressor *pen_store_documents(struct pen_store *store, struct pen_status *st);
 
+/* Ends a write; if it is committed, wakes those who wait for changes. */
+bool pen_write_end(struct pen_store *store, bool ok, struct pen_status *st);
+
 /* Every write about a job locks its row first, then views, then batches. The lock moves the job's
  * elapsed time on to now. All within a transaction. */
 
