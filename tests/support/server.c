@@ -63,6 +63,9 @@ void server_start(struct server *server, const struct server_options *options)
                                     .cors = options->cors};
     if (options->body_bytes)
         http.limits.body_bytes = options->body_bytes;
+    struct pen_store *made = pen_store_open(server->store, true, &st);
+    ck_assert_msg(made != NULL, "%s", st.msg);
+    pen_store_close(made);
     server->http = pen_http_start(&http, &st);
     ck_assert_msg(server->http != NULL, "%s", st.msg);
     ck_assert_msg(pen_http_open(server->http, &http, &st), "%s", st.msg);

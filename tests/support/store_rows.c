@@ -1,17 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/store_rows.h"
 
-#include <check.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "store/db.h"
+
+/* Ends the process: the crash test has no suite that could take a failure. */
+static _Noreturn void fail(const char *what, const char *of, const struct pen_status *st)
+{
+    fprintf(stderr, "%s: %s: %s\n", what, of, st->msg);
+    abort();
+}
 
 static struct pen_db *open_db(const char *url)
 {
     struct pen_status st;
     struct pen_db *db = pen_db_open(url, false, &st);
     if (!db || !pen_db_begin(db, PEN_DB_READ, &st))
-        ck_abort_msg("rows of %s: %s", url, st.msg);
+        fail("rows of a store", url, &st);
     return db;
 }
 
@@ -42,7 +49,8 @@ int store_batches(const char *url, const char *id, struct store_batch *batch, in
                                             .first_tile = (int)pen_db_int(rows, 5),
                                             .tile_count = (int)pen_db_int(rows, 6),
                                             .alone = pen_db_int(rows, 7) != 0};
-    ck_assert_msg(pen_db_done(rows), "%s", st.msg);
+    if (!pen_db_done(rows))
+        fail("batches", url, &st);
     close_db(db);
     return count;
 }
@@ -52,7 +60,8 @@ int64_t store_value(const char *url, const char *sql)
     struct pen_db *db = open_db(url);
     struct pen_status st;
     int64_t value;
-    ck_assert_msg(pen_db_value(db, &st, &value, sql, ""), "%s: %s", sql, st.msg);
+    if (!pen_db_value(db, &st, &value, sql, ""))
+        fail("a value", sql, &st);
     close_db(db);
     return value;
 }
@@ -64,7 +73,8 @@ void store_change(const char *url, const char *sql, const void *blob, size_t byt
     const bool ok =
         db && pen_db_begin(db, PEN_DB_WRITE, &st) &&
         pen_db_end(db, pen_db_run(db, &st, NULL, sql, blob ? "b" : "", blob, bytes), &st);
-    ck_assert_msg(ok, "%s: %s", sql, st.msg);
+    if (!ok)
+        fail("a statement", sql, &st);
     pen_db_close(db);
 }
 
@@ -100,7 +110,8 @@ static const struct {
      "SELECT j.number FROM job j WHERE j.done_pixels > j.total_pixels"},
     {"a job whose work is not that of its batches",
      "SELECT j.number FROM job j WHERE j.removed_ms = 0 AND j.work <>"
-     " (SELECT CAST(coalesce(sum(b.work), 0) AS BIGINT) FROM batch b WHERE b.job = j.number)"},
+     " (SELECT CAST(CASE WHEN sum(b.work) > 1000000000 THEN 1000000000"
+     " ELSE coalesce(sum(b.work), 0) END AS BIGINT) FROM batch b WHERE b.job = j.number)"},
     {"a job whose times do not fit its state",
      "SELECT j.number FROM job j WHERE (j.state >= 2) <> (j.finished_ms > 0)"
      " OR (j.state = 1 AND j.started_ms = 0)"},
@@ -130,7 +141,8 @@ int store_contradictions(const char *url)
         for (; pen_db_next(rows); found++)
             fprintf(stderr, "%s: %lld\n", contradictions[i].sentence,
                     (long long)pen_db_int(rows, 0));
-        ck_assert_msg(pen_db_done(rows), "%s: %s", contradictions[i].sentence, st.msg);
+        if (!pen_db_done(rows))
+            fail("contradictions", contradictions[i].sentence, &st);
     }
     close_db(db);
     return found;
