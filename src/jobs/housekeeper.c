@@ -75,7 +75,7 @@ static bool do_slice(struct pen_housekeeper *keeper)
     struct pen_status st;
     bool more = false;
     const bool expired = expire_jobs(keeper);
-    if (!pen_store_tidy(keeper->store, &more, &st))
+    if (!pen_store_purge(keeper->store, &more, &st))
         return note_failure(keeper, &st);
     return expired || more;
 }

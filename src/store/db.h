@@ -94,12 +94,12 @@ void pen_db_wake(struct pen_db *db);
 bool pen_db_space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_status *st);
 
 /* After a write that found the disk full: removes the reserve, so that a cancel or a delete finds
- * room. False if there is none. It is made again by pen_db_tidy once there is space. */
+ * room. False if there is none. It is made again by pen_db_maintain once there is space. */
 bool pen_db_give_reserve(struct pen_db *db);
 
 /* A little housekeeping of the engine: gives at most `bytes` of free space back to the file system,
  * makes the reserve again, and empties a log that has become long. *more: there is more to do. */
-bool pen_db_tidy(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st);
+bool pen_db_maintain(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st);
 
 /* Looks for damage, for at most limit_ms (0: as long as it takes). *finished: it came to the end.
  * Fails: PEN_STORAGE with what is damaged. */

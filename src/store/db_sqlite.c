@@ -388,7 +388,7 @@ static bool is_log_long(const struct pen_db *db)
     return stat(path, &info) == 0 && info.st_size > LOG_BYTES;
 }
 
-bool pen_db_tidy(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st)
+bool pen_db_maintain(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st)
 {
     const int64_t most = bytes / PEN_SQLITE_PAGE;
     int64_t pages, unused, left = 0;

@@ -200,7 +200,7 @@ bool pen_store_cancel(struct pen_store *store, const char *id, const char *clien
 
 /* Removes an ended job. Only `stats`, a text, stays readable, by pen_store_removed_stats (NULL:
  * nothing; of a job that was removed before, the text is dropped). Space is freed later, by
- * pen_store_tidy. Fails: PEN_NOT_FOUND, PEN_GONE (it was removed, and there is no text to drop),
+ * pen_store_purge. Fails: PEN_NOT_FOUND, PEN_GONE (it was removed, and there is no text to drop),
  * PEN_FORBIDDEN, PEN_CONFLICT (it has not ended). */
 bool pen_store_delete(struct pen_store *store, const char *id, const char *client,
                       const char *stats, struct pen_status *st);

@@ -160,19 +160,6 @@ bool pen_object_find(struct pen_store *store, const struct pen_object_owner *own
                         owner->batch);
 }
 
-bool pen_object_read(struct pen_store *store, const struct pen_object_owner *owner,
-                     struct pen_buf *out, struct pen_status *st)
-{
-    int64_t number;
-    if (!pen_db_begin(store->db, PEN_DB_READ, st))
-        return false;
-    const bool ok =
-        pen_object_find(store, owner, &number, st) &&
-        (number > 0 || pen_fail(st, PEN_NOT_FOUND, "there is no %s of this name", owner->layer)) &&
-        pen_object_read_row(store, number, out, st);
-    return pen_db_end(store->db, ok, st);
-}
-
 bool pen_scene_find(struct pen_store *store, const unsigned char sha256[32], int64_t *number,
                     struct pen_status *st)
 {

@@ -5,7 +5,7 @@
  *  - Retention removes ended jobs, those that ended first before others, and none in the minute
  *    after its end, in which its client fetches the results, unless the store holds more than
  *    keep_bytes. Its limits are the store's. An end in the future, by a clock that was ahead,
- *    becomes the time at which housekeeping finds it (tidy.c).
+ *    becomes the time at which housekeeping finds it (purge.c).
  *  - By bytes it begins an eighth below keep_bytes, or where unfinished jobs and a job that was
  *    refused in the last two minutes need the space. It waits while space of removed jobs is still
  *    to become free.
@@ -209,12 +209,12 @@ static bool find_excess(struct pen_store *store, int64_t now_ms, bool *any, bool
     return true;
 }
 
-/* By age nothing goes for a day after the clock has jumped ahead (tidy.c notes that). */
+/* By age nothing goes for a day after the clock has jumped ahead (purge.c notes that). */
 bool pen_ages_wait(struct pen_store *store, int64_t now_ms, bool *wait, struct pen_status *st)
 {
     int64_t from_ms, last_ms;
     if (!pen_meta_get(store, "ages_from_ms", &from_ms, st) ||
-        !pen_meta_get(store, "tidied_ms", &last_ms, st))
+        !pen_meta_get(store, "purged_ms", &last_ms, st))
         return false;
     *wait = (from_ms > now_ms && from_ms - now_ms <= DAY_MS) ||
             (last_ms > 0 && now_ms - last_ms > DAY_MS);

@@ -87,7 +87,7 @@ bool pen_store_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *fou
  * jobs and of objects that nothing uses, cached artefacts beyond their share, scenes without a job,
  * old keys, statistics and workers, free space for the file system. *more is false if there was
  * nothing to do. One process at a time does it; a caller pauses between slices. */
-bool pen_store_tidy(struct pen_store *store, bool *more, struct pen_status *st);
+bool pen_store_purge(struct pen_store *store, bool *more, struct pen_status *st);
 
 struct pen_backup {
     const atomic_bool *stop; /* given: ends the call when it becomes true; NULL: never */

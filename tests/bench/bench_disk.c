@@ -135,7 +135,7 @@ static void remove_all(struct pen_store *store)
     printf("delete answered after %.1f ms\n", seconds_since(begun_ns) * 1e3);
     for (begun_ns = pen_clock_ns(); more; slices++) {
         int64_t slice_ns = pen_clock_ns();
-        must(pen_store_tidy(store, &more, &st), &st, "slice");
+        must(pen_store_purge(store, &more, &st), &st, "slice");
         int64_t took_ns = pen_clock_ns() - slice_ns;
         longest_ms = (double)took_ns * 1e-6 > longest_ms ? (double)took_ns * 1e-6 : longest_ms;
         const struct timespec pause = {.tv_nsec = took_ns < 5000000     ? 5000000

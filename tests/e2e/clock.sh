@@ -29,7 +29,7 @@ began() {
     call "$job"
     [ "$(body .state)" = running ]
 }
-within noted tidied_ms || not_ok housekeeping "there was none"
+within noted purged_ms || not_ok housekeeping "there was none"
 begun=$(date +%s)
 submit '{"scene": "builtin:gloss", "render": {"width": 120, "height": 90, "samples_per_pixel": 16}}'
 within began || not_ok job-begins "it is $(body .state)"

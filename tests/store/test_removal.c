@@ -298,7 +298,7 @@ static void die_in_between(const char *id, int slices)
         struct pen_store *store = store_bed_handle(&bed);
         ok = pen_store_delete(store, id, NULL, "{}", &st);
         for (int i = 0; ok && i < slices; i++)
-            ok = pen_store_tidy(store, &more, &st);
+            ok = pen_store_purge(store, &more, &st);
         raise(ok ? SIGKILL : SIGTERM);
     }
     int status;
@@ -329,23 +329,23 @@ START_TEST(test_removal__goes_on_after_a_kill)
 }
 END_TEST
 
-static atomic_bool tidied;
+static atomic_bool purged;
 
 /* Pauses after a slice for as long as that took, as the housekeeper does. */
-static void *tidy_on(void *arg)
+static void *purge_on(void *arg)
 {
     int64_t *longest_ns = arg;
     struct pen_status st;
     struct pen_store *store = store_bed_handle(&bed);
     for (bool more = true; more;) {
         const int64_t begun_ns = pen_clock_ns();
-        store_must(pen_store_tidy(store, &more, &st), &st, "slice");
+        store_must(pen_store_purge(store, &more, &st), &st, "slice");
         const int64_t took_ns = pen_clock_ns() - begun_ns;
         *longest_ns = took_ns > *longest_ns ? took_ns : *longest_ns;
         usleep((useconds_t)(took_ns / 1000) + 1000);
     }
     pen_store_close(store);
-    atomic_store(&tidied, true);
+    atomic_store(&purged, true);
     return NULL;
 }
 
@@ -360,8 +360,8 @@ START_TEST(test_removal__of_a_gigabyte_holds_no_submit_for_a_tenth_of_a_second)
     store_bed_open(&bed);
     finish_job(&in, 0, LAYERS, BYTES);
     store_must(pen_store_delete(bed.store, in.id, NULL, NULL, &st), &st, "delete");
-    ck_assert_int_eq(pthread_create(&thread, NULL, tidy_on, &slice_ns), 0);
-    for (; !atomic_load(&tidied); submits++) {
+    ck_assert_int_eq(pthread_create(&thread, NULL, purge_on, &slice_ns), 0);
+    for (; !atomic_load(&purged); submits++) {
         store_job_init(&small, submits + 1, 1, 1);
         const int64_t begun_ns = pen_clock_ns();
         store_job_submit(bed.store, &small);

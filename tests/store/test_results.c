@@ -159,7 +159,7 @@ START_TEST(test_results__slices_remove_a_deleted_job_and_give_its_space_back)
     store_must(pen_store_counts(bed.store, &full, &st), &st, "counts");
     store_must(pen_store_delete(bed.store, job.id, NULL, "{}", &st), &st, "delete");
     while (more && slices++ < 1000)
-        store_must(pen_store_tidy(bed.store, &more, &st), &st, "tidy");
+        store_must(pen_store_purge(bed.store, &more, &st), &st, "purge");
     ck_assert_int_gt(slices, 6); /* 20 MiB in slices of 4 */
     ck_assert_int_lt(slices, 60);
     store_must(pen_store_counts(bed.store, &after, &st), &st, "counts");

@@ -33,11 +33,11 @@ static void keep(int64_t keep_ms, int64_t keep_bytes, int64_t keep_jobs)
     store_must(pen_store_set_retention(bed.store, &limits, &st), &st, "limits");
 }
 
-static void tidy(void)
+static void purge(void)
 {
     bool more = true;
     while (more)
-        store_must(pen_store_tidy(bed.store, &more, &st), &st, "tidy");
+        store_must(pen_store_purge(bed.store, &more, &st), &st, "purge");
 }
 
 /* Removes what is expired; returns how many, and expects the oldest ends first. */
@@ -52,7 +52,7 @@ static int expire(int first)
             break;
         ck_assert_str_eq(id, jobs[first + count++].id);
         store_must(pen_store_delete(bed.store, id, NULL, "{}", &st), &st, "delete");
-        tidy();
+        purge();
     }
     return count;
 }
@@ -72,13 +72,13 @@ START_TEST(test_retention__by_age_waits_a_day_after_the_clock_has_jumped)
 {
     begin(2);
     keep(day_ms / 2, 0, 0);
-    tidy();
+    purge();
     now_ms += day_ms * 3;
     ck_assert_int_eq(expire(0), 0);
-    tidy();
+    purge();
     ck_assert_int_eq(expire(0), 0);
     now_ms += day_ms - 1000;
-    tidy();
+    purge();
     ck_assert_int_eq(expire(0), 0);
     now_ms += 2000;
     ck_assert_int_eq(expire(0), 2);
@@ -137,7 +137,7 @@ START_TEST(test_retention__by_age_those_that_ended_first)
     begin(4); /* they end a second after another */
     keep(day_ms, 0, 0);
     for (int i = 0; i < 4; i++) { /* a jump of more than a day would let ages wait */
-        tidy();
+        purge();
         now_ms += day_ms / 4;
     }
     now_ms -= 1999;
@@ -188,7 +188,7 @@ START_TEST(test_retention__never_removes_a_job_that_has_not_ended)
     store_job_submit(bed.store, &jobs[1]);
     keep(1, 1, 1);
     now_ms += day_ms / 2;
-    tidy();
+    purge();
     ck_assert_int_eq(expire(0), 1);
     ck_assert_int_eq(store_job_state(bed.store, jobs[1].id), PEN_JOB_QUEUED);
     store_bed_close(&bed);
@@ -207,7 +207,7 @@ START_TEST(test_retention__an_end_in_the_future_counts_as_now)
     }
     now_ms -= 365 * day_ms;
     keep(0, 0, 1);
-    tidy();
+    purge();
     now_ms += 10000;
     store_job_init(&jobs[3], 4, 1, 1);
     store_job_submit(bed.store, &jobs[3]);
@@ -270,7 +270,7 @@ START_TEST(test_retention__makes_room_for_a_job_that_was_refused)
         &st, "put");
     ck_assert_int_eq(store_commit(bed.store, &claim), PEN_OK);
     now_ms += 62000;
-    tidy();
+    purge();
     store_must(pen_store_counts(bed.store, &counts, &st), &st, "counts");
     keep(0, counts.bytes + BYTES - 1, 0);
     store_job_init(&jobs[1], 2, 1, 1);

@@ -171,13 +171,13 @@ static bool work_picture(struct pen_status *st)
 }
 
 /* The rows of a job go after it was deleted. */
-static bool work_tidy(struct pen_status *st)
+static bool work_purge(struct pen_status *st)
 {
     bool more = true;
     if (!work_delete(st) && st->code != PEN_GONE)
         return false;
     while (more) {
-        if (!pen_store_tidy(disk.bed.store, &more, st))
+        if (!pen_store_purge(disk.bed.store, &more, st))
             return false;
     }
     return true;
@@ -208,7 +208,7 @@ static const struct scenario {
     {"fail", work_fail, PEN_STALE, false},
     {"release", work_release, PEN_OK, false},
     {"worker ended", work_worker_ended, PEN_OK, false},
-    {"tidy", work_tidy, PEN_OK, true},
+    {"purge", work_purge, PEN_OK, true},
     {"open", work_open, PEN_OK, false},
 };
 enum { SCENARIOS = (int)(sizeof scenarios / sizeof scenarios[0]) };

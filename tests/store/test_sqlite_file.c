@@ -101,7 +101,7 @@ START_TEST(test_sqlite_file__folders_are_made_and_all_is_private)
     struct pen_store *store = pen_store_open(url, true, &st);
     bool more;
     store_must(store != NULL, &st, "open");
-    store_must(pen_store_tidy(store, &more, &st), &st, "tidy"); /* makes the reserve */
+    store_must(pen_store_purge(store, &more, &st), &st, "purge"); /* makes the reserve */
     static const char *const names[] = {"", "-wal", "-shm", "-reserve"};
     struct stat info;
     for (int i = 0; i < 4; i++) {
@@ -240,7 +240,7 @@ START_TEST(test_sqlite_file__log_stays_bounded_with_readers_all_the_time)
         store_job_init(&in, i, 1, 1);
         store_job_submit(bed.store, &in);
         if (i % 100 == 0)
-            store_must(pen_store_tidy(bed.store, &more, &st), &st, "tidy");
+            store_must(pen_store_purge(bed.store, &more, &st), &st, "purge");
         if (file_bytes("-wal") > largest)
             largest = file_bytes("-wal");
     }

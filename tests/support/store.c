@@ -205,7 +205,7 @@ int store_purge_slices(struct pen_store *store)
     struct pen_status st;
     int slices = 0;
     for (bool more = true; more; slices += more)
-        store_must(pen_store_tidy(store, &more, &st), &st, "slice");
+        store_must(pen_store_purge(store, &more, &st), &st, "slice");
     return slices;
 }
 

@@ -11,7 +11,6 @@ struct pen_store {
     struct pen_db *db;
     struct pen_compressor *documents; /* made by pen_store_documents */
     struct pen_pixels *pixels;        /* made when the first ones are encoded */
-    int64_t tidied_ms;                /* when pen_store_tidy last did what it does seldom */
 };
 
 /* The compressor of scene documents. Fails: NULL with PEN_NO_MEMORY. */

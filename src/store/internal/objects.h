@@ -2,7 +2,7 @@
 /* Values of any length: pixels of a batch, pictures, layers, reports, what a batch keeps, scene
  * documents. An object is `loading` while its parts are written, `used` when a transaction has made
  * it a value of its owner, and `gone` when it has been replaced or dropped. Parts of gone objects,
- * and of loading ones that nobody touches any more, are removed in slices (tidy.c). */
+ * and of loading ones that nobody touches any more, are removed in slices (purge.c). */
 #ifndef PEN_STORE_INTERNAL_OBJECTS_H
 #define PEN_STORE_INTERNAL_OBJECTS_H
 
@@ -37,13 +37,8 @@ bool pen_object_use(struct pen_store *store, const struct pen_object_owner *owne
 bool pen_objects_drop(struct pen_store *store, int64_t job, int view, const char *prefix,
                       struct pen_status *st);
 
-/* Appends the owner's value; its checksum is checked. `attempt` and `cached` do not count. Begins a
- * transaction of its own. Fails: PEN_NOT_FOUND; PEN_STORAGE (damaged). */
-bool pen_object_read(struct pen_store *store, const struct pen_object_owner *owner,
-                     struct pen_buf *out, struct pen_status *st);
-
-/* Within a transaction: the owner's object, 0: there is none; and appends the value of an object.
- */
+/* Within a transaction: the owner's object, 0: there is none; and appends the value of an object,
+ * whose checksum is checked. Fails: PEN_STORAGE (damaged). */
 bool pen_object_find(struct pen_store *store, const struct pen_object_owner *owner, int64_t *number,
                      struct pen_status *st);
 bool pen_object_read_row(struct pen_store *store, int64_t number, struct pen_buf *out,

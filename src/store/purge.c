@@ -158,13 +158,13 @@ static bool do_seldom(struct pen_store *store, int64_t *changed, struct pen_stat
 {
     int64_t now_ms, last_ms, collected = 0, dropped = 0;
     bool wait;
-    if (!pen_db_now(store->db, &now_ms, st) || !pen_meta_get(store, "tidied_ms", &last_ms, st))
+    if (!pen_db_now(store->db, &now_ms, st) || !pen_meta_get(store, "purged_ms", &last_ms, st))
         return false;
     if (last_ms <= now_ms && now_ms - last_ms < SELDOM_MS)
         return true;
     const bool ok = (last_ms == 0 || now_ms - last_ms <= DAY_MS ||
                      pen_meta_set(store, "ages_from_ms", now_ms + DAY_MS, st)) &&
-                    pen_meta_set(store, "tidied_ms", now_ms, st) && end_futures(store, st) &&
+                    pen_meta_set(store, "purged_ms", now_ms, st) && end_futures(store, st) &&
                     pen_ages_wait(store, now_ms, &wait, st) &&
                     (wait || remove_old(store, now_ms, st)) &&
                     collect_loading(store, &collected, st) && trim_stats(store, st) &&
@@ -175,7 +175,7 @@ static bool do_seldom(struct pen_store *store, int64_t *changed, struct pen_stat
 
 static bool slice(struct pen_store *store, int64_t *changed, struct pen_status *st)
 {
-    return pen_meta_set(store, "tidy", 0, st) && remove_gone(store, changed, st) &&
+    return pen_meta_set(store, "purge", 0, st) && remove_gone(store, changed, st) &&
            (*changed > 0 || shrink_job(store, changed, st)) && do_seldom(store, changed, st);
 }
 
@@ -185,12 +185,12 @@ static bool has_work(struct pen_store *store, int64_t *work, struct pen_status *
     return pen_db_value(store->db, st, work,
                         "SELECT 1 WHERE EXISTS (SELECT 1 FROM job WHERE removed_ms > 0) OR "
                         "EXISTS (SELECT 1 FROM object WHERE state = 2) OR NOT EXISTS "
-                        "(SELECT 1 FROM meta WHERE name = 'tidied_ms' AND CAST(value AS BIGINT) "
+                        "(SELECT 1 FROM meta WHERE name = 'purged_ms' AND CAST(value AS BIGINT) "
                         "BETWEEN (SELECT now_ms()) - $1 AND (SELECT now_ms()))",
                         "i", (int64_t)SELDOM_MS);
 }
 
-bool pen_store_tidy(struct pen_store *store, bool *more, struct pen_status *st)
+bool pen_store_purge(struct pen_store *store, bool *more, struct pen_status *st)
 {
     int64_t changed = 0, work;
     *more = false;
@@ -200,5 +200,5 @@ bool pen_store_tidy(struct pen_store *store, bool *more, struct pen_status *st)
                  !pen_db_end(store->db, slice(store, &changed, st), st)))
         return false;
     *more = changed > 0;
-    return *more || pen_db_tidy(store->db, SLICE_BYTES, more, st);
+    return *more || pen_db_maintain(store->db, SLICE_BYTES, more, st);
 }
