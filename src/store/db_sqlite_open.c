@@ -322,5 +322,9 @@ bool pen_db_check(struct pen_db *db, int limit_ms, bool *finished, struct pen_st
     if (rc == SQLITE_OK || rc == SQLITE_INTERRUPT)
         return true;
     pen_sqlite_fail(db, rc, st);
-    return pen_fail(st, st->code, "%s is damaged: %s", db->path, text);
+    if (rc == SQLITE_CORRUPT) {
+        pen_fail(st, PEN_STORAGE, "%s is damaged: %s", db->path, text);
+        db->broken = *st;
+    }
+    return false;
 }
