@@ -278,7 +278,11 @@ struct limit {
 static void *interrupt_late(void *user)
 {
     struct limit *limit = user;
-    if (sem_clockwait(&limit->ended, CLOCK_MONOTONIC, &limit->until) != 0)
+    int rc;
+    do
+        rc = sem_clockwait(&limit->ended, CLOCK_MONOTONIC, &limit->until);
+    while (rc != 0 && errno == EINTR);
+    if (rc != 0)
         sqlite3_interrupt(limit->sqlite);
     return NULL;
 }
