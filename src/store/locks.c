@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What writes about jobs share: the locks of a job and of a claim's batch, and the changes that
  * several rules make under them. */
-#include "store/internal/handle.h"
+#include "store/internal/objects.h"
 
 /* A job's elapsed time at this moment ($2: the boot, $3: its clock in us). Within one boot nobody
  * sets that clock; else the difference of the store's clock, if it has not been set back. */
@@ -81,7 +81,8 @@ bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state,
            pen_db_run(
                store->db, st, NULL,
                "UPDATE batch SET state = 3, worker = NULL WHERE job = $1 AND state IN (0, 1)", "i",
-               job);
+               job) &&
+           pen_objects_drop(store, job, -2, "kept:", st);
 }
 
 static bool lock_batch(struct pen_store *store, const struct pen_claim *claim,
