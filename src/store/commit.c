@@ -158,10 +158,11 @@ static bool end_view(struct pen_store *store, const struct commit *commit, struc
         return pen_fail(st, PEN_INTERNAL,
                         "the batch that ends a view was committed without its picture or report");
     return pen_objects_drop(store, commit->batch.job, (int)commit->batch.view, "kept:", st) &&
-           pen_db_value(store->db, st, &open,
-                        "UPDATE job SET open_views = open_views - 1 WHERE number = $1 "
-                        "RETURNING open_views",
-                        "i", commit->batch.job) &&
+           pen_db_run(store->db, st, NULL,
+                      "UPDATE job SET open_views = open_views - 1 WHERE number = $1", "i",
+                      commit->batch.job) &&
+           pen_db_value(store->db, st, &open, "SELECT open_views FROM job WHERE number = $1", "i",
+                        commit->batch.job) &&
            (open > 0 || pen_job_end(store, commit->batch.job, PEN_JOB_SUCCEEDED, NULL, st));
 }
 
@@ -169,11 +170,13 @@ static bool end_view(struct pen_store *store, const struct commit *commit, struc
 static bool count_off(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
     int64_t batches = 0, open = 0;
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "UPDATE view SET open_batches = open_batches - 1 WHERE job = $1 AND view = $2 "
-                    "RETURNING batches, open_batches",
-                    "ii", commit->batch.job, commit->batch.view);
+    if (!pen_db_run(store->db, st, NULL,
+                    "UPDATE view SET open_batches = open_batches - 1 WHERE job = $1 AND view = $2",
+                    "ii", commit->batch.job, commit->batch.view))
+        return false;
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st, "SELECT batches, open_batches FROM view WHERE job = $1 AND view = $2", "ii",
+        commit->batch.job, commit->batch.view);
     if (pen_db_next(rows)) {
         batches = pen_db_int(rows, 0);
         open = pen_db_int(rows, 1);

@@ -46,11 +46,14 @@ bool pen_job_number(struct pen_store *store, const char *id, int64_t *number, in
 bool pen_job_lock(struct pen_store *store, int64_t job, int64_t *state, struct pen_status *st)
 {
     const struct pen_moment now = pen_clock_moment();
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st, "UPDATE job SET " MOVE_ON " WHERE number = $1 RETURNING state",
-                    "iii", job, now.boot, now.us);
-    *state = pen_db_next(rows) ? pen_db_int(rows, 0) : -1;
-    return pen_db_done(rows);
+    int64_t found;
+    if (!pen_db_run(store->db, st, &found, "UPDATE job SET " MOVE_ON " WHERE number = $1", "iii",
+                    job, now.boot, now.us) ||
+        !pen_db_value(store->db, st, state, "SELECT state FROM job WHERE number = $1", "i", job))
+        return false;
+    if (found == 0)
+        *state = -1;
+    return true;
 }
 
 bool pen_job_start(struct pen_store *store, int64_t job, struct pen_status *st)
@@ -85,15 +88,15 @@ bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state,
            pen_objects_drop(store, job, -2, "kept:", st);
 }
 
-static bool lock_batch(struct pen_store *store, const struct pen_claim *claim,
+/* The job's lock suffices: without it, others change open batches alone. */
+static bool read_batch(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_batch *batch, struct pen_status *st)
 {
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "UPDATE batch SET attempt = attempt WHERE number = $1 RETURNING kind, first_tile, "
-        "tile_count, pixels, told_pixels, work, state, attempt, lease_ms, claimed_ms, spent_us, "
-        "view",
-        "i", claim->batch);
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT kind, first_tile, tile_count, pixels, told_pixels, work, state, "
+                    "attempt, lease_ms, claimed_ms, spent_us, view FROM batch WHERE number = $1",
+                    "i", claim->batch);
     if (pen_db_next(rows)) {
         batch->kind = pen_db_int(rows, 0);
         batch->first_tile = pen_db_int(rows, 1);
@@ -132,7 +135,7 @@ bool pen_claim_lock(struct pen_store *store, const struct pen_claim *claim, stru
     *batch = (struct pen_batch){.number = claim->batch};
     if (!pen_db_value(store->db, st, &batch->job, "SELECT job FROM batch WHERE number = $1", "i",
                       claim->batch) ||
-        !pen_job_lock(store, batch->job, &state, st) || !lock_batch(store, claim, batch, st))
+        !pen_job_lock(store, batch->job, &state, st) || !read_batch(store, claim, batch, st))
         return false;
     return !batch->held || ((state != PEN_JOB_QUEUED || pen_job_start(store, batch->job, st)) &&
                             add_time(store, claim, batch, st));

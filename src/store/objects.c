@@ -9,16 +9,24 @@ static bool gone_meanwhile(struct pen_status *st)
     return pen_fail(st, PEN_UNAVAILABLE, "a value that was being written was removed meanwhile");
 }
 
+#define ADD_OBJECT                                                                                 \
+    "INSERT INTO object (job, view, batch, attempt, layer, format, state, bytes, checksum, "       \
+    "touched_ms, cached, used_ms) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, "                    \
+    "(SELECT now_ms()), $10, (SELECT now_ms()))"
+
+/* The number of a value in use is found by its owner, which costs SQLite less than RETURNING. */
 static bool add_object(struct pen_store *store, const struct pen_object_owner *owner, int64_t state,
                        const void *data, size_t bytes, int64_t *number, struct pen_status *st)
 {
-    return pen_db_value(
-        store->db, st, number,
-        "INSERT INTO object (job, view, batch, attempt, layer, format, state, bytes, checksum, "
-        "touched_ms, cached, used_ms) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, "
-        "(SELECT now_ms()), $10, (SELECT now_ms())) RETURNING number",
-        "iiiittiiii", owner->job, (int64_t)owner->view, owner->batch, owner->attempt, owner->layer,
-        owner->format, state, (int64_t)bytes, pen_checksum(data, bytes), (int64_t)owner->cached);
+    const int64_t checksum = pen_checksum(data, bytes), view = owner->view, cached = owner->cached;
+    return state == 1 && owner->job > 0
+               ? pen_db_run(store->db, st, NULL, ADD_OBJECT, "iiiittiiii", owner->job, view,
+                            owner->batch, owner->attempt, owner->layer, owner->format, state,
+                            (int64_t)bytes, checksum, cached) &&
+                     pen_object_find(store, owner, number, st)
+               : pen_db_value(store->db, st, number, ADD_OBJECT " RETURNING number", "iiiittiiii",
+                              owner->job, view, owner->batch, owner->attempt, owner->layer,
+                              owner->format, state, (int64_t)bytes, checksum, cached);
 }
 
 static bool add_part(struct pen_store *store, int64_t number, int64_t n, const void *data,
@@ -106,13 +114,19 @@ bool pen_object_use(struct pen_store *store, const struct pen_object_owner *owne
     return use(store, owner, &number, data, bytes, st);
 }
 
+#define OF_LAYERS                                                                                  \
+    "WHERE job = $1 AND state = 1 AND (view = $2 OR $2 = -2) AND substr(layer, 1, length($3)) = "  \
+    "$3"
+
+/* There are none, most often. */
 bool pen_objects_drop(struct pen_store *store, int64_t job, int view, const char *prefix,
                       struct pen_status *st)
 {
-    return pen_db_run(store->db, st, NULL,
-                      "UPDATE object SET state = 2 WHERE job = $1 AND state = 1 AND "
-                      "(view = $2 OR $2 = -2) AND substr(layer, 1, length($3)) = $3",
-                      "iit", job, (int64_t)view, prefix);
+    int64_t any;
+    return pen_db_value(store->db, st, &any, "SELECT 1 FROM object " OF_LAYERS " LIMIT 1", "iit",
+                        job, (int64_t)view, prefix) &&
+           (any == 0 || pen_db_run(store->db, st, NULL, "UPDATE object SET state = 2 " OF_LAYERS,
+                                   "iit", job, (int64_t)view, prefix));
 }
 
 bool pen_object_read_row(struct pen_store *store, int64_t number, struct pen_buf *out,
@@ -163,10 +177,11 @@ bool pen_object_find(struct pen_store *store, const struct pen_object_owner *own
 bool pen_scene_find(struct pen_store *store, const unsigned char sha256[32], int64_t *number,
                     struct pen_status *st)
 {
-    return pen_db_value(
-        store->db, st, number,
-        "UPDATE scene SET used_ms = (SELECT now_ms()) WHERE sha256 = $1 RETURNING number", "b",
-        (const void *)sha256, (size_t)32);
+    return pen_db_run(store->db, st, NULL,
+                      "UPDATE scene SET used_ms = (SELECT now_ms()) WHERE sha256 = $1", "b",
+                      (const void *)sha256, (size_t)32) &&
+           pen_db_value(store->db, st, number, "SELECT number FROM scene WHERE sha256 = $1", "b",
+                        (const void *)sha256, (size_t)32);
 }
 
 /* Where another submit has just added the same document, this one's copy goes. */

@@ -47,7 +47,7 @@ struct pen_batch {
     bool held, done; /* it is leased, or done, under the claim's attempt */
 };
 
-/* Locks the claim's job, which becomes running, and then its batch; and adds the claim's time to
+/* Locks the claim's job, which becomes running, and reads its batch; and adds the claim's time to
  * both (claim->spent_us). A batch that is not held and not done is stale: nothing is added. */
 bool pen_claim_lock(struct pen_store *store, const struct pen_claim *claim, struct pen_batch *batch,
                     struct pen_status *st);
