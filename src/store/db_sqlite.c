@@ -121,8 +121,6 @@ bool pen_db_begin(struct pen_db *db, enum pen_db_access access, struct pen_statu
             return false;
     }
     db->in = pen_sqlite_exec(db, access == PEN_DB_READ ? "BEGIN" : "BEGIN IMMEDIATE", st);
-    if (!db->in)
-        roll_back(db);
     return db->in;
 }
 
