@@ -91,12 +91,6 @@ static bool read_limits(struct pen_store *store, struct pen_retention *out, stru
            pen_meta_get(store, "keep_jobs", &out->keep_jobs, st);
 }
 
-bool pen_store_retention(struct pen_store *store, struct pen_retention *out, struct pen_status *st)
-{
-    return pen_db_begin(store->db, PEN_DB_READ, st) &&
-           pen_db_end(store->db, read_limits(store, out, st), st);
-}
-
 /* What a store with a limit by bytes has to hold, and what its disk has left. */
 struct load {
     int64_t keep, used, left;

@@ -76,7 +76,6 @@ struct pen_retention {
 };
 bool pen_store_set_retention(struct pen_store *store, const struct pen_retention *retention,
                              struct pen_status *st);
-bool pen_store_retention(struct pen_store *store, struct pen_retention *out, struct pen_status *st);
 
 /* Finds the next job that retention removes, the one with the oldest end; the caller makes its
  * statistics and deletes it. */
