@@ -164,16 +164,16 @@ bool pen_claim_tell(struct pen_store *store, const struct pen_batch *batch, int6
 {
     const int64_t told_pixels = pixels > batch->told_pixels ? pixels : batch->told_pixels;
     const int64_t told_work = work > batch->work ? work : batch->work;
-    return pen_db_run(store->db, st, NULL,
-                      "UPDATE job SET done_pixels = done_pixels + $2, "
-                      "work = CASE WHEN work + $3 > 1000000000 THEN 1000000000 ELSE work + $3 END, "
-                      "told_us = spent_us, told_elapsed_us = elapsed_us, "
-                      "estimate_ms = CASE WHEN CAST($4 AS BIGINT) > 0 THEN $4 ELSE estimate_ms END "
-                      "WHERE number = $1",
-                      "iiii", batch->job, told_pixels - batch->told_pixels, told_work - batch->work,
-                      estimate_ms) &&
+    return pen_db_run(
+               store->db, st, NULL,
+               "UPDATE job SET done_pixels = done_pixels + $2, "
+               "work = CASE WHEN work + $3 > 1000000000 THEN 1000000000 ELSE work + $3 END, "
+               "told_us = spent_us, told_elapsed_us = elapsed_us, "
+               "estimate_ms = CASE WHEN CAST($4 AS BIGINT) > 0 THEN $4 ELSE estimate_ms END, "
+               "revision = revision + 1, updated_ms = (SELECT now_ms()) WHERE number = $1",
+               "iiii", batch->job, told_pixels - batch->told_pixels, told_work - batch->work,
+               estimate_ms) &&
            pen_db_run(store->db, st, NULL,
                       "UPDATE batch SET told_pixels = $2, work = $3 WHERE number = $1", "iii",
-                      batch->number, told_pixels, told_work) &&
-           pen_job_changed(store, batch->job, st);
+                      batch->number, told_pixels, told_work);
 }
