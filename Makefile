@@ -76,7 +76,7 @@ SVC_SRC := $(foreach r,$(SERVICE_ROOMS),$(call room_files,$(r)))
 ISA_SRC := $(filter %_isa.c,$(LIB_SRC))
 ISA_OBJ := $(foreach isa,$(ISAS),$(ISA_SRC:%.c=$(BUILD)/%_$(isa).o))
 LIB_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(ISA_SRC),$(LIB_SRC))) $(ISA_OBJ) $(BUILD)/gen/builtin_scenes.o
-SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o
+SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o $(BUILD)/gen/schema.o
 CMD_COMMON := $(sort $(wildcard src/cmd/*.c))
 CMD_OBJ := $(CMD_COMMON:%.c=$(BUILD)/%.o)
 CLIENT_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard src/cmd/client/*.c)))
@@ -144,13 +144,16 @@ $(ISA_SRC:%.c=$(BUILD)/%_$(1).o): $(BUILD)/%_$(1).o: %.c Makefile
 endef
 $(foreach isa,$(ISAS),$(eval $(call isa_rules,$(isa))))
 
-# Files that are compiled into the programs: scenes/*.json and api/*.
+# Files that are compiled into the programs: scenes/*.json, api/* and the tables of the store.
 $(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh --stem pen_builtin_files $(sort $(wildcard scenes/*.json)) > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/api_files.c: $(sort $(wildcard api/*.yaml api/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_api_files $(sort $(wildcard api/*.yaml api/*.json)) > $@.tmp && mv $@.tmp $@
+$(BUILD)/gen/schema.c: src/store/schema.sql deploy/embed.sh
+	@mkdir -p $(@D)
+	$(Q)sh deploy/embed.sh pen_store_schema src/store/schema.sql > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/%.o: $(BUILD)/gen/%.c Makefile
 	$(Q)$(COMPILE) $(LIB_FLAGS) -c -o $@ $<
 

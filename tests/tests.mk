@@ -122,8 +122,9 @@ mutants:
 ROUNDS ?= 200
 SEED ?=
 CRASH_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/crash/*.c)))
-$(CRASH_TEST): $(CRASH_OBJ) $(BUILD)/libservice.a $(BUILD)/librender.a
-	$(LINK) -o $@ $^ $(PKG_LIBS)
+$(CRASH_OBJ): EXTRA := -Itests
+$(CRASH_TEST): $(CRASH_OBJ) $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/librender.a
+	$(LINK) -o $@ $^ $(CHECK_LIBS) $(PKG_LIBS)
 .PHONY: crash
 crash: all $(CRASH_TEST)
 	$(CRASH_TEST) $(BUILD) $(ROUNDS) $(SEED)
@@ -195,7 +196,7 @@ tsan:
 .PHONY: memory memory-build memory-programs
 MEMORY_ROOMS := base io film scene store jobs access http
 # These render for minutes with sanitizers and have little else that they could find; make asan runs them.
-MEMORY_NOT := jobs/test_study_kept jobs/test_audits store/test_kept
+MEMORY_NOT := jobs/test_study_kept jobs/test_audits
 MEMORY_TESTS := $(filter-out $(MEMORY_NOT:%=tests/%.c),$(filter $(MEMORY_ROOMS:%=tests/%/%),$(TEST_SRC))) \
     tests/golden/test_golden.c tests/fuzz/check_corpus.sh
 # The runtime of the sanitizers is shared, as gcc's is, since tests have a malloc of their own

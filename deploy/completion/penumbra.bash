@@ -105,7 +105,7 @@ _penumbra_list() { # PATH WORD…: the words before; uses variables of the calle
         _penumbra_commands "$program"
         return
     fi
-    if [[ $# -gt 0 && ($program == penumbra || $1 == backup || $1 == token) ]]; then
+    if [[ $# -gt 0 && ($program == penumbra || $1 == backup || $1 == check || $1 == token) ]]; then
         command=$1
         shift
     fi

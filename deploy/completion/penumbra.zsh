@@ -59,12 +59,12 @@ _penumbra_view() {
 
 local curcontext=$curcontext state line ret=1
 if [[ $service == penumbrad ]]; then
-    if [[ $words[2] == (backup|token) && CURRENT -gt 2 ]]; then
+    if [[ $words[2] == (backup|check|token) && CURRENT -gt 2 ]]; then
         shift words
         (( CURRENT-- ))
         _penumbra_daemon_$words[1]
     else
-        _penumbra_daemon '1:command:(backup token)'
+        _penumbra_daemon '1:command:(backup check token)'
     fi
     return
 fi

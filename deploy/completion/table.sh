@@ -97,4 +97,5 @@ for name in $("$build/penumbra" --help | sed -n '/^Exit codes/q; s/^  \([a-z]*\)
 done
 command penumbrad
 command penumbrad backup
+command penumbrad check
 command penumbrad token

@@ -66,16 +66,18 @@ static struct request *next_request(struct executor *executor, struct queue *que
 /* Runs the handler, and answers 503 instead if there is no memory for the answer. */
 static void run(struct request *request, struct pen_jobs *jobs)
 {
+    struct pen_http *http = request->http;
     struct pen_status st;
     const bool large = request->body.bytes >= LARGE_BYTES;
     if (pen_http_request_decode(request) &&
         request->route->handle(request, jobs) == OUTCOME_WATCHED)
         return;
     pen_http_request_encode(request);
-    if (!pen_http_pictures_count(request->http->pictures, request->reply.body, &st))
+    if (!pen_http_pictures_count(http->pictures, request->reply.body, &st))
         pen_http_request_fail(request, &st);
     pen_http_request_drop_body(request);
     pen_http_resume(request);
+    pen_http_check_store(http, jobs);
     if (large)
         malloc_trim(0); /* a body's parsed form is many small blocks, whose pages would be kept */
 }

@@ -161,8 +161,8 @@ bool pen_http_quick_job(struct request *request)
 {
     struct snapshot snapshot;
     struct pen_http *http = request->http;
-    if (!pen_http_snapshot_cache_peek(http->snapshot_cache, pen_http_watch_changes(http->watch),
-                                      request->job_id, &snapshot))
+    if (!pen_http_snapshot_cache_peek(http->snapshot_cache, pen_store_changes(), request->job_id,
+                                      &snapshot))
         return false;
     bool due = pen_http_request_number(request, "wait", 0) == 0 ||
                pen_http_snapshot_is_due(&snapshot, request);
@@ -232,7 +232,7 @@ static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_http *http = request->http;
     const bool explains = request->route->handle_again;
-    const uint32_t changes = pen_http_watch_changes(http->watch);
+    const uint32_t changes = pen_store_changes();
     enum watch_result result = WATCH_CLOSED;
     struct snapshot snapshot;
     struct pen_status st;

@@ -47,41 +47,41 @@ static void add_queue(struct pen_buf *out, const struct pen_counts *counts, int6
           (double)counts->leased_batches);
 }
 
-static void add_timing(struct pen_buf *out, struct pen_store *store, enum pen_timing timing,
-                       const char *name, const char *help)
+static void add_timing(struct pen_buf *out, const struct pen_counters *counters,
+                       enum pen_timing timing, const char *name, const char *help)
 {
-    const struct pen_histogram times = pen_store_timing(store, timing);
+    const uint64_t *const count =
+        &counters->count[PEN_COUNT_TIMINGS + (int)timing * (PEN_TIMING_BUCKETS + 2)];
     uint64_t sum = 0;
     head(out, name, "histogram", help);
     for (int i = 0; i < PEN_TIMING_BUCKETS; i++) {
-        sum += times.count[i];
-        pen_buf_printf(out, "%s_bucket{le=\"%g\"} %llu\n", name, times.bounds_s[i],
+        sum += count[i];
+        pen_buf_printf(out, "%s_bucket{le=\"%g\"} %llu\n", name, pen_timing_bounds_s[i],
                        (unsigned long long)sum);
     }
-    sum += times.count[PEN_TIMING_BUCKETS];
+    sum += count[PEN_TIMING_BUCKETS];
     pen_buf_printf(out, "%s_bucket{le=\"+Inf\"} %llu\n%s_sum %.6f\n%s_count %llu\n", name,
-                   (unsigned long long)sum, name, (double)times.sum_us * 1e-6, name,
-                   (unsigned long long)sum);
+                   (unsigned long long)sum, name, (double)count[PEN_TIMING_BUCKETS + 1] * 1e-6,
+                   name, (unsigned long long)sum);
 }
 
-static void add_work(struct pen_buf *out, struct pen_store *store)
+static void add_work(struct pen_buf *out, const struct pen_counters *counters)
 {
     static const char *const results[] = {"ok", "duplicate", "stale"};
     const char *const commits = "penumbra_batch_commits_total";
     head(out, commits, "counter", "Commits of batches by what became of them.");
     for (int i = 0; i < 3; i++)
-        pen_buf_printf(
-            out, "%s{result=\"%s\"} %llu\n", commits, results[i],
-            (unsigned long long)pen_store_tally(store, (enum pen_tally)(PEN_TALLY_COMMIT_OK + i)));
-    add_timing(out, store, PEN_TIMING_BATCH, "penumbra_batch_seconds",
+        pen_buf_printf(out, "%s{result=\"%s\"} %llu\n", commits, results[i],
+                       (unsigned long long)counters->count[PEN_COUNT_COMMIT_OK + i]);
+    add_timing(out, counters, PEN_TIMING_BATCH, "penumbra_batch_seconds",
                "Time that workers worked on the batches that were committed.");
     counter(out, "penumbra_rays_total", "Rays traced by render batches.",
-            pen_store_tally(store, PEN_TALLY_RAYS));
+            counters->count[PEN_COUNT_RAYS]);
     counter(out, "penumbra_leases_expired_total",
             "Leases that ran out or whose worker was found dead.",
-            pen_store_tally(store, PEN_TALLY_LEASES_LOST));
+            counters->count[PEN_COUNT_LEASES_LOST]);
     counter(out, "penumbra_worker_starts_total", "Worker processes that began to work.",
-            pen_store_tally(store, PEN_TALLY_WORKER_STARTS));
+            counters->count[PEN_COUNT_WORKER_STARTS]);
 }
 
 /* The resident memory of this process; 0: not known. */
@@ -96,17 +96,12 @@ static double resident_bytes(void)
     return (double)resident * (double)sysconf(_SC_PAGESIZE);
 }
 
-static void add_store(struct pen_buf *out, struct pen_store *store, int64_t bytes)
+static void add_store(struct pen_buf *out, const struct pen_counters *counters, int64_t bytes)
 {
     gauge(out, "penumbra_store_bytes", "Size of the store's files.", (double)bytes);
-    counter(out, "penumbra_store_checked_total",
-            "Stored documents, pixels and pictures that the background check has read.",
-            pen_store_tally(store, PEN_TALLY_SCRUBBED));
-    gauge(out, "penumbra_store_damaged", "Those that it found damaged in its last whole pass.",
-          (double)pen_store_tally(store, PEN_TALLY_DAMAGED));
-    add_timing(out, store, PEN_TIMING_READ, "penumbra_store_read_seconds",
+    add_timing(out, counters, PEN_TIMING_READ, "penumbra_store_read_seconds",
                "Time that reading transactions of all processes took.");
-    add_timing(out, store, PEN_TIMING_WRITE, "penumbra_store_write_seconds",
+    add_timing(out, counters, PEN_TIMING_WRITE, "penumbra_store_write_seconds",
                "Time that writing transactions of all processes took, with the wait for others.");
 }
 
@@ -162,14 +157,16 @@ enum outcome pen_http_handle_metrics(struct request *request, struct pen_jobs *j
 {
     struct pen_store *store = pen_jobs_store(jobs);
     struct pen_counts counts;
+    struct pen_counters counters;
     struct pen_status st;
     struct pen_buf out = {0};
     int64_t now_ms;
-    if (!pen_store_counts(store, &counts, &st) || !pen_store_now(store, &now_ms, &st))
+    if (!pen_store_counts(store, &counts, &st) || !pen_store_counters(store, &counters, &st) ||
+        !pen_store_now(store, &now_ms, &st))
         return pen_http_request_fail(request, &st);
     add_queue(&out, &counts, now_ms);
-    add_work(&out, store);
-    add_store(&out, store, counts.bytes);
+    add_work(&out, &counters);
+    add_store(&out, &counters, counts.bytes);
     add_connections(&out, request->http);
     add_refusals(&out, request->http);
     add_process(&out, request->http);

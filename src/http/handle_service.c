@@ -34,19 +34,16 @@ enum outcome pen_http_handle_file(struct request *request, struct pen_jobs *jobs
     return pen_http_request_content(request, &content);
 }
 
-/* `damaged`: how many stored blobs are, as far as the background check knows. */
-static enum outcome answer_health(struct request *request, const char *state, int64_t damaged)
+static enum outcome answer_health(struct request *request, const char *state)
 {
-    json_t *answer = json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION);
-    if (damaged > 0)
-        json_object_set_new(answer, "damaged", json_integer(damaged));
-    return pen_http_request_json(request, 200, answer);
+    return pen_http_request_json(request, 200,
+                                 json_pack("{s:s, s:s}", "status", state, "version", PEN_VERSION));
 }
 
 enum outcome pen_http_handle_healthz(struct request *request, struct pen_jobs *jobs)
 {
     (void)jobs;
-    return answer_health(request, "ok", 0);
+    return answer_health(request, "ok");
 }
 
 enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *jobs)
@@ -80,31 +77,31 @@ static void probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_statu
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* Fails with the reason why the daemon is not ready: it ends, the store takes no writes, a reason
- * that pen_http_set_not_ready has set, or a broken token file. */
+/* Fails with the reason why the daemon is not ready: it ends, a reason that pen_http_set_not_ready
+ * has set, the store takes no writes, or a broken token file. */
 static bool check_ready(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
 {
     struct pen_status fault;
     if (atomic_load_explicit(&http->draining, memory_order_relaxed))
         return pen_fail(st, PEN_UNAVAILABLE, "the daemon is draining");
+    pthread_mutex_lock(&http->ready_lock);
+    const bool ok =
+        !http->not_ready_reason[0] || pen_fail(st, PEN_UNAVAILABLE, "%s", http->not_ready_reason);
+    pthread_mutex_unlock(&http->ready_lock);
+    if (!ok) /* after an I/O error a probe might end this process, too */
+        return false;
     probe(http, jobs, &fault);
     if (fault.code != PEN_OK)
         return pen_fail(st, PEN_UNAVAILABLE, "the store does not take writes: %s", fault.msg);
-    pthread_mutex_lock(&http->ready_lock);
-    bool ok =
-        !http->not_ready_reason[0] || pen_fail(st, PEN_UNAVAILABLE, "%s", http->not_ready_reason);
-    pthread_mutex_unlock(&http->ready_lock);
-    if (ok && http->tokens && pen_tokens_fault(http->tokens, &fault))
-        ok = pen_fail(st, PEN_UNAVAILABLE, "the token file cannot be used: %s", fault.msg);
-    return ok;
+    return !http->tokens || !pen_tokens_fault(http->tokens, &fault) ||
+           pen_fail(st, PEN_UNAVAILABLE, "the token file cannot be used: %s", fault.msg);
 }
 
 enum outcome pen_http_handle_readyz(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_status st;
     if (check_ready(request->http, jobs, &st))
-        return answer_health(request, "ready",
-                             (int64_t)pen_store_tally(pen_jobs_store(jobs), PEN_TALLY_DAMAGED));
+        return answer_health(request, "ready");
     pen_http_request_hide_reason(request, &st);
     return pen_http_request_fail(request, &st);
 }

@@ -95,8 +95,7 @@ static double eta_seconds(const struct pen_queue *queue, int64_t place)
 {
     if (queue->workers == 0 || queue->job_us == 0)
         return 0;
-    const double jobs = (double)place + (double)queue->running / 2;
-    const double turns = jobs / (double)queue->workers;
+    const double turns = (double)place / (double)queue->workers;
     const double hand_us = (double)queue->hand_us / (double)queue->workers;
     return ((turns < 1 ? 1 : turns) * (double)queue->job_us + hand_us) * 1e-6;
 }

@@ -72,6 +72,8 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
         return NULL;
     }
     http->limits = options->limits;
+    http->broken = options->broken;
+    http->broken_user = options->broken_user;
     http->id_prefix = randombytes_random();
     pen_fail(&http->store_fault, PEN_UNAVAILABLE, "the store is being opened");
     pthread_mutex_init(&http->ready_lock, NULL);
@@ -116,6 +118,13 @@ bool pen_http_open(struct pen_http *http, const struct pen_http_options *options
     pen_fail(&http->store_fault, PEN_UNAVAILABLE, "the store cannot be opened: %s", st->msg);
     pthread_mutex_unlock(&http->ready_lock);
     return false;
+}
+
+void pen_http_check_store(struct pen_http *http, struct pen_jobs *jobs)
+{
+    struct pen_status why;
+    if (http->broken && pen_store_is_broken(pen_jobs_store(jobs), &why))
+        http->broken(http->broken_user, &why);
 }
 
 void pen_http_drain(struct pen_http *http)

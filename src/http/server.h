@@ -24,6 +24,10 @@ struct pen_http_options {
     int heartbeat_ms;   /* time after which a silent event stream gets a heartbeat; 0: 10 s */
     const char *tokens; /* a token file; NULL: everybody may do everything */
     const char *tls_cert, *tls_key; /* PEM files; NULL: plain HTTP */
+    /* Called by any thread when the store has an I/O error: only a new process can rely on the
+     * store again. May be called often; NULL: nothing happens. */
+    void (*broken)(void *user, const struct pen_status *why);
+    void *broken_user;
     const char *cors; /* origins whose pages may use the API, with spaces between; NULL: none */
 };
 

@@ -184,7 +184,7 @@ enum outcome pen_http_handle_events(struct request *request, struct pen_jobs *jo
     struct reply *reply = &request->reply;
     struct snapshot snapshot;
     struct pen_status st;
-    const uint32_t changes = pen_http_watch_changes(http->watch);
+    const uint32_t changes = pen_store_changes();
     if (!pen_http_snapshot_cache_read(http->snapshot_cache, changes, jobs, request->job_id,
                                       &snapshot, &st)) {
         pen_http_request_fail(request, &st);

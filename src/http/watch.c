@@ -37,20 +37,12 @@ struct watch {
     struct pen_jobs *jobs; /* used by the thread alone, except in pen_store_wait and _wake */
     pthread_t thread;
     pthread_mutex_t lock;
-    pthread_cond_t filled;
     struct request *list;      /* guarded by lock */
     uint32_t checked;          /* guarded by lock: the change counter at the last check of polls, */
     uint32_t updated;          /* and at the last one of streams */
     bool closed;               /* guarded by lock */
     struct stream_texts texts; /* the thread's */
 };
-
-uint32_t pen_http_watch_changes(struct watch *watch)
-{
-    uint32_t changes = 0;
-    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &changes, 0);
-    return changes;
-}
 
 /* Answers a poll if the change that it waits for has come, or in any case if `now` is set. Returns
  * whether its wait is over. The text of a job is made only for an answer: most changes are those of
@@ -128,16 +120,15 @@ struct pass {
     bool update;     /* check every stream */
 };
 
-/* Sleeps while no request waits; then until the store has changed, or something else is due. */
+/* Sleeps until the store has changed, or something else is due. It notices changes for the whole
+ * process (pen_store_changes), so it does so while no request waits, too. */
 static void sleep_until_due(struct watch *watch, struct pass *pass)
 {
     pthread_mutex_lock(&watch->lock);
-    while (!watch->list && !watch->closed)
-        pthread_cond_wait(&watch->filled, &watch->lock);
     const bool closed = watch->closed;
     pthread_mutex_unlock(&watch->lock);
     const int wait_ms = closed ? 0 : pass->update_due ? UPDATE_MS : POLL_MS;
-    pen_store_wait(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES, &pass->changes, wait_ms);
+    pen_store_wait(pen_jobs_store(watch->jobs), &pass->changes, wait_ms);
     pass->now_ns = pen_clock_ns();
 }
 
@@ -210,6 +201,7 @@ static void *run(void *arg)
                 pass_on(watch, request);
         }
         pen_http_stream_texts_release(&watch->texts);
+        pen_http_check_store(watch->http, watch->jobs);
     }
     return NULL;
 }
@@ -225,7 +217,6 @@ struct watch *pen_http_watch_start(struct pen_http *http, struct pen_jobs *jobs,
     }
     *watch = (struct watch){.http = http, .jobs = jobs};
     pthread_mutex_init(&watch->lock, NULL);
-    pthread_cond_init(&watch->filled, NULL);
     if (pthread_create(&watch->thread, NULL, run, watch) == 0)
         return watch;
     pen_http_watch_free(watch);
@@ -239,7 +230,6 @@ void pen_http_watch_stop(struct watch *watch)
         return;
     pthread_mutex_lock(&watch->lock);
     watch->closed = true;
-    pthread_cond_signal(&watch->filled);
     pthread_mutex_unlock(&watch->lock);
     pthread_join(watch->thread, NULL);
 }
@@ -249,7 +239,6 @@ void pen_http_watch_free(struct watch *watch)
     if (!watch)
         return;
     pen_jobs_close(watch->jobs);
-    pthread_cond_destroy(&watch->filled);
     pthread_mutex_destroy(&watch->lock);
     free(watch);
 }
@@ -272,7 +261,6 @@ static enum watch_result add(struct watch *watch, struct request *request, uint3
             request->deadline_ns == 0;
     enlist(watch, request);
     pen_guard_watch(watch->http->guard, request->fd, request);
-    pthread_cond_signal(&watch->filled);
     return WATCH_ACCEPTED;
 }
 
@@ -283,7 +271,7 @@ enum watch_result pen_http_watch_add(struct watch *watch, struct request *reques
     const enum watch_result result = add(watch, request, changes, &late);
     pthread_mutex_unlock(&watch->lock);
     if (late)
-        pen_store_wake(pen_jobs_store(watch->jobs), PEN_SIGNAL_CHANGES);
+        pen_store_wake(pen_jobs_store(watch->jobs));
     return result;
 }
 

@@ -65,7 +65,7 @@ int pen_batch_view(const struct pen_batch_context *context, const struct pen_cla
 }
 
 /* Four times what a batch is meant to take. */
-enum { SPLIT_MS = 4000 };
+enum { SPLIT_MS = 3000 };
 
 void pen_batch_bound(struct pen_batch_context *context, double share)
 {

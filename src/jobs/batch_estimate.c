@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The first estimate of what a job will take: its budget, if it has one. Else it is made once,
  * before the job's first batch.
- *   - A job whose bound of rays, which its batches tell (batch_layout.c), means more than three
- *     seconds gets a cost map of all its views. That takes 1/52 of the work.
+ *   - A job whose bound of rays (batch_layout.c) means more than three seconds gets a cost map of
+ * all its views. That takes 1/52 of the work.
  *   - A job with a target error, whose work depends on its noise, gets a forecast, unless that
  * would take more than a thirtieth of the pixels.
  *
@@ -22,9 +22,11 @@
 #include "render/forecast.h"
 
 enum {
-    LONG_BATCHES = 3, /* of about a second each */
-    TELLING_S = 10    /* the time after which what a job has done tells how long the rest takes */
-};
+    TELLING_S = 10
+}; /* the time after which what a job has done tells how long the rest takes */
+
+/* Rays that take three seconds on a slow machine. */
+static const double LONG_RAYS = 18e6;
 
 /* The share of a job's work that tells more than its estimate. */
 static const double TELLING_SHARE = 0.1;
@@ -39,11 +41,11 @@ static bool fail_expected(double seconds, const char *from, int max_seconds, str
 }
 
 /* Whether the job can have a cost map. */
-static bool is_long(const struct pen_batch_context *context, const struct pen_claim *claim)
+static bool is_long(const struct pen_batch_context *context)
 {
     const struct pen_stored_request *request = &context->request;
     return !pen_settings_adaptive(&request->settings) &&
-           (double)request->view_count * claim->view_batches > LONG_BATCHES;
+           pen_stored_request_bound_rays(request) > LONG_RAYS;
 }
 
 static bool is_first(const struct pen_batch_context *context, const struct pen_claim *claim)
@@ -114,7 +116,7 @@ static void load_map(struct pen_batch_context *context, const struct pen_claim *
 {
     struct pen_buf map = {0};
     struct pen_status ignored;
-    if (!context->work.map.cell && is_long(context, claim) &&
+    if (!context->work.map.cell && is_long(context) &&
         pen_store_cost_map(context->store, claim->job_id, &map, &ignored))
         pen_cost_map_load(map.data, map.bytes, &context->work.map);
     pen_buf_release(&map);
@@ -133,7 +135,7 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
                                            .pixel_user = context};
     const double budget_ms = 1000 * pen_stored_request_budget(&context->request),
                  with_layers = 1 + pen_batch_layer_work(context);
-    const bool first = is_first(context, claim), has_map = is_long(context, claim);
+    const bool first = is_first(context, claim), has_map = is_long(context);
     struct pen_estimate time_ms;
     if (task.view < 0)
         return false;
@@ -180,7 +182,7 @@ bool pen_batch_expected(struct pen_batch_context *context, const struct pen_clai
         !pen_store_job(context->store, claim->job_id, &job, &ignored))
         return true;
     const double share = (double)job.work / PEN_WORK_ALL;
-    const bool told = !is_long(context, claim) || share >= TELLING_SHARE;
+    const bool told = !is_long(context) || share >= TELLING_SHARE;
     const double rest_s = told ? seconds_for(context, claim, 1 - share) : 0;
     pen_job_record_release(&job);
     char from[80];

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The size of a batch: a second of work on a slow machine, with the layers of its tiles. A crash
- * loses at most one batch; a job is cancelled, previewed and shared between workers in steps of one
- * batch. Beforehand only an upper bound of a job's primary and shadow rays is known, which blur
- * multiplies, and nothing about the worker's speed, so a batch is a fixed number of such rays. One
- * that takes longer is divided while it is rendered (batch_render.c), between two tiles: so the
- * client's choice of tiles holds only as far as none has more than a batch. A pixel has as many
- * samples as the client wants; below a block of pixels, which a cancel waits for as well, nothing
- * is divided. */
+/* The size of a batch: two seconds of work. A crash loses at most one batch; a job is cancelled,
+ * previewed and shared between workers in steps of one batch. Beforehand only an upper bound of a
+ * job's primary and shadow rays is known, which blur multiplies, and the rate that workers have
+ * told. A batch that takes longer is divided while it is rendered (batch_render.c), between two
+ * tiles: so the client's choice of tiles holds only as far as none has more than a batch. A pixel
+ * has as many samples as the client wants; below a block of pixels, which a cancel waits for as
+ * well, nothing is divided. */
 #include "jobs/internal/batch_layout.h"
 
 #include <math.h>
@@ -16,8 +15,12 @@
 #include "render/render.h"
 #include "study/bill.h"
 
-/* Two threads do 8 to 50 million rays a second in a scene like the built-in room. */
-static const double batch_rays = 6e6;
+/* Of a batch, as planned. */
+static const double BATCH_S = 2;
+
+/* Of workers that have not told their rate: rays a second. Two threads do 8 to 50 million in a
+ * scene like the built-in room. */
+static const double UNKNOWN_RATE = 4e6;
 
 /* Bounds the rows of a job in the store. */
 enum { JOB_BATCHES_MAX = 16384 };
@@ -41,22 +44,44 @@ int pen_batch_tile(const struct pen_request *request)
     int edge = request->settings.tile < TILE_MAX ? request->settings.tile : TILE_MAX;
     if (request->kind != PEN_KIND_RENDER && request->kind != PEN_KIND_EXPLAIN)
         return 0;
-    while (edge > PEN_BLOCK_SIDE && edge * edge * rays > batch_rays)
+    while (edge > PEN_BLOCK_SIDE && edge * edge * rays > BATCH_S * UNKNOWN_RATE)
         edge = edge / 2 > PEN_BLOCK_SIDE ? edge / 2 : PEN_BLOCK_SIDE;
     return edge;
 }
 
-static int batches_of_view(const struct pen_request *request, int tiles)
+/* The bound of a view's rays. */
+static double rays_of_view(const struct pen_request *request)
 {
     const struct pen_settings *s = &request->settings;
-    if (pen_settings_adaptive(s))
+    return (double)s->width * s->height * rays_of_pixel(request);
+}
+
+double pen_batch_bound_rays(const struct pen_request *request)
+{
+    return request->view_count * rays_of_view(request);
+}
+
+/* A view that takes longer than a batch has two for each worker at least, so that all have some. */
+static int batches_of_view(const struct pen_request *request,
+                           const struct pen_batch_workers *workers, int tiles)
+{
+    if (pen_settings_adaptive(&request->settings))
         return 1; /* a round is decided from the whole picture */
-    double rays = (double)s->width * s->height * rays_of_pixel(request);
-    double wanted = ceil(rays / batch_rays);
+    const double rate = workers->rays_per_s > 0 ? workers->rays_per_s : UNKNOWN_RATE;
+    double wanted = ceil(rays_of_view(request) / (rate * BATCH_S));
+    if (wanted > 1 && wanted < 2.0 * workers->count)
+        wanted = 2.0 * workers->count;
     int most = JOB_BATCHES_MAX / request->view_count;
     if (most > tiles)
         most = tiles;
     return wanted < most ? (int)wanted : most;
+}
+
+bool pen_batch_needs_rate(const struct pen_request *request)
+{
+    enum { SLOWEST = 1000000 }; /* rays a second */
+    return !pen_job_kind_has_report(request->kind) && !pen_settings_adaptive(&request->settings) &&
+           rays_of_view(request) > BATCH_S * SLOWEST;
 }
 
 /* The only batch of a study. Its progress is counted in runs. */
@@ -78,14 +103,14 @@ static struct pen_batch_new study_batch(const struct pen_request *request)
     return batch;
 }
 
-bool pen_batch_layout(const struct pen_request *request, struct pen_batch_new **batches, int *count,
-                      struct pen_status *st)
+bool pen_batch_layout(const struct pen_request *request, const struct pen_batch_workers *workers,
+                      struct pen_batch_new **batches, int *count, struct pen_status *st)
 {
     const bool study = pen_job_kind_has_report(request->kind);
     struct pen_settings s = request->settings;
     s.tile = study ? s.tile : pen_batch_tile(request);
     int tiles = pen_tile_count(s.width, s.height, s.tile);
-    int each = batches_of_view(request, tiles);
+    int each = batches_of_view(request, workers, tiles);
     *count = study ? 1 : each * request->view_count;
     *batches = malloc((size_t)*count * sizeof **batches);
     if (!*batches)

@@ -266,9 +266,11 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     pen_batch_paced(context, claim, (double)output->result.work / PEN_WORK_ALL,
                     layers_ms + stats.render_ms);
     warn_of_missing(claim, &stats);
-    pen_store_tally_add(context->store, PEN_TALLY_RAYS,
-                        stats.rays.primary + stats.rays.shadow + stats.rays.reflection +
-                            stats.rays.transmission);
+    const uint64_t rays =
+        stats.rays.primary + stats.rays.shadow + stats.rays.reflection + stats.rays.transmission;
+    pen_store_count(PEN_COUNT_RAYS, rays);
+    if (stats.render_ms > 0)
+        context->rays_per_s = (double)rays / stats.render_ms * 1e3;
     struct pen_stats_input in = {.parse_ms = times.parse_ms,
                                  .build_ms = times.build_ms,
                                  .encode_ms = encode_ms,

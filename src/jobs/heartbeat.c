@@ -37,7 +37,6 @@ struct pen_heartbeat {
     pthread_cond_t change;
     int64_t logged_ns;        /* used by the thread alone; when it last logged a failing store */
     bool quit, asleep;        /* guarded by lock */
-    bool checkpoint;          /* guarded by lock; a checkpoint of the store was requested */
     bool active;              /* guarded by lock */
     struct pen_claim claim;   /* guarded by lock; of the active claim */
     const atomic_bool *stop;  /* guarded by lock; NULL: the batch is finished first */
@@ -126,7 +125,7 @@ static void handle_ended_claim(struct pen_heartbeat *heart, const struct pen_cla
         return;
     struct pen_log_about about = pen_claim_about(claim);
     pen_log_about(PEN_LOG_ERROR, &about, "the render threads do not stop");
-    heart->options->stuck(heart->options->stuck_user);
+    heart->options->stuck(heart->options->user);
 }
 
 static void log_failure(struct pen_heartbeat *heart, const struct pen_log_about *about,
@@ -177,8 +176,10 @@ static void check_claim(struct pen_heartbeat *heart)
     if (heart->ended == PEN_CLAIM_HELD)
         add_work(heart, &claim);
     pthread_mutex_unlock(&heart->lock);
-    if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st))
+    if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st)) {
+        pen_worker_check_store(heart->options, heart->store);
         log_failure(heart, &about, &st);
+    }
     pthread_mutex_lock(&heart->lock);
     if (!held)
         end_claim(heart, claim_number, PEN_CLAIM_LOST);
@@ -186,18 +187,6 @@ static void check_claim(struct pen_heartbeat *heart)
         heart->claim.job_spent_us = claim.job_spent_us;
         heart->claim.job_work = claim.job_work;
     }
-}
-
-/* Makes a checkpoint of the store while the render threads work. Called and returns with the lock
- * held, and releases it meanwhile. */
-static void make_checkpoint(struct pen_heartbeat *heart)
-{
-    struct pen_status st;
-    heart->checkpoint = false;
-    pthread_mutex_unlock(&heart->lock);
-    if (!pen_store_checkpoint(heart->store, &st))
-        pen_log(PEN_LOG_WARN, "checkpoint: %s", st.msg);
-    pthread_mutex_lock(&heart->lock);
 }
 
 /* Waits until the next check, or, with `sleep`, until the next claim. */
@@ -224,8 +213,6 @@ static void *run(void *user)
         last_claim = heart->claims;
         if (seen_before)
             check_claim(heart);
-        while (heart->checkpoint)
-            make_checkpoint(heart);
         if (!heart->quit)
             pause_thread(heart, idle && !heart->active);
     }
@@ -255,9 +242,7 @@ struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options
     heart->options = options;
     heart->pool = pool;
     heart->lease_ms = lease_ms;
-    heart->store = pen_store_open(options->store_url, st);
-    if (heart->store)
-        pen_store_observe(heart->store, options->observer);
+    heart->store = pen_store_open(options->store_url, false, st);
     init_locks(heart);
     if (heart->store && pthread_create(&heart->thread, NULL, run, heart) == 0)
         return heart;
@@ -346,15 +331,6 @@ bool pen_heartbeat_is_late(struct pen_heartbeat *heart)
     bool late = heart->ended == PEN_CLAIM_TIMED_OUT;
     pthread_mutex_unlock(&heart->lock);
     return late;
-}
-
-void pen_heartbeat_request_checkpoint(struct pen_heartbeat *heart)
-{
-    pthread_mutex_lock(&heart->lock);
-    heart->checkpoint = true;
-    if (heart->asleep)
-        pthread_cond_signal(&heart->change);
-    pthread_mutex_unlock(&heart->lock);
 }
 
 void pen_heartbeat_watch(struct pen_heartbeat *heart, pen_heartbeat_work_fn *work, void *user)

@@ -7,33 +7,25 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "jobs/jobs.h"
+#include "jobs/internal/jobs.h"
 
 enum {
-    ROUND_MS = 1000,        /* between rounds */
-    PURGE_MS = 600000,      /* between calls of pen_store_purge */
-    LOG_MS = 60000,         /* between log lines about a store that fails */
-    PAUSE_MS = 5,           /* the shortest pause after a slice */
-    EXPIRED_AT_ONCE = 16,   /* jobs that retention removes between two pauses */
-    KEY_AGE_MS = 86400000,  /* idempotency keys hold for 24 hours */
-    STATS_AGE_DAYS = 1827,  /* statistics of removed jobs stay for five years */
-    SCRUB_AGAIN_MS = 60000, /* the background check begins so long after a start or a failure, */
-    SCRUB_MS = 86400000,    /* and again so long after its end. It works this long, */
-    SCRUB_SLICE_MS = 50,    /* or until a blob ends, and then pauses */
-    SCRUB_PAUSES = 19       /* times as long: a twentieth of a thread's and a disk's time */
+    ROUND_MS = 1000,      /* between rounds */
+    LOG_MS = 60000,       /* between log lines about a store that fails */
+    PAUSE_MS = 5,         /* the shortest pause after a slice */
+    EXPIRED_AT_ONCE = 16, /* jobs that retention removes between two pauses */
 };
 
 struct pen_housekeeper {
     struct pen_jobs *jobs;   /* used by the thread alone */
     struct pen_store *store; /* the one of `jobs` */
+    const struct pen_worker_options *options;
     int64_t round_ms;
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t change;
-    bool quit;                    /* guarded by lock */
-    int64_t purged_ns, logged_ns; /* used by the thread alone */
-    struct pen_scrub scrub;       /* used by the thread alone */
-    int64_t scrub_ns;             /* used by the thread alone: when the check goes on */
+    bool quit;         /* guarded by lock */
+    int64_t logged_ns; /* used by the thread alone */
 };
 
 /* Waits; returns false if the thread has to end. */
@@ -53,6 +45,7 @@ static bool pause_for(struct pen_housekeeper *keeper, int64_t ms)
 static bool note_failure(struct pen_housekeeper *keeper, const struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
+    pen_worker_check_store(keeper->options, keeper->store);
     if (!keeper->logged_ns || now_ns - keeper->logged_ns >= (int64_t)LOG_MS * 1000000) {
         keeper->logged_ns = now_ns;
         pen_log(PEN_LOG_WARN, "housekeeping: %s; trying again", st->msg);
@@ -76,47 +69,15 @@ static bool expire_jobs(struct pen_housekeeper *keeper)
     return found;
 }
 
-/* Does one slice of each kind of work. Returns whether there was any. */
+/* Does a slice of each kind of work. Returns whether there was any. */
 static bool do_slice(struct pen_housekeeper *keeper)
 {
     struct pen_status st;
-    bool evicted = false, purged = false;
-    if (!pen_store_evict(keeper->store, &evicted, &st))
+    bool more = false;
+    const bool expired = expire_jobs(keeper);
+    if (!pen_store_purge(keeper->store, &more, &st))
         return note_failure(keeper, &st);
-    bool expired = expire_jobs(keeper);
-    if (!pen_store_purge_slice(keeper->store, &purged, &st))
-        return note_failure(keeper, &st);
-    return expired || evicted || purged;
-}
-
-static void purge_if_due(struct pen_housekeeper *keeper)
-{
-    struct pen_status st;
-    int64_t now_ns = pen_clock_ns();
-    if (now_ns - keeper->purged_ns < (int64_t)PURGE_MS * 1000000)
-        return;
-    keeper->purged_ns = now_ns;
-    if (!pen_store_purge(keeper->store, KEY_AGE_MS, (int64_t)STATS_AGE_DAYS * 86400000, &st))
-        note_failure(keeper, &st);
-}
-
-/* Checks the next blobs if it is time. */
-static void scrub_if_due(struct pen_housekeeper *keeper)
-{
-    struct pen_status st;
-    const int64_t begun_ns = pen_clock_ns();
-    bool ok = true, more = true;
-    if (begun_ns < keeper->scrub_ns)
-        return;
-    while (ok && more && pen_clock_ns() - begun_ns < (int64_t)SCRUB_SLICE_MS * 1000000)
-        ok = pen_store_scrub(keeper->store, &keeper->scrub, &more, &st);
-    const int64_t now_ns = pen_clock_ns();
-    if (!ok)
-        note_failure(keeper, &st);
-    if (ok && more)
-        keeper->scrub_ns = now_ns + SCRUB_PAUSES * (now_ns - begun_ns);
-    else
-        keeper->scrub_ns = now_ns + (int64_t)(ok ? SCRUB_MS : SCRUB_AGAIN_MS) * 1000000;
+    return expired || more;
 }
 
 /* After a slice it pauses for as long as the slice took: others have the store half of the time. */
@@ -126,8 +87,6 @@ static void *run(void *user)
     int64_t pause_ms = keeper->round_ms;
     while (pause_for(keeper, pause_ms)) {
         int64_t begun_ns = pen_clock_ns();
-        purge_if_due(keeper);
-        scrub_if_due(keeper);
         bool more = do_slice(keeper);
         int64_t took_ms = (pen_clock_ns() - begun_ns) / 1000000;
         pause_ms = more ? (took_ms > PAUSE_MS ? took_ms : PAUSE_MS) : keeper->round_ms;
@@ -143,7 +102,7 @@ static void release(struct pen_housekeeper *keeper)
     free(keeper);
 }
 
-struct pen_housekeeper *pen_housekeeper_new(const char *store_url, int64_t round_ms,
+struct pen_housekeeper *pen_housekeeper_new(const struct pen_worker_options *options,
                                             struct pen_status *st)
 {
     pthread_condattr_t monotonic;
@@ -152,16 +111,15 @@ struct pen_housekeeper *pen_housekeeper_new(const char *store_url, int64_t round
         pen_fail(st, PEN_NO_MEMORY, "no memory for the housekeeping");
         return NULL;
     }
-    keeper->round_ms = round_ms > 0 ? round_ms : ROUND_MS;
-    keeper->purged_ns = pen_clock_ns();
-    keeper->scrub_ns = keeper->purged_ns + (int64_t)SCRUB_AGAIN_MS * 1000000;
+    keeper->options = options;
+    keeper->round_ms = options->housekeeping_ms > 0 ? options->housekeeping_ms : ROUND_MS;
     pthread_condattr_init(&monotonic);
     pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_cond_init(&keeper->change, &monotonic);
     pthread_condattr_destroy(&monotonic);
     pthread_mutex_init(&keeper->lock, NULL);
     const struct pen_limits limits = pen_limits_default(); /* it reads no documents */
-    keeper->jobs = pen_jobs_open(store_url, &limits, st);
+    keeper->jobs = pen_jobs_open(options->store_url, &limits, st);
     keeper->store = keeper->jobs ? pen_jobs_store(keeper->jobs) : NULL;
     if (keeper->store && pthread_create(&keeper->thread, NULL, run, keeper) == 0)
         return keeper;

@@ -73,8 +73,10 @@ json_t *pen_job_json_with(const struct pen_job_record *job, json_t *request, str
     if (!error)
         return NULL;
     json_t *json = state_json(job, error);
-    if (json && json_object_update(json, request) == 0)
+    if (json && json_object_update(json, request) == 0) {
+        json_object_del(json, "bound_rays"); /* for workers alone */
         return json;
+    }
     pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
     json_decref(json);
     return NULL;

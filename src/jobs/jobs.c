@@ -22,7 +22,7 @@ struct pen_jobs *pen_jobs_open(const char *store_url, const struct pen_limits *l
         return NULL;
     }
     jobs->limits = *limits;
-    jobs->store = pen_store_open(store_url, st);
+    jobs->store = pen_store_open(store_url, false, st);
     if (jobs->store)
         return jobs;
     free(jobs);

@@ -14,7 +14,6 @@
 #include "jobs/internal/view_pixels.h"
 
 struct pen_pixel_compressor {
-    const struct pen_store_observer *observer;
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t more, idle;
@@ -31,7 +30,6 @@ struct pen_pixel_compressor {
     bool active, cancel, quit; /* guarded by lock */
     bool failed;               /* guarded by lock; with status */
     struct pen_status status;
-    struct pen_store_call spent; /* used by the thread alone; time spent on this batch */
 };
 
 /* The end of the next slice, in tiles from run.first on. */
@@ -44,19 +42,12 @@ static int slice_end(const struct pen_pixel_compressor *p)
 static bool compress_slice(struct pen_pixel_compressor *p, int first, int count,
                            struct pen_status *st)
 {
-    int64_t wall_ns = pen_clock_ns(), cpu_ns = pen_clock_thread_ns();
     pen_tiles_gather(p->run.settings, first, count, p->run.image, p->tiles);
-    bool ok =
-        pen_pixels_add(p->pixels, p->tiles, pen_tiles_pixels(p->run.settings, first, count), st);
-    p->spent.wall_ns += pen_clock_ns() - wall_ns;
-    p->spent.cpu_ns += pen_clock_thread_ns() - cpu_ns;
-    return ok;
+    return pen_pixels_add(p->pixels, p->tiles, pen_tiles_pixels(p->run.settings, first, count), st);
 }
 
 static void finish(struct pen_pixel_compressor *p)
 {
-    if (p->observer)
-        p->observer->called(p->observer->user, &p->spent);
     p->active = false;
     pthread_cond_signal(&p->idle);
 }
@@ -98,13 +89,11 @@ static void *work(void *user)
     return NULL;
 }
 
-struct pen_pixel_compressor *pen_pixel_compressor_new(const struct pen_store_observer *observer,
-                                                      struct pen_status *st)
+struct pen_pixel_compressor *pen_pixel_compressor_new(struct pen_status *st)
 {
     struct pen_pixel_compressor *p = calloc(1, sizeof *p);
     struct pen_pixels *pixels = p ? pen_pixels_new() : NULL;
     if (pixels) {
-        p->observer = observer;
         p->pixels = pixels;
         pthread_mutex_init(&p->lock, NULL);
         pthread_cond_init(&p->more, NULL);
@@ -179,7 +168,6 @@ bool pen_pixel_compressor_begin(struct pen_pixel_compressor *p, const struct pen
     p->run = *run;
     p->ready = p->compressed = 0;
     p->failed = p->cancel = false;
-    p->spent = (struct pen_store_call){.name = "compress"};
     p->active = true;
     pthread_mutex_unlock(&p->lock);
     return true;

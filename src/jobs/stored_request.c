@@ -107,6 +107,11 @@ double pen_stored_request_budget(const struct pen_stored_request *request)
     return json_number_value(json_object_get(request->json, "budget_seconds"));
 }
 
+double pen_stored_request_bound_rays(const struct pen_stored_request *request)
+{
+    return json_number_value(json_object_get(request->json, "bound_rays"));
+}
+
 int pen_stored_request_repeats(const struct pen_stored_request *request)
 {
     return (int)json_integer_value(json_object_get(request->json, "repeats"));

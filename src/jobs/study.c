@@ -83,8 +83,6 @@ void pen_study_progress(void *user, int done, int total)
     claim.estimate_ms =
         pen_work_estimate_ms(ms, share, pen_work_pace(share, ms, study->context->work.expected_ms));
     pen_store_progress(store, &claim, done, &ignored);
-    if (pen_store_checkpoint_due(store)) /* no run is timed at this moment */
-        pen_store_checkpoint(store, &ignored);
     pen_heartbeat_resume(study->context->heart);
 }
 

@@ -66,15 +66,15 @@ static json_t *common_json(const struct pen_request *request)
     json_t *name = request->name ? json_copy((json_t *)(uintptr_t)request->name) : json_null();
     json_t *labels =
         request->labels ? json_deep_copy((json_t *)(uintptr_t)request->labels) : json_object();
-    return json_pack("{s:s, s:o, s:o, s:i, s:i, s:f, s:o, s:o, s:s*, s:o*, s:o*, s:o, s:o*, s:o}",
-                     "kind", pen_job_kinds[request->kind], "name", name, "labels", labels,
-                     "priority", request->priority, "max_attempts", request->max_attempts,
-                     "timeout_seconds", (double)request->timeout_ms / 1000, "views",
-                     views_json(request), "layers", layers_json(request), "cost",
-                     pen_request_cost(request), "audit", audit_json(request), "budget_seconds",
-                     budget_json(request), "render", pen_settings_json(&request->settings),
-                     "tile_edge", tile_json(request), "effects",
-                     pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
+    return json_pack(
+        "{s:s, s:o, s:o, s:i, s:i, s:f, s:o, s:o, s:s*, s:o*, s:o*, s:o, s:o*, s:f, s:o}", "kind",
+        pen_job_kinds[request->kind], "name", name, "labels", labels, "priority", request->priority,
+        "max_attempts", request->max_attempts, "timeout_seconds",
+        (double)request->timeout_ms / 1000, "views", views_json(request), "layers",
+        layers_json(request), "cost", pen_request_cost(request), "audit", audit_json(request),
+        "budget_seconds", budget_json(request), "render", pen_settings_json(&request->settings),
+        "tile_edge", tile_json(request), "bound_rays", pen_batch_bound_rays(request), "effects",
+        pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
 }
 
 /* The members that only jobs of this kind have. */
@@ -167,9 +167,39 @@ static char *make_first_answer(const struct prepared *job, json_t *request, stru
     return make_answer(&record, request, st);
 }
 
-static bool prepare_views(struct prepared *job, const struct pen_request *request,
-                          struct pen_status *st)
+/* Adds a worker's rate, once for a worker that holds several batches. */
+struct rates {
+    char last[PEN_WORKER_ID_BYTES];
+    int workers, told;
+    double sum;
+};
+
+static bool add_rate(void *user, const struct pen_worker_record *worker)
 {
+    struct rates *rates = user;
+    if (strcmp(rates->last, worker->id) == 0)
+        return true;
+    snprintf(rates->last, sizeof rates->last, "%s", worker->id);
+    rates->workers++;
+    rates->told += worker->rays_per_s > 0;
+    rates->sum += (double)worker->rays_per_s;
+    return true;
+}
+
+static bool read_workers(struct pen_jobs *jobs, const struct pen_request *request,
+                         struct pen_batch_workers *workers, struct pen_status *st)
+{
+    struct rates rates = {.workers = 0};
+    if (pen_batch_needs_rate(request) && !pen_store_workers(jobs->store, add_rate, &rates, st))
+        return false;
+    *workers = (struct pen_batch_workers){rates.workers, rates.told ? rates.sum / rates.told : 0};
+    return true;
+}
+
+static bool prepare_views(struct pen_jobs *jobs, struct prepared *job,
+                          const struct pen_request *request, struct pen_status *st)
+{
+    struct pen_batch_workers workers;
     job->views = calloc((size_t)request->view_count, sizeof *job->views);
     if (!job->views)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for %d views", request->view_count);
@@ -179,7 +209,8 @@ static bool prepare_views(struct prepared *job, const struct pen_request *reques
                                               .height = request->settings.height};
     job->new.views = job->views;
     job->new.view_count = pen_job_kind_has_report(request->kind) ? 1 : request->view_count;
-    if (!pen_batch_layout(request, &job->batches, &job->new.batch_count, st))
+    if (!read_workers(jobs, request, &workers, st) ||
+        !pen_batch_layout(request, &workers, &job->batches, &job->new.batch_count, st))
         return false;
     job->new.batches = job->batches;
     return true;
@@ -230,7 +261,8 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
     pen_id_make(job->new.created_ms, job->id);
     bool ok = (job->request && prepare_scene(job, request)) ||
               pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
-    ok = ok && prepare_views(job, request, st) && (job->answer = make_first_answer(job, json, st));
+    ok = ok && prepare_views(jobs, job, request, st) &&
+         (job->answer = make_first_answer(job, json, st));
     json_decref(json);
     if (!ok)
         return false;

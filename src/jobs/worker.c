@@ -4,14 +4,10 @@
  *   - The job is at fault (scene, memory, time): the job fails with a problem document.
  *   - The lease is lost, or the job was cancelled: the result is dropped.
  *   - The worker must stop during a study: it gives the study back, to be started again.
- *   - The store is busy, full or failing: the worker keeps the result and tries again. These calls
- *     also make the store recover once its disk works again.
- *   - The disk has no space for this result, but for smaller ones: the worker waits as long as the
- *     batch took, 5 s at least and at most a minute, and then gives the batch back if a batch of
- *     another job is open, or else after a minute. The store fails the job after many such tries.
- *   - A batch gives way to one that comes first: it is given back, with its state or without
- *     (internal/keep.h).
- *   - The store cannot be read for a batch: the batch starts again once the store can be read.
+ *   - The store is busy or full: the worker keeps the result and tries again.
+ *   - The store has an I/O error: the worker ends, and is not charged. The next one recovers.
+ *   - A batch gives way to one that comes first: it is given back with its state (internal/keep.h).
+ *   - What is stored of the job is damaged: the job fails.
  *
  * A result is kept until the store has stored or refused it. A commit whose outcome is unknown is
  * repeated, which does no harm. */
@@ -31,32 +27,29 @@
 
 enum {
     LEASE_MS = 15000,
-    IDLE_MS = 1000,       /* until an idle worker tries to claim without a wake-up */
-    RETRY_MS = 250,       /* between tries of a busy or failing store */
-    LOG_MS = 10000,       /* between log lines about the same failure */
-    READ_TRIES = 5,       /* times that a batch is tried if the store cannot be read for it */
-    SPACE_MS = 5000,      /* how long a result waits for space at least, if others wait for it, */
-    SPACE_MAX_MS = 60000, /* and at most; at least, if nobody does */
-    MEMORY_TRIES = 20,    /* times that a store call is tried while memory is short */
-    EXPIRE_MS = 1000,     /* between calls of pen_store_expire_leases */
-    SEEN_MS = 15000       /* between updates of this worker's row in the list of workers */
+    IDLE_MS = 1000,    /* until an idle worker tries to claim without a wake-up */
+    RETRY_MS = 250,    /* between tries of a busy or failing store */
+    LOG_MS = 10000,    /* between log lines about the same failure */
+    MEMORY_TRIES = 20, /* times that a store call is tried while memory is short */
+    EXPIRE_MS = 1000,  /* between calls of pen_store_expire_leases */
+    SEEN_MS = 15000    /* between updates of this worker's row in the list of workers */
 };
 
 struct worker {
     const struct pen_worker_options *options;
     const atomic_bool *stop;
     int64_t lease_ms;
-    char host[65];
     struct pen_store *store;
     struct pen_batch_context context;
     struct pen_housekeeper *housekeeper;
     int64_t expired_ns, seen_ns; /* when each was last done, see maintain */
     int64_t worked_ns;           /* when there was last work, or none was looked for */
     int memory_tries;            /* in a row */
-    bool lacks_space;            /* the batch failed because a result of it found no space */
+    int64_t serial;              /* of the last claim */
+    bool has_rate;               /* the row has a rate */
     int64_t logged_ns;           /* when a failure of the store was last logged */
     enum pen_code logged;        /* the code of that failure */
-    uint32_t wakeups;            /* the store's PEN_SIGNAL_WORK counter, as last seen */
+    uint32_t wakeups;            /* pen_store_changes, from before the last claim that found none */
 };
 
 static bool stopped(const struct worker *w)
@@ -73,8 +66,7 @@ static void pause_ms(int ms)
 /* Whether the same call may succeed later. */
 static bool is_temporary(const struct pen_status *st)
 {
-    return st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL || st->code == PEN_STORAGE ||
-           st->code == PEN_NO_MEMORY;
+    return st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL || st->code == PEN_NO_MEMORY;
 }
 
 /* Logs a failure of the store, at most once in LOG_MS: it may last for hours. */
@@ -120,45 +112,6 @@ static bool release(struct worker *w, const struct pen_claim *claim, struct pen_
     return pen_store_release(w->store, claim, st) || is_temporary(st);
 }
 
-/* After a result was refused because the disk has too little space for it: gives the batch back if
- * it has waited long enough, since since_ns. Returns whether the worker goes on to others. */
-static bool set_back(struct worker *w, const struct pen_claim *claim, int64_t since_ns,
-                     const struct pen_status *why)
-{
-    const int64_t waited_ms = (pen_clock_ns() - since_ns) / 1000000,
-                  took_ms = claim->spent_us / 1000;
-    const int64_t least_ms = took_ms < SPACE_MS       ? SPACE_MS
-                             : took_ms < SPACE_MAX_MS ? took_ms
-                                                      : SPACE_MAX_MS;
-    const bool always = waited_ms >= (took_ms < SPACE_MAX_MS ? SPACE_MAX_MS : took_ms);
-    struct pen_log_about about = pen_claim_about(claim);
-    struct pen_status ignored;
-    bool done = false;
-    if (waited_ms < least_ms)
-        return false;
-    char *error = pen_failure_status_json(w->store, claim, why);
-    if (!error || !pen_store_set_back(w->store, claim, error, always, &done, &ignored))
-        done = false;
-    free(error);
-    if (done)
-        pen_log_about(PEN_LOG_WARN, &about, "the batch was set back: %s", why->msg);
-    return done;
-}
-
-/* The same for a batch that has failed so, and whose result is gone: waits until it is set back, or
- * there is space. Returns whether it was set back. */
-static bool wait_for_space(struct worker *w, const struct pen_claim *claim,
-                           const struct pen_status *why)
-{
-    const int64_t since_ns = pen_clock_ns();
-    struct pen_status ignored;
-    while (!set_back(w, claim, since_ns, why)) {
-        if (pen_store_probe(w->store, &ignored) || !wait_to_retry(w, "storing a result", why))
-            return false;
-    }
-    return true;
-}
-
 /* Commits a batch. Unless the worker must stop, the same transaction claims the next batch. */
 static bool commit(struct worker *w, const struct pen_claim *claim,
                    const struct pen_batch_output *output, struct pen_next *next,
@@ -166,20 +119,16 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
 {
     struct pen_log_about about = pen_claim_about(claim);
     int64_t begin_ns = pen_clock_ns();
-    bool ok, is_set_back;
+    bool ok;
+    next->serial = w->serial + 1;
     do {
-        if (stopped(w))
-            ok = pen_store_commit(w->store, claim, &output->result, st);
-        else
-            ok = pen_store_commit_and_claim(w->store, claim, &output->result, next, st);
-        is_set_back = !ok && pen_store_lacks_space(w->store) && set_back(w, claim, begin_ns, st);
-    } while (!ok && !is_set_back && wait_to_retry(w, "committing a batch", st));
+        ok = pen_store_commit(w->store, claim, &output->result, stopped(w) ? NULL : next, st);
+    } while (!ok && wait_to_retry(w, "committing a batch", st));
+    w->serial += next->found;
     w->context.store_ms += (double)(pen_clock_ns() - begin_ns) * 1e-6;
-    if (pen_store_checkpoint_due(w->store))
-        pen_heartbeat_request_checkpoint(w->context.heart);
     if (!ok && st->code == PEN_STALE)
         pen_log_about(PEN_LOG_INFO, &about, "the result was dropped: the claim is no longer held");
-    return ok || is_set_back || st->code == PEN_STALE;
+    return ok || st->code == PEN_STALE;
 }
 
 /* Ends a claim whose batch has failed. If the claim is no longer held, nothing is left to do; else
@@ -192,10 +141,12 @@ static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen
         return true;
     if (ended == PEN_CLAIM_TIMED_OUT)
         return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
-    bool stopped_failing = why->code == PEN_STORAGE && stopped(w);
-    if (ended == PEN_CLAIM_STOPPED || why->code == PEN_UNAVAILABLE ||
-        why->code == PEN_STORAGE_FULL || stopped_failing)
+    if (ended == PEN_CLAIM_STOPPED || why->code == PEN_UNAVAILABLE || why->code == PEN_STORAGE_FULL)
         return release(w, claim, st);
+    if (why->code == PEN_STORAGE && pen_store_is_broken(w->store, NULL)) {
+        *st = *why;
+        return false;
+    }
     return fail_job(w, claim, pen_failure_status_json(w->store, claim, why), st);
 }
 
@@ -206,47 +157,18 @@ static bool is_late(const struct pen_claim *claim)
     return claim->timeout_ms && claim->job_spent_us >= claim->timeout_ms * 1000;
 }
 
-/* Waits until the store takes writes. Returns false if the worker must stop, or if the store fails
- * in a way that waiting does not cure. */
-static bool wait_for_store(struct worker *w)
-{
-    struct pen_status st;
-    bool ok;
-    pen_heartbeat_pause(w->context.heart);
-    while (!(ok = pen_store_probe(w->store, &st)) &&
-           wait_to_retry(w, "reading what a batch needs", &st)) {
-    }
-    pen_heartbeat_resume(w->context.heart);
-    return ok;
-}
-
 /* Runs the batch. If memory runs out, the caches of earlier jobs are dropped, since this job is not
  * to blame for them, and the batch is tried once more. */
 static bool run_batch(struct worker *w, const struct pen_claim *claim,
                       struct pen_batch_output *output, struct pen_status *why)
 {
-    w->lacks_space = false;
     if (pen_batch_run(&w->context, claim, output, why))
         return true;
-    w->lacks_space = pen_store_lacks_space(w->store);
     if (why->code != PEN_NO_MEMORY ||
         atomic_load_explicit(&w->context.exhausted, memory_order_relaxed))
         return false;
     pen_batch_context_drop_caches(&w->context);
     return pen_batch_run(&w->context, claim, output, why);
-}
-
-/* As run_batch, and tries again when the store could not be read. If reads still fail while the
- * store takes writes, the stored data of this job is damaged, and the last error is returned. */
-static bool run_batch_with_retries(struct worker *w, const struct pen_claim *claim,
-                                   struct pen_batch_output *output, struct pen_status *why)
-{
-    for (int tries = 1;; tries++) {
-        if (run_batch(w, claim, output, why))
-            return true;
-        if (why->code != PEN_STORAGE || tries == READ_TRIES || !wait_for_store(w))
-            return false;
-    }
 }
 
 /* Handles a claim: runs the batch and commits the result; then *proven is true. *next becomes the
@@ -271,7 +193,7 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
         pen_log_about(PEN_LOG_DEBUG, &about, "the picture of view %d", claim->view);
     /* A stop does not wait for a study, which may take long. */
     pen_heartbeat_begin(w->context.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
-    bool done = run_batch_with_retries(w, claim, &output, &why);
+    bool done = run_batch(w, claim, &output, &why);
     pen_heartbeat_pause(w->context.heart);
     claim->spent_us = pen_heartbeat_spent_us(w->context.heart);
     if (done && claim->kind == PEN_BATCH_RENDER)
@@ -281,12 +203,11 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
         pen_batch_output_release(&output);
         done = pen_fail(&why, PEN_CANCELLED, "the time is up");
     }
-    const bool is_set_back = !done && w->lacks_space && wait_for_space(w, claim, &why);
     bool ok = !done || commit(w, claim, &output, next, st);
     *proven = done && ok;
     enum pen_claim_end ended = pen_heartbeat_end(w->context.heart);
     if (!done)
-        return is_set_back || end_failed(w, claim, ended, &why, st);
+        return end_failed(w, claim, ended, &why, st);
     pen_batch_output_release(&output);
     return ok;
 }
@@ -305,20 +226,21 @@ static bool work_on(struct worker *w, struct pen_claim *claim, struct pen_next *
     return ok;
 }
 
-/* Updates this worker's row in the list of workers. A failure is ignored: the next update may
- * succeed. */
-static void update_row(struct worker *w, int64_t now_ns)
+/* Updates this worker's row in the list of workers. Where a failure may pass, the next update
+ * follows later. */
+static bool update_row(struct worker *w, int64_t now_ns, struct pen_status *st)
 {
-    struct pen_status ignored;
-    if (w->seen_ns && now_ns - w->seen_ns < (int64_t)SEEN_MS * 1000000)
-        return;
+    const bool has_rate = w->context.rays_per_s > 0;
+    if (w->seen_ns && now_ns - w->seen_ns < (int64_t)SEEN_MS * 1000000 && has_rate == w->has_rate)
+        return true;
     w->seen_ns = now_ns;
+    w->has_rate = has_rate;
     struct pen_worker_new worker = {.id = w->options->id,
-                                    .host = w->host,
-                                    .pid = getpid(),
+                                    .supervisor = w->options->supervisor,
                                     .threads = pen_thread_pool_size(w->context.pool),
-                                    .lease_ms = w->lease_ms};
-    pen_store_worker_seen(w->store, &worker, &ignored);
+                                    .lease_ms = w->lease_ms,
+                                    .rays_per_s = (int64_t)w->context.rays_per_s};
+    return pen_store_worker_seen(w->store, &worker, st) || is_temporary(st);
 }
 
 /* Periodic work: updates this worker's row, opens batches whose leases have expired. */
@@ -326,10 +248,11 @@ static bool maintain(struct worker *w, struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
     int opened = 0;
-    update_row(w, now_ns);
+    if (!update_row(w, now_ns, st))
+        return false;
     if (now_ns - w->expired_ns >= (int64_t)EXPIRE_MS * 1000000) {
         w->expired_ns = now_ns;
-        if (!pen_store_expire_leases(w->store, NULL, &opened, st))
+        if (!pen_store_expire_leases(w->store, &opened, st))
             return is_temporary(st);
         if (opened > 0)
             pen_log(PEN_LOG_WARN, "%d batches are open again: their leases ran out", opened);
@@ -348,20 +271,22 @@ static bool idled(const struct worker *w)
 static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_status *st)
 {
     next->found = false;
-    if (!pen_store_claim(w->store, next->worker, next->lease_ms, &next->claim, &next->found, st)) {
+    w->wakeups = pen_store_changes();
+    if (!pen_store_claim(w->store, next->worker, next->lease_ms, w->serial + 1, &next->claim,
+                         &next->found, st)) {
         w->worked_ns = pen_clock_ns();
         return wait_to_retry(w, "claiming a batch", st) || is_temporary(st);
     }
+    w->serial += next->found;
     if (!next->found && !stopped(w))
-        pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->wakeups, IDLE_MS);
+        pen_store_wait(w->store, &w->wakeups, IDLE_MS);
     return true;
 }
 
 static bool run(struct worker *w, struct pen_status *st)
 {
     struct pen_next next = {.worker = w->options->id, .lease_ms = w->lease_ms};
-    pen_store_wait(w->store, PEN_SIGNAL_WORK, &w->wakeups, 0);
-    pen_store_tally_add(w->store, PEN_TALLY_WORKER_STARTS, 1);
+    pen_store_count(PEN_COUNT_WORKER_STARTS, 1);
     w->worked_ns = pen_clock_ns();
     while (!stopped(w) && !idled(w)) {
         if (!maintain(w, st) || !claim_or_wait(w, &next, st))
@@ -385,26 +310,20 @@ static bool set_up(struct worker *w, struct pen_status *st)
     w->lease_ms = o->lease_ms > 0 ? o->lease_ms : LEASE_MS;
     w->context.trace = o->trace;
     w->context.keep_ms = o->keep_ms;
-    w->context.patience_ms = o->patience_ms;
     w->context.batch_ms = o->batch_ms;
     w->context.max_seconds = o->max_seconds;
     w->context.fault = o->fault;
-    w->store = w->context.store = pen_store_open(o->store_url, st);
-    if (gethostname(w->host, sizeof w->host - 1) != 0 || !w->host[0])
-        strcpy(w->host, "localhost");
-    if (!w->store || !pen_store_worker_lock(w->store, o->id, st) ||
-        !(w->context.pool = pen_thread_pool_new(o->threads, st)) ||
+    w->store = w->context.store = pen_store_open(o->store_url, false, st);
+    if (!w->store || !(w->context.pool = pen_thread_pool_new(o->threads, st)) ||
         !(w->context.heart = pen_heartbeat_new(o, w->context.pool, w->lease_ms, st)))
         return false;
     pen_heartbeat_watch(w->context.heart, pen_batch_work_now, &w->context);
-    pen_store_observe(w->store, o->observer);
-    pen_store_delegate_checkpoints(w->store);
-    if (!(w->context.compressor = pen_pixel_compressor_new(o->observer, st)))
+    if (!(w->context.compressor = pen_pixel_compressor_new(st)))
         return false;
     w->context.scenes = pen_scene_cache_new(o->scene_cap_bytes);
     if (!w->context.scenes)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
-    w->housekeeper = pen_housekeeper_new(o->store_url, o->housekeeping_ms, st);
+    w->housekeeper = pen_housekeeper_new(o, st);
     return w->housekeeper != NULL;
 }
 
@@ -426,6 +345,8 @@ bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool 
         .options = options, .stop = stop, .context.work.lock = PTHREAD_MUTEX_INITIALIZER};
     bool ok = set_up(&w, st) && run(&w, st);
     struct pen_status ignored;
+    if (w.store)
+        pen_worker_check_store(options, w.store);
     if (w.store)
         pen_store_worker_gone(w.store, options->id, &ignored);
     tear_down(&w);

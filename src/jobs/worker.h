@@ -24,17 +24,16 @@ struct pen_worker_fault {
 
 struct pen_worker_options {
     const char *store_url;
-    const char *id;         /* see pen_worker_id_make */
-    int threads;            /* 0: one per processor */
-    size_t scene_cap_bytes; /* memory cap of a scene's arena, 0: none */
-    int64_t idle_ms;        /* the work ends when nothing was found to do for so long; 0: never */
-    int64_t lease_ms;       /* 0: 15 s */
-    int64_t keep_ms;        /* for tests: the shortest time between two states of a batch that are
-                             * kept; 0: as the kind of batch has it, and what keeping takes */
-    int64_t patience_ms; /* for tests: how long others wait at first for a batch whose state finds
-                          * no room; 0: ten seconds */
-    int64_t batch_ms;    /* for tests: after so long a batch ends with the tiles that are begun;
-                          * 0: four seconds */
+    const char *id;          /* see pen_worker_id_make */
+    int supervisor;          /* the process that reports this one's end; 0: none */
+    int threads;             /* 0: one per processor */
+    size_t scene_cap_bytes;  /* memory cap of a scene's arena, 0: none */
+    int64_t idle_ms;         /* the work ends when nothing was found to do for so long; 0: never */
+    int64_t lease_ms;        /* 0: 15 s */
+    int64_t keep_ms;         /* for tests: the shortest time between two states of a batch that are
+                              * kept; 0: as the kind of batch has it, and what keeping takes */
+    int64_t batch_ms;        /* for tests: after so long a batch ends with the tiles that are begun;
+                              * 0: three seconds */
     int64_t housekeeping_ms; /* for tests: between rounds of the housekeeping; 0: a second */
     int max_seconds;         /* a job that is expected to take longer fails; 0: none does */
     struct pen_trace *trace; /* where the worker notes what it is doing; may be NULL */
@@ -42,15 +41,15 @@ struct pen_worker_options {
      * date then, and only the end of the process can end the threads. Must not return; NULL: the
      * worker waits for them. */
     void (*stuck)(void *user);
-    void *stuck_user;
+    /* Called by any thread of the worker when the store has an I/O error. Only a new process can
+     * rely on the store again. Must not return; NULL: pen_worker_run fails at its next call. */
+    void (*broken)(void *user, const struct pen_status *why);
+    void *user;                           /* of both */
     const struct pen_worker_fault *fault; /* NULL: none */
-    /* Observes the worker's store calls, those of the heartbeat's thread included, and pixel
-     * compression ("compress", once for each batch, from a third thread); NULL: none. */
-    const struct pen_store_observer *observer;
 };
 
 /* Works until nothing was found to do for idle_ms, or *stop becomes true: then it finishes the
- * batch in flight, or gives a benchmark back to the store. Wake the store's PEN_SIGNAL_WORK after
+ * batch in flight, or gives a benchmark back to the store. Wake the store (pen_store_wake) after
  * setting *stop. Fails: the store cannot be opened, or one of its calls fails with an error that
  * trying again cannot cure. */
 bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,

@@ -1,136 +1,324 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs for readers, and their end on request: get, list, scene, cancel. */
+/* Jobs as readers see them: one, lists, counts; cancel and delete. */
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "store/internal/policy.h"
+#include "store/internal/handle.h"
 
-bool pen_find_job(struct pen_store *store, const char *id, struct pen_job_key *job,
-                  struct pen_status *st)
+enum { ROW_BYTES = 512 }; /* of a removed job, beside its statistics */
+
+#define COLUMNS                                                                                    \
+    "number, id, state, revision, kind, request, error, priority, max_attempts, charges, "         \
+    "timeout_ms, created_ms, started_ms, finished_ms, updated_ms, done_pixels, total_pixels, "     \
+    "work, estimate_ms, told_us, elapsed_us, told_elapsed_us, queue_us"
+
+void pen_job_record_release(struct pen_job_record *job)
 {
-    bool found;
-    return store->driver->ops->job_find(store->driver, id, job, &found, st) &&
-           (found || pen_fail_missing(store, id, st));
+    free(job->kind);
+    free(job->request);
+    free(job->error);
+    job->kind = job->request = job->error = NULL;
 }
 
-bool pen_policy_check_client(struct pen_store *store, const char *id, const char *client,
-                             struct pen_status *st)
+size_t pen_job_record_text_bytes(const struct pen_job_record *job)
 {
-    bool same = true;
-    if (client && !store->driver->ops->job_is_of(store->driver, id, client, &same, st))
-        return false;
-    return same || pen_fail(st, PEN_FORBIDDEN,
-                            "the job belongs to another client; a token of scope admin may cancel "
-                            "or delete it");
+    return (job->request ? strlen(job->request) : 0) + (job->error ? strlen(job->error) : 0);
 }
 
-/* Sets the attempt that the job is on: one more than its charges, unless the last one ended it. */
-static void set_attempts(struct pen_job_row *row)
+void pen_job_records_free(struct pen_job_record *jobs, int count)
 {
-    struct pen_job_record *job = &row->record;
-    int64_t attempts = job->started_ms ? row->charges + 1 : 0;
-    job->attempts = (int)(attempts < job->max_attempts ? attempts : job->max_attempts);
+    for (int i = 0; i < count; i++)
+        pen_job_record_release(&jobs[i]);
+    free(jobs);
 }
 
-bool pen_policy_job(struct pen_store *store, const char *id, struct pen_job_record *job,
-                    struct pen_status *st)
+static char *copy(struct pen_rows *rows, int column, bool *ok)
 {
-    struct pen_job_row row;
-    bool found;
-    if (!store->driver->ops->job_get(store->driver, id, &row, &found, st))
-        return false;
-    if (!found)
-        return pen_fail_missing(store, id, st);
-    set_attempts(&row);
-    *job = row.record;
-    return true;
+    const char *text = pen_db_text(rows, column);
+    char *out = text ? strdup(text) : NULL;
+    *ok = *ok && (!text || out);
+    return out;
 }
 
-bool pen_policy_jobs(struct pen_store *store, const struct pen_job_filter *filter,
-                     struct pen_job_record **jobs, int *count, struct pen_status *st)
+static bool fill(struct pen_rows *rows, struct pen_job_record *job, struct pen_status *st)
 {
-    struct pen_job_filter bounded = *filter;
-    bounded.limit = filter->limit > 0 ? filter->limit : 1;
-    size_t capacity = (size_t)bounded.limit;
-    struct pen_job_row *rows = malloc(capacity * sizeof *rows);
-    struct pen_job_record *list = malloc(capacity * sizeof *list);
-    bool ok = rows && list;
+    bool ok = true;
+    const int64_t attempts = pen_db_int(rows, 9) + 1, max_attempts = pen_db_int(rows, 8);
+    *job = (struct pen_job_record){.number = pen_db_int(rows, 0),
+                                   .state = (enum pen_job_state)pen_db_int(rows, 2),
+                                   .revision = pen_db_int(rows, 3),
+                                   .priority = (int)pen_db_int(rows, 7),
+                                   .max_attempts = (int)max_attempts,
+                                   .timeout_ms = pen_db_int(rows, 10),
+                                   .created_ms = pen_db_int(rows, 11),
+                                   .started_ms = pen_db_int(rows, 12),
+                                   .finished_ms = pen_db_int(rows, 13),
+                                   .updated_ms = pen_db_int(rows, 14),
+                                   .done_pixels = pen_db_int(rows, 15),
+                                   .total_pixels = pen_db_int(rows, 16),
+                                   .work = pen_db_int(rows, 17),
+                                   .estimate_ms = pen_db_int(rows, 18),
+                                   .told_us = pen_db_int(rows, 19),
+                                   .elapsed_us = pen_db_int(rows, 20),
+                                   .told_elapsed_us = pen_db_int(rows, 21),
+                                   .queue_us = pen_db_int(rows, 22)};
+    if (job->started_ms > 0)
+        job->attempts = (int)(attempts < max_attempts ? attempts : max_attempts);
+    snprintf(job->id, sizeof job->id, "%s", pen_db_text(rows, 1));
+    job->kind = copy(rows, 4, &ok);
+    job->request = copy(rows, 5, &ok);
+    job->error = copy(rows, 6, &ok);
     if (!ok)
-        pen_fail(st, PEN_NO_MEMORY, "no memory for a list of jobs");
-    ok = ok && store->driver->ops->job_page(store->driver, &bounded, rows, count, st);
-    for (int i = 0; ok && i < *count; i++) {
-        set_attempts(&rows[i]);
-        list[i] = rows[i].record;
+        pen_job_record_release(job);
+    return ok || pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
+}
+
+static bool read_job(struct pen_store *store, const char *id, struct pen_job_record *job,
+                     struct pen_status *st)
+{
+    int64_t number;
+    if (!pen_job_number(store, id, &number, NULL, st))
+        return false;
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st, "SELECT " COLUMNS " FROM job WHERE number = $1", "i", number);
+    const bool filled = pen_db_next(rows) && fill(rows, job, st);
+    return pen_db_done(rows) && filled;
+}
+
+bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
+                   struct pen_status *st)
+{
+    return pen_db_begin(store->db, PEN_DB_READ, st) &&
+           pen_db_end(store->db, read_job(store, id, job, st), st);
+}
+
+/* One statement for each index that may lead: of a label, a name, a state, a kind, or the jobs
+ * themselves. The other conditions are checked row by row. */
+#define LIST(from, which, order)                                                                   \
+    "SELECT " COLUMNS " FROM " from " WHERE " which " AND " order                                  \
+    " < $1 AND removed_ms = 0 AND (state = $2 OR $2 < 0) AND (kind = $3 OR $3 = '') AND "          \
+    "($4 = '' OR EXISTS (SELECT 1 FROM attribute AS a WHERE a.key = 'name' AND a.value = $4 AND "  \
+    "a.job = number)) AND ($5 = '' OR EXISTS (SELECT 1 FROM attribute AS a WHERE a.key = $5 "      \
+    "AND a.value = $6 AND a.job = number)) ORDER BY " order " DESC LIMIT $7"
+#define OF_ATTRIBUTE(which)                                                                        \
+    LIST("attribute JOIN job ON job.number = attribute.job", which, "attribute.job")
+
+static const char *list_sql(const struct pen_job_filter *filter)
+{
+    if (filter->label_key)
+        return OF_ATTRIBUTE("attribute.key = $5 AND attribute.value = $6");
+    if (filter->name)
+        return OF_ATTRIBUTE("attribute.key = 'name' AND attribute.value = $4");
+    if (filter->state >= 0)
+        return LIST("job", "state = $2", "number");
+    return filter->kind ? LIST("job", "kind = $3", "number") : LIST("job", "number > 0", "number");
+}
+
+bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter,
+                    struct pen_job_record **jobs, int *count, struct pen_status *st)
+{
+    char label[512] = "";
+    size_t texts = 0;
+    bool ok = true;
+    *count = 0;
+    *jobs = calloc(filter->limit > 0 ? (size_t)filter->limit : 1, sizeof **jobs);
+    if (!*jobs)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for a list of jobs");
+    if (filter->label_key)
+        snprintf(label, sizeof label, "label:%s", filter->label_key);
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st, list_sql(filter), "iitttti", filter->below > 0 ? filter->below : INT64_MAX,
+        (int64_t)filter->state, filter->kind ? filter->kind : "", filter->name ? filter->name : "",
+        label, filter->label_value ? filter->label_value : "", (int64_t)filter->limit);
+    while (ok && pen_db_next(rows)) {
+        struct pen_job_record *job = &(*jobs)[*count];
+        ok = fill(rows, job, st);
+        if (!ok)
+            break;
+        texts += pen_job_record_text_bytes(job);
+        if (++*count > 1 && filter->text_bytes > 0 && texts > filter->text_bytes)
+            break;
     }
-    free(rows);
-    *jobs = ok ? list : NULL;
-    if (!ok)
-        free(list);
+    ok = pen_db_done(rows) && ok;
+    if (!ok) {
+        pen_job_records_free(*jobs, *count);
+        *jobs = NULL;
+        *count = 0;
+    }
     return ok;
 }
 
-/* Reads the compressed document of the job whose id is *arg. */
-static bool read_scene(struct pen_store *store, void *arg, struct pen_status *st)
+static bool read_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st)
 {
-    const char *id = *(const char **)arg;
-    int64_t number;
-    size_t bytes;
-    bool found;
-    if (!store->driver->ops->scene_of_job(store->driver, id, &number, &bytes, &found, st))
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st, "SELECT state, count(*) FROM job WHERE removed_ms = 0 GROUP BY state", "");
+    while (pen_db_next(rows)) {
+        const int64_t state = pen_db_int(rows, 0);
+        if (state >= 0 && state < PEN_JOB_STATE_COUNT)
+            counts->jobs[state] = pen_db_int(rows, 1);
+    }
+    if (!pen_db_done(rows))
+        return false;
+    rows = pen_db_rows(store->db, st,
+                       "SELECT (SELECT count(*) FROM batch WHERE state = 0), "
+                       "(SELECT count(*) FROM batch WHERE state = 1), (SELECT created_ms FROM job "
+                       "WHERE state = 0 AND removed_ms = 0 ORDER BY number LIMIT 1)",
+                       "");
+    if (pen_db_next(rows)) {
+        counts->open_batches = pen_db_int(rows, 0);
+        counts->leased_batches = pen_db_int(rows, 1);
+        counts->oldest_queued_ms = pen_db_int(rows, 2);
+    }
+    return pen_db_done(rows);
+}
+
+bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st)
+{
+    int64_t left;
+    *counts = (struct pen_counts){0};
+    return pen_db_begin(store->db, PEN_DB_READ, st) &&
+           pen_db_end(store->db,
+                      read_counts(store, counts, st) &&
+                          pen_db_space(store->db, &counts->bytes, &left, st),
+                      st);
+}
+
+bool pen_store_check_client(struct pen_store *store, const char *id, const char *client,
+                            struct pen_status *st)
+{
+    struct pen_rows *rows = pen_db_rows(store->db, st,
+                                        "SELECT client FROM job WHERE id = $1 UNION ALL "
+                                        "SELECT client FROM removed WHERE id = $1 LIMIT 1",
+                                        "t", id);
+    const bool found = pen_db_next(rows);
+    const bool own = found && (!client || strcmp(pen_db_text(rows, 0), client) == 0);
+    if (!pen_db_done(rows))
         return false;
     if (!found)
-        return pen_fail_missing(store, id, st);
-    return pen_blob_load(store, PEN_BLOB_SCENE, number, bytes, st);
+        return pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
+    return own ||
+           pen_fail(
+               st, PEN_FORBIDDEN,
+               "job %s belongs to another client; a token of scope admin may cancel or delete it",
+               id);
 }
 
-bool pen_policy_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
+static bool cancel(struct pen_store *store, const char *id, const char *client,
+                   struct pen_status *st)
+{
+    int64_t job, state;
+    return pen_store_check_client(store, id, client, st) &&
+           pen_job_number(store, id, &job, &state, st) &&
+           (pen_job_state_ended((enum pen_job_state)state) ||
+            pen_job_end(store, job, PEN_JOB_CANCELLED, NULL, st));
+}
+
+/* A cancel and a delete that find the disk full take the reserve's place, once. */
+static bool again(struct pen_store *store, const struct pen_status *st, bool *tried)
+{
+    const bool full = st->code == PEN_STORAGE_FULL && !*tried;
+    *tried = true;
+    return full && pen_db_give_reserve(store->db);
+}
+
+bool pen_store_cancel(struct pen_store *store, const char *id, const char *client,
                       struct pen_status *st)
 {
-    struct pen_bytes document;
-    if (!pen_store_read(store, read_scene, &id, st) ||
-        !pen_decompress(store->compressor, store->blob.data, store->blob.bytes, &document, st))
+    bool ok, tried = false;
+    do
+        ok = pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+             pen_write_end(store, cancel(store, id, client, st), st);
+    while (!ok && again(store, st, &tried));
+    return ok;
+}
+
+/* A second delete without statistics drops those that the first one left; if it left none, the
+ * status stays. */
+static bool drop_stats(struct pen_store *store, const char *id, struct pen_status *st)
+{
+    int64_t changed;
+    return pen_db_run(store->db, st, &changed,
+                      "UPDATE removed SET stats = NULL, bytes = 0 WHERE id = $1 AND bytes > 0", "t",
+                      id) &&
+           changed > 0;
+}
+
+static bool delete (struct pen_store *store, const char *id, const char *client, const char *stats,
+                    struct pen_status *st)
+{
+    int64_t job, state;
+    if (!pen_store_check_client(store, id, client, st))
         return false;
-    return pen_buf_add(scene, document.data, document.bytes) ||
-           pen_fail(st, PEN_NO_MEMORY, "no memory for a scene");
+    if (!pen_job_number(store, id, &job, &state, st))
+        return st->code == PEN_GONE && !stats && drop_stats(store, id, st);
+    return (pen_job_state_ended((enum pen_job_state)state) ||
+            pen_fail(st, PEN_CONFLICT, "job %s has not ended; cancel it first", id)) &&
+           pen_db_run(store->db, st, NULL,
+                      "INSERT INTO removed (id, client, removed_ms, stats, bytes) "
+                      "SELECT id, client, (SELECT now_ms()), $2, $3 FROM job WHERE number = $1",
+                      "iti", job, stats, stats ? (int64_t)strlen(stats) + ROW_BYTES : 0) &&
+           pen_db_run(store->db, st, NULL,
+                      "UPDATE job SET removed_ms = (SELECT now_ms()) WHERE number = $1", "i", job);
 }
 
-bool pen_end_job(struct pen_store *store, int64_t job, enum pen_job_state state, const char *error,
-                 struct pen_status *st)
+bool pen_store_delete(struct pen_store *store, const char *id, const char *client,
+                      const char *stats, struct pen_status *st)
 {
-    struct pen_driver *driver = store->driver;
-    int64_t now_ms;
-    bool changed;
-    if (!driver->ops->now(driver, &now_ms, st) ||
-        !driver->ops->job_end(driver, job, state, error, now_ms, &changed, st))
+    bool ok, tried = false;
+    do
+        ok = pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+             pen_write_end(store, delete (store, id, client, stats, st), st);
+    while (!ok && again(store, st, &tried));
+    return ok;
+}
+
+bool pen_store_removed_stats(struct pen_store *store, const char *id, struct pen_buf *stats,
+                             struct pen_status *st)
+{
+    bool ok = true;
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st, "SELECT stats FROM removed WHERE id = $1", "t", id);
+    const bool found = pen_db_next(rows), any = found && !pen_db_is_null(rows, 0);
+    if (any)
+        ok = pen_buf_puts(stats, pen_db_text(rows, 0));
+    if (!pen_db_done(rows))
         return false;
-    if (!changed)
-        return true;
-    store->changed = true;
-    return driver->ops->job_end_batches(driver, job, st) &&
-           driver->ops->job_artefacts_drop(driver, job, PEN_KEPT_LAYER, st);
+    if (!ok)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
+    return any || (found ? pen_fail(st, PEN_GONE, "job %s left no statistics", id)
+                         : pen_fail(st, PEN_NOT_FOUND, "there is no removed job %s", id));
 }
 
-struct cancel {
-    const char *id, *client;
-};
-
-/* The time that workers have spent and not told yet is charged too: else who cancels soon enough
- * would be served for nothing. */
-static bool write_cancel(struct pen_store *store, void *arg, struct pen_status *st)
+bool pen_store_cost_map(struct pen_store *store, const char *id, struct pen_buf *out,
+                        struct pen_status *st)
 {
-    const struct cancel *in = arg;
-    struct pen_driver *driver = store->driver;
-    struct pen_job_key job;
-    int64_t now_ms;
-    return pen_find_job(store, in->id, &job, st) &&
-           pen_policy_check_client(store, in->id, in->client, st) &&
-           driver->ops->now(driver, &now_ms, st) &&
-           driver->ops->job_charge_leases(driver, job.number, now_ms, st) &&
-           pen_end_job(store, job.number, PEN_JOB_CANCELLED, NULL, st);
+    size_t bytes;
+    bool ok = true;
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st, "SELECT cost_map FROM job WHERE id = $1", "t", id);
+    if (pen_db_next(rows) && !pen_db_is_null(rows, 0)) {
+        const void *map = pen_db_bytes(rows, 0, &bytes);
+        ok = pen_buf_add(out, map, bytes) || pen_fail(st, PEN_NO_MEMORY, "no memory for a map");
+    }
+    return pen_db_done(rows) && ok;
 }
 
-bool pen_policy_cancel(struct pen_store *store, const char *id, const char *client,
-                       struct pen_status *st)
+static const char *const names[PEN_JOB_STATE_COUNT] = {"queued", "running", "succeeded", "failed",
+                                                       "cancelled"};
+
+const char *pen_job_state_name(enum pen_job_state state)
 {
-    struct cancel in = {id, client};
-    return pen_store_write(store, write_cancel, &in, st);
+    return names[state];
+}
+
+bool pen_job_state_of_name(const char *name, enum pen_job_state *state)
+{
+    for (int i = 0; i < PEN_JOB_STATE_COUNT; i++) {
+        if (strcmp(name, names[i]) == 0) {
+            *state = (enum pen_job_state)i;
+            return true;
+        }
+    }
+    return false;
 }

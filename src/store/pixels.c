@@ -5,8 +5,6 @@
  *            pixels   32 bits, lowest byte first
  *            bytes    32 bits, length of the frame
  *            frame    zstd, of 4 planes of 3 * pixels bytes
- *   0x28   the form before schema 5: one zstd frame (0x28 is its first byte) of 4 planes of
- * `pixels` bytes for each of the 3 channels in turn. Stores may contain it for ever, so it is read.
  *
  * How values become planes:
  *   1. Each float is taken as a 32-bit integer, and the integer of the same channel of the pixel
@@ -28,7 +26,7 @@
 #include "base/buf.h"
 #include "store/internal/compress.h"
 
-enum { LEVEL = -1, FORM = 0x02, OLD_FORM = 0x28, PIXEL_BYTES = 12, HEAD_BYTES = 8 };
+enum { LEVEL = -1, FORM = 0x02, PIXEL_BYTES = 12, HEAD_BYTES = 8 };
 _Static_assert(PIXEL_BYTES == 3 * sizeof(float), "a pixel is three floats");
 
 struct pen_pixels {
@@ -118,16 +116,6 @@ static void join(const unsigned char *planes, size_t count, float *values)
     }
 }
 
-/* The inverse for one channel of the old form; its values are one pixel apart. */
-static void join_channel(const unsigned char *planes, size_t pixels, float *values)
-{
-    uint32_t bits = 0;
-    for (size_t i = 0; i < pixels; i++) {
-        bits += value_at(planes, pixels, i);
-        memcpy(&values[3 * i], &bits, sizeof bits);
-    }
-}
-
 static void put_32(unsigned char *to, uint32_t value)
 {
     for (int i = 0; i < 4; i++)
@@ -210,24 +198,10 @@ static bool decode_slices(struct pen_compressor *compressor, const struct pen_by
     return (at == end && count == 0) || damaged(st, "pixels are missing, or bytes follow them");
 }
 
-static bool decode_old_form(struct pen_compressor *compressor, const struct pen_bytes *in,
-                            float *rgb, size_t count, struct pen_status *st)
-{
-    const unsigned char *planes;
-    if (!decode_planes(compressor, in->data, in->bytes, count * PIXEL_BYTES, &planes, st))
-        return false;
-    for (size_t channel = 0; channel < 3; channel++)
-        join_channel(planes + 4 * channel * count, count, rgb + channel);
-    return true;
-}
-
 bool pen_pixels_decode(struct pen_compressor *compressor, const struct pen_bytes *in, float *rgb,
                        int64_t count, struct pen_status *st)
 {
     int form = in->bytes > 0 ? *(const unsigned char *)in->data : 0;
-    if (form == FORM)
-        return decode_slices(compressor, in, rgb, (uint64_t)count, st);
-    if (form == OLD_FORM)
-        return decode_old_form(compressor, in, rgb, (size_t)count, st);
-    return damaged(st, "their form is unknown");
+    return form == FORM ? decode_slices(compressor, in, rgb, (uint64_t)count, st)
+                        : damaged(st, "their form is unknown");
 }

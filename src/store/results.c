@@ -1,310 +1,208 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads what was committed: pixels, statistics, batches, artefacts. Rows are read in pages, and the
- * caller's function is called between pages, outside any transaction. A committed row never
- * changes, so pages of different moments fit together. If the job is deleted meanwhile, the list
- * ends. */
+/* Reads what was committed: pixels, statistics, commits, artefacts, scenes. A committed row never
+ * changes, so reads of different moments fit together. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/log.h"
-#include "base/memory.h"
-#include "store/internal/policy.h"
+#include "store/internal/objects.h"
 
-enum { PAGE = 128 };
+enum { TOUCH_MS = 60000 }; /* a use of a cached artefact is noted once a minute */
 
-static bool reserve_pixels(struct pen_store *store, int64_t pixels, struct pen_status *st)
-{
-    if (pixels < 0 || (uint64_t)pixels > SIZE_MAX / 3 / sizeof *store->rgb)
-        return pen_fail(st, PEN_STORAGE, "a stored batch of %lld pixels", (long long)pixels);
-    if ((size_t)pixels <= store->rgb_pixels)
-        return true;
-    free(store->rgb);
-    store->rgb_pixels = 0;
-    store->rgb = pen_memory_large((size_t)pixels * 3 * sizeof *store->rgb);
-    if (!store->rgb)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for %lld pixels", (long long)pixels);
-    store->rgb_pixels = (size_t)pixels;
-    return true;
-}
-
-static bool load_pixels(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    const struct pen_pixels_row *row = arg;
-    return pen_blob_load(store, PEN_BLOB_PIXELS, row->batch, row->bytes, st);
-}
-
-bool pen_decode_pixels(struct pen_store *store, int64_t pixels, struct pen_status *st)
-{
-    if (!reserve_pixels(store, pixels, st))
-        return false;
-    struct pen_bytes encoded = {store->blob.data, store->blob.bytes};
-    return pen_pixels_decode(store->compressor, &encoded, store->rgb, pixels, st);
-}
-
-static bool decode_pixels(struct pen_store *store, struct pen_pixels_row *row,
-                          struct pen_status *st)
-{
-    return pen_store_read(store, load_pixels, row, st) && pen_decode_pixels(store, row->pixels, st);
-}
-
-bool pen_policy_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
-                       void *user, struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    struct pen_job_key job;
-    struct pen_pixels_row rows[PAGE];
-    int64_t after = 0;
-    int count = PAGE;
-    if (!pen_find_job(store, id, &job, st))
-        return false;
-    while (count == PAGE) {
-        if (!driver->ops->pixels_page(driver, job.number, view, after, rows, PAGE, &count, st))
-            return false;
-        for (int i = 0; i < count; i++) {
-            after = rows[i].batch;
-            if (!decode_pixels(store, &rows[i], st))
-                return false;
-            if (!each(user, rows[i].first_tile, rows[i].tile_count, store->rgb, rows[i].pixels))
-                return true;
-        }
-    }
-    return true;
-}
-
-/* A list that is read in pages, with an arena for the texts of a page. */
-struct listing {
-    struct pen_store *store;
-    struct pen_arena *arena;
-    int64_t job, after;
-    pen_stats_fn *stats;
-    pen_batch_fn *batches;
-    void *user;
+/* A stored batch of pixels. */
+struct piece {
+    int64_t first_tile, tile_count, pixels;
+    struct pen_buf encoded;
 };
 
-/* Reads one page and calls the caller's function for its rows. *more: there may be another page,
- * and the caller wants it. */
-typedef bool page_fn(struct listing *listing, bool *more, struct pen_status *st);
-
-static bool stats_page(struct listing *listing, bool *more, struct pen_status *st)
+static bool next_piece(struct pen_store *store, int64_t job, int view, struct piece *piece,
+                       bool *found, struct pen_status *st)
 {
-    struct pen_driver *driver = listing->store->driver;
-    struct pen_stats_row rows[PAGE];
-    int count;
-    if (!driver->ops->stats_page(driver, listing->job, listing->after, listing->arena, rows, PAGE,
-                                 &count, st))
+    int64_t object = 0;
+    piece->encoded.bytes = 0;
+    if (!pen_db_begin(store->db, PEN_DB_READ, st))
         return false;
-    *more = count == PAGE;
-    for (int i = 0; i < count; i++) {
-        listing->after = rows[i].batch;
-        if (!listing->stats(listing->user, &rows[i].stats)) {
-            *more = false;
-            return true;
-        }
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st,
+        "SELECT batch.first_tile, batch.tile_count, batch.pixels, object.number FROM batch "
+        "JOIN object ON object.batch = batch.number AND object.layer = '' AND object.state = 1 "
+        "WHERE batch.job = $1 AND batch.view = $2 AND batch.first_tile > $3 AND batch.state = 2 "
+        "AND batch.kind = 0 AND object.batch > 0 ORDER BY batch.first_tile LIMIT 1",
+        "iii", job, (int64_t)view, piece->first_tile);
+    *found = pen_db_next(rows);
+    if (*found) {
+        piece->first_tile = pen_db_int(rows, 0);
+        piece->tile_count = pen_db_int(rows, 1);
+        piece->pixels = pen_db_int(rows, 2);
+        object = pen_db_int(rows, 3);
     }
-    return true;
+    const bool ok =
+        pen_db_done(rows) && (!*found || pen_object_read_row(store, object, &piece->encoded, st));
+    return pen_db_end(store->db, ok, st);
 }
 
-static bool batch_page(struct listing *listing, bool *more, struct pen_status *st)
+bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
+                      void *user, struct pen_status *st)
 {
-    struct pen_driver *driver = listing->store->driver;
-    struct pen_batch_record rows[PAGE];
-    int count;
-    if (!driver->ops->batch_page(driver, listing->job, listing->after, listing->arena, rows, PAGE,
-                                 &count, st))
-        return false;
-    *more = count == PAGE;
-    for (int i = 0; i < count; i++) {
-        listing->after = rows[i].batch;
-        if (!listing->batches(listing->user, &rows[i])) {
-            *more = false;
-            return true;
+    struct piece piece = {.first_tile = -1};
+    float *rgb = NULL;
+    int64_t job, room = 0;
+    bool found = true,
+         ok = pen_store_documents(store, st) && pen_job_number(store, id, &job, NULL, st);
+    while (ok && found) {
+        ok = next_piece(store, job, view, &piece, &found, st);
+        if (!ok || !found)
+            break;
+        if (piece.pixels > room) {
+            free(rgb);
+            rgb = malloc((size_t)piece.pixels * 3 * sizeof *rgb);
+            room = piece.pixels;
         }
+        const struct pen_bytes encoded = {piece.encoded.data, piece.encoded.bytes};
+        ok = rgb ? pen_pixels_decode(store->documents, &encoded, rgb, piece.pixels, st)
+                 : pen_fail(st, PEN_NO_MEMORY, "no memory for the pixels of a batch");
+        found = ok && each(user, (int)piece.first_tile, (int)piece.tile_count, rgb, piece.pixels);
     }
-    return true;
-}
-
-static bool read_pages(struct listing *listing, const char *id, page_fn *page,
-                       struct pen_status *st)
-{
-    struct pen_job_key job;
-    bool more = true, ok = true;
-    if (!pen_find_job(listing->store, id, &job, st))
-        return false;
-    listing->job = job.number;
-    listing->arena = pen_arena_new(0);
-    if (!listing->arena)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for a list of batches");
-    while (ok && more) {
-        pen_arena_reset(listing->arena);
-        ok = page(listing, &more, st);
-    }
-    pen_arena_free(listing->arena);
+    ok = ok &&
+         pen_job_number(store, id, &job, NULL, st); /* it is still there, and so was all of it */
+    free(rgb);
+    pen_buf_release(&piece.encoded);
     return ok;
 }
 
-bool pen_policy_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
-                      struct pen_status *st)
+bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
+                     struct pen_status *st)
 {
-    struct listing listing = {.store = store, .stats = each, .user = user};
-    return read_pages(&listing, id, stats_page, st);
-}
-
-bool pen_policy_batches(struct pen_store *store, const char *id, pen_batch_fn *each, void *user,
-                        struct pen_status *st)
-{
-    struct listing listing = {.store = store, .batches = each, .user = user};
-    return read_pages(&listing, id, batch_page, st);
-}
-
-bool pen_policy_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
-                        void *user, struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    struct pen_job_key job;
-    struct pen_commit_record rows[PAGE];
-    int count = PAGE;
-    if (!pen_find_job(store, id, &job, st))
+    int64_t job;
+    bool more = true;
+    if (!pen_job_number(store, id, &job, NULL, st))
         return false;
-    while (count == PAGE) {
-        if (!driver->ops->commit_page(driver, job.number, after, rows, PAGE, &count, st))
-            return false;
-        for (int i = 0; i < count; i++) {
-            after = rows[i].revision;
-            if (!each(user, &rows[i]))
-                return true;
-        }
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st,
+        "SELECT kind, view, commit_us, stats FROM batch WHERE job = $1 AND state = 2 AND "
+        "stats IS NOT NULL ORDER BY number",
+        "i", job);
+    while (more && pen_db_next(rows)) {
+        const struct pen_batch_stats batch = {.kind = (enum pen_batch_kind)pen_db_int(rows, 0),
+                                              .view = (int)pen_db_int(rows, 1),
+                                              .commit_us = pen_db_int(rows, 2),
+                                              .stats = pen_db_text(rows, 3)};
+        more = each(user, &batch);
     }
-    return true;
+    return pen_db_done(rows);
 }
 
-/* One artefact: its key with the job's id, its row once found. */
-struct artefact {
-    const char *id, *layer, *format;
-    int view;
-    struct pen_artefact_row row;
-};
-
-static bool artefact_key(struct pen_store *store, const struct artefact *artefact,
-                         struct pen_artefact_key *key, struct pen_status *st)
+bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
+                       void *user, struct pen_status *st)
 {
-    struct pen_job_key job;
-    if (!pen_find_job(store, artefact->id, &job, st))
+    int64_t job;
+    bool more = true;
+    if (!pen_job_number(store, id, &job, NULL, st))
         return false;
-    *key = (struct pen_artefact_key){.job = job.number,
-                                     .view = artefact->view,
-                                     .layer = artefact->layer,
-                                     .format = artefact->format};
-    return true;
-}
-
-static bool read_artefact(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    struct artefact *artefact = arg;
-    struct pen_artefact_key key;
-    bool found;
-    if (!artefact_key(store, artefact, &key, st) ||
-        !store->driver->ops->artefact_find(store->driver, &key, &artefact->row, &found, st))
-        return false;
-    if (!found)
-        return pen_fail(st, PEN_NOT_FOUND, "job %s has no stored %s %s", artefact->id,
-                        artefact->layer, artefact->format);
-    return pen_blob_load(store, PEN_BLOB_ARTEFACT, artefact->row.number, artefact->row.bytes, st);
-}
-
-/* Gives the blob that was loaded to `out`. An empty `out` gets the buffer itself: an artefact may
- * be large, and a handle that kept it would keep its memory for ever. */
-static bool give_blob(struct pen_buf *blob, struct pen_buf *out, struct pen_status *st)
-{
-    const bool ok =
-        out->data ? pen_buf_add(out, blob->data, blob->bytes) : pen_buf_add(blob, "", 0);
-    if (!ok)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
-    if (!out->data) {
-        *out = *blob;
-        pen_buf_init(blob);
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st,
+        "SELECT revision, view, first_tile, tile_count FROM batch WHERE job = $1 AND state = 2 AND "
+        "kind = 0 AND revision > $2 ORDER BY revision",
+        "ii", job, after);
+    while (more && pen_db_next(rows)) {
+        const struct pen_commit_record commit = {pen_db_int(rows, 0), (int)pen_db_int(rows, 1),
+                                                 (int)pen_db_int(rows, 2),
+                                                 (int)pen_db_int(rows, 3)};
+        more = each(user, &commit);
     }
-    return true;
+    return pen_db_done(rows);
 }
 
-bool pen_policy_artefact(struct pen_store *store, const char *id, int view, const char *layer,
-                         const char *format, struct pen_buf *out, struct pen_status *st)
+static bool read_artefact(struct pen_store *store, const char *id, struct pen_object_owner *owner,
+                          struct pen_buf *out, int64_t *used, struct pen_status *st)
 {
-    struct artefact artefact = {.id = id, .view = view, .layer = layer, .format = format};
-    if (!pen_store_read(store, read_artefact, &artefact, st))
-        return false;
-    if (!pen_blob_is_intact(store, artefact.row.has_checksum, artefact.row.checksum)) {
-        pen_fail(st, PEN_STORAGE,
-                 "the stored %s %s of job %s is damaged: its bytes are not those that were stored",
-                 layer, format, id);
-        pen_log(PEN_LOG_ERROR, "%s", st->msg);
-        return false;
-    }
-    if (!give_blob(&store->blob, out, st))
-        return false;
-    pen_note_use(store, &artefact.row);
-    return true;
-}
-
-bool pen_put_artefact(struct pen_store *store, const struct pen_artefact_key *key,
-                      const struct pen_value *value, int64_t *number, struct pen_status *st)
-{
-    struct pen_blob_start start = pen_value_begin(value);
-    return store->driver->ops->artefact_put(store->driver, key, value->checksum, &start, number,
-                                            st) &&
-           pen_value_finish(store, PEN_BLOB_ARTEFACT, *number, value, st);
-}
-
-/* An artefact that a claim's holder stores. */
-struct put {
-    const struct pen_claim *claim;
-    const char *layer, *format;
-    struct pen_value value;
-};
-
-static bool write_artefact(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    const struct put *put = arg;
-    struct pen_batch_row batch;
-    bool held;
     int64_t number;
-    if (!pen_check_fence(store, put->claim, &batch, &held, st))
+    *used = 0;
+    if (!pen_job_number(store, id, &owner->job, NULL, st) ||
+        !pen_object_find(store, owner, &number, st))
         return false;
-    if (!held)
-        return pen_fail(st, PEN_STALE, "the batch is no longer held; its %s %s was refused",
-                        put->layer, put->format);
-    const struct pen_artefact_key key = {
-        .job = batch.job, .view = batch.view, .layer = put->layer, .format = put->format};
-    return pen_put_artefact(store, &key, &put->value, &number, st);
+    if (number == 0)
+        return pen_fail(st, PEN_NOT_FOUND, "job %s has no %s as %s of view %d", id, owner->layer,
+                        owner->format, owner->view);
+    return pen_db_value(store->db, st, used,
+                        "SELECT number FROM object WHERE number = $1 AND cached = 1 "
+                        "AND used_ms < (SELECT now_ms()) - $2",
+                        "ii", number, (int64_t)TOUCH_MS) &&
+           pen_object_read_row(store, number, out, st);
 }
 
-bool pen_policy_artefact_put(struct pen_store *store, const struct pen_claim *claim,
-                             const char *layer, const char *format, const void *data, size_t bytes,
-                             struct pen_status *st)
+/* A use that cannot be noted is no failure. */
+static void note_use(struct pen_store *store, int64_t number)
 {
-    struct put put = {.claim = claim, .layer = layer, .format = format};
-    return pen_value_store(store, claim, data, bytes, &put.value, st) &&
-           pen_value_write(store, &put.value, write_artefact, &put, st);
+    struct pen_status ignored;
+    if (pen_db_begin(store->db, PEN_DB_PART, &ignored))
+        pen_db_end(store->db,
+                   pen_db_run(store->db, &ignored, NULL,
+                              "UPDATE object SET used_ms = (SELECT now_ms()) "
+                              "WHERE number = $1 AND state = 1",
+                              "i", number),
+                   &ignored);
 }
 
-bool pen_policy_keep_part(struct pen_store *store, const struct pen_claim *claim,
-                          const struct pen_kept_part *part, struct pen_status *st)
+bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
+                        const char *format, struct pen_buf *out, struct pen_status *st)
 {
-    struct put put = {.claim = claim, .layer = PEN_KEPT_LAYER, .format = part->name};
-    return pen_value_store_apart(store, claim, pen_admit_kept, part->data, part->bytes, &put.value,
-                                 st) &&
-           pen_value_write(store, &put.value, write_artefact, &put, st);
+    struct pen_object_owner owner = {.view = view, .layer = layer, .format = format};
+    int64_t used;
+    if (!pen_db_begin(store->db, PEN_DB_READ, st) ||
+        !pen_db_end(store->db, read_artefact(store, id, &owner, out, &used, st), st))
+        return false;
+    if (used > 0)
+        note_use(store, used);
+    return true;
 }
 
-bool pen_policy_audit(struct pen_store *store, pen_audit_fn *each, void *user, int *found,
-                      struct pen_status *st)
+bool pen_store_artefact_put(struct pen_store *store, const struct pen_claim *claim,
+                            const char *layer, const char *format, const void *data, size_t bytes,
+                            struct pen_status *st)
 {
-    struct pen_buf findings = {0};
-    bool ok = store->driver->ops->audit(store->driver, &findings, found, st);
-    const char *at = (const char *)findings.data;
-    for (int i = 0; ok && each && !findings.failed && i < *found; i++, at += strlen(at) + 1)
-        each(user, at);
-    if (ok && findings.failed)
-        ok = pen_fail(st, PEN_NO_MEMORY, "no memory for the findings");
-    pen_buf_release(&findings);
+    struct pen_object_owner owner = {.view = claim->view,
+                                     .batch = claim->batch,
+                                     .attempt = claim->attempt,
+                                     .layer = layer,
+                                     .format = format};
+    struct pen_batch batch;
+    int64_t number;
+    if (!pen_object_load(store, &owner, claim, data, bytes, &number, st) ||
+        !pen_db_begin(store->db, PEN_DB_WRITE, st))
+        return false;
+    bool ok = pen_claim_hold(store, claim, "its artefact is not stored", &batch, st);
+    owner.job = batch.job;
+    ok = ok && pen_object_use(store, &owner, number, data, bytes, st);
+    return pen_db_end(store->db, ok, st);
+}
+
+static bool read_scene(struct pen_store *store, const char *id, struct pen_buf *out,
+                       struct pen_status *st)
+{
+    int64_t job, object;
+    if (!pen_job_number(store, id, &job, NULL, st))
+        return false;
+    return pen_db_value(store->db, st, &object,
+                        "SELECT scene.object FROM job JOIN scene ON scene.number = job.scene "
+                        "WHERE job.number = $1",
+                        "i", job) &&
+           (object > 0 || pen_fail(st, PEN_STORAGE, "the scene of job %s is missing", id)) &&
+           pen_object_read_row(store, object, out, st);
+}
+
+bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
+                     struct pen_status *st)
+{
+    struct pen_buf stored = {0};
+    struct pen_bytes plain;
+    bool ok = pen_store_documents(store, st) && pen_db_begin(store->db, PEN_DB_READ, st) &&
+              pen_db_end(store->db, read_scene(store, id, &stored, st), st);
+    if (ok) {
+        const struct pen_bytes packed = {stored.data, stored.bytes};
+        ok = pen_decompress(store->documents, packed.data, packed.bytes, &plain, st) &&
+             (pen_buf_add(scene, plain.data, plain.bytes) ||
+              pen_fail(st, PEN_NO_MEMORY, "no memory for the scene of job %s", id));
+    }
+    pen_buf_release(&stored);
     return ok;
 }

@@ -1,589 +1,332 @@
 /* SPDX-License-Identifier: MIT */
-/* How much a store keeps: which ended jobs retention removes, when new jobs are refused because
- * space runs short, and which stored forms of pictures are dropped.
+/* How much a store keeps: which ended jobs retention removes, when new jobs are refused for lack of
+ * space, and which cached artefacts are dropped.
  *
- *  - Retention removes ended jobs, those that ended first before others, never a live one, and none
- *    in the minute after its end, in which its client fetches the results, unless the store holds
- *    more than keep_bytes. Its limits are the store's: they are stored, so that all processes
- *    follow the same.
- *  - By age it waits a day if the clock has jumped ahead (pen_ages_wait).
- *  - By bytes it begins an eighth below keep_bytes, or where a job was just refused for lack of
- *    space, as far as that job needs. It removes nothing unless all that it could remove would be
- *    enough: below keep_bytes, or where it begins, if the store is below keep_bytes.
- *  - Of removed jobs the statistics stay. All of them together have an eighth of keep_bytes at
- *    most; the oldest go, before any ended job does.
- *  - A new job is refused if the results of all unfinished jobs are expected to take more than
- *    what keep_bytes leaves, or more than half of it unless the job is the only one: the other half
- *    is for what has ended. What they take is expected from their pixels and layers, and counted
- *    with them, so that a submit looks at no other job.
- *  - What a batch keeps is stored only if the store holds no more than keep_bytes with it and with
- *    what unfinished jobs are expected to store. What it replaces takes its space until it is gone.
- *  - New jobs are also refused while the disk has less free space than INTAKE_PART of it. So
- *    running jobs can be finished, and the disk does not fill.
- *  - A form of a picture that was made for a reader can be made again. All of them together have
- *    cache_bytes at most, those included that were removed but are not gone yet. They grow only as
- *    far as the disk keeps twice what intake needs, and the log's space; if it has less, those go
- *    that were used longest ago. The same holds for keep_bytes and what unfinished jobs are
- *    expected to store. A form without space is not stored. In the rules above forms do not count.
- */
+ *  - Retention removes ended jobs, those that ended first before others, and none in the minute
+ *    after its end, in which its client fetches the results, unless the store holds more than
+ *    keep_bytes. Its limits are the store's. An end in the future, by a clock that was ahead,
+ *    becomes the time at which housekeeping finds it (purge.c).
+ *  - By bytes it begins an eighth below keep_bytes, or where unfinished jobs and a job that was
+ *    refused in the last two minutes need the space. It waits while space of removed jobs is still
+ *    to become free.
+ *  - A new job is refused where the disk has less than 64 MiB free, or if the results of all
+ *    unfinished jobs are expected to take more than what keep_bytes leaves, or more than half of
+ *    it unless it is the only one: the other half is for what has ended.
+ *  - Cached artefacts have 256 MiB together, or an eighth of keep_bytes. They count for nothing in
+ *    the rules above, and where space is short they are not stored. */
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "base/log.h"
-#include "store/internal/policy.h"
+#include "store/internal/objects.h"
+#include "store/internal/retention.h"
 
 enum {
-    INTAKE_PART = 32,    /* new jobs: a 32nd of the disk must be free, … */
-    STATS_ROWS = 100,    /* statistics of removed jobs that go in one transaction */
-    STATS_PART = 8,      /* statistics: an eighth of keep_bytes at most */
-    TOUCH_MS = 60000,    /* a use is noted once a minute */
-    TELL_MS = 600000,    /* between log lines about a store that is too large */
-    GRACE_MS = 60000,    /* how long a job is kept at least after its end */
-    WRITING_MS = 60000,  /* how long retention waits for values that are being written */
+    GRACE_MS = 60000,
+    WANTED_MS = 120000,
+    DAY_MS = 86400000,
+    RESULT_BYTES = 10,   /* of a pixel: its picture and what its batch has stored (2 to 8) */
+    LAYER_BYTES = 12,    /* of a pixel of a layer beside the picture: three floats */
     SLACK_PART = 8,      /* retention by bytes begins an eighth below the limit */
     UNFINISHED_PART = 2, /* the results of unfinished jobs: half of the limit at most */
-    CACHE_PART = 8       /* cached forms: an eighth of keep_bytes at most */
+    CACHE_PART = 8       /* cached artefacts: an eighth of keep_bytes at most */
 };
-static const int64_t intake_min_bytes = INT64_C(1) << 20, intake_max_bytes = INT64_C(64) << 20;
-static const int64_t empty_bytes = INT64_C(256) << 10; /* what a store without jobs takes */
-static const int64_t cache_bytes = INT64_C(256) << 20;
+static const int64_t intake_bytes = INT64_C(64) << 20, cache_bytes = INT64_C(256) << 20;
+static const int64_t empty_bytes = INT64_C(320) << 10; /* what a store without jobs takes */
 
-static const char *const names[] = {"keep_ms", "keep_bytes", "keep_jobs"};
-static const char ahead_name[] = "ahead_ms"; /* since when jobs are found that ended ahead of now */
+/* The results of a job that this process has refused lately; retention makes room for it. */
+static _Atomic int64_t wanted_bytes, wanted_until_ms;
 
-static bool write_retention(struct pen_store *store, void *arg, struct pen_status *st)
+static int64_t wanted(int64_t now_ms)
 {
-    const struct pen_retention *r = arg;
-    const int64_t values[] = {r->keep_ms, r->keep_bytes, r->keep_jobs};
-    for (int i = 0; i < 3; i++) {
-        if (!store->driver->ops->meta_put(store->driver, names[i], values[i], st))
-            return false;
-    }
-    return store->driver->ops->expected_count(store->driver, r->keep_bytes > 0, st) &&
-           store->driver->ops->stats_count(store->driver, r->keep_bytes > 0, st);
+    const int64_t left_ms = atomic_load(&wanted_until_ms) - now_ms;
+    return left_ms > 0 && left_ms <= WANTED_MS ? atomic_load(&wanted_bytes) : 0;
 }
 
-bool pen_policy_set_retention(struct pen_store *store, const struct pen_retention *retention,
-                              struct pen_status *st)
+int64_t pen_results_bytes(int64_t pixels, int64_t layers)
 {
-    return pen_store_write(store, write_retention, (void *)(uintptr_t)retention, st);
+    return pixels * (RESULT_BYTES + layers * LAYER_BYTES);
 }
 
-bool pen_policy_retention(struct pen_store *store, struct pen_retention *out, struct pen_status *st)
+bool pen_meta_get(struct pen_store *store, const char *name, int64_t *value, struct pen_status *st)
 {
-    int64_t *const values[] = {&out->keep_ms, &out->keep_bytes, &out->keep_jobs};
-    for (int i = 0; i < 3; i++) {
-        if (!store->driver->ops->meta_get(store->driver, names[i], values[i], st))
-            return false;
-    }
-    return true;
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st, "SELECT value FROM meta WHERE name = $1", "t", name);
+    *value = pen_db_next(rows) ? strtoll(pen_db_text(rows, 0), NULL, 10) : 0;
+    return pen_db_done(rows);
 }
 
-/* What the store and its disk have, and what it may hold. */
-static bool read_room(struct pen_store *store, struct pen_room *room, int64_t *keep_bytes,
-                      struct pen_status *st)
+bool pen_meta_put(struct pen_store *store, const char *name, const char *text,
+                  struct pen_status *st)
 {
-    struct pen_driver *driver = store->driver;
-    return driver->ops->room(driver, room, st) &&
-           driver->ops->meta_get(driver, "keep_bytes", keep_bytes, st);
+    return pen_db_run(store->db, st, NULL,
+                      "INSERT INTO meta (name, value) VALUES ($1, $2) "
+                      "ON CONFLICT (name) DO UPDATE SET value = excluded.value",
+                      "tt", name, text);
 }
 
-/* The free space of the disk below which no new job is taken. */
-static int64_t intake_bytes(const struct pen_room *room)
+bool pen_meta_set(struct pen_store *store, const char *name, int64_t value, struct pen_status *st)
 {
-    int64_t part = room->disk_bytes / INTAKE_PART;
-    if (part < intake_min_bytes)
-        return intake_min_bytes;
-    return part < intake_max_bytes ? part : intake_max_bytes;
+    char text[24];
+    snprintf(text, sizeof text, "%lld", (long long)value);
+    return pen_meta_put(store, name, text, st);
 }
 
-/* Forms of pictures give way to all else, so that they count for nothing where space is short. */
-static bool leave_out_forms(struct pen_store *store, int64_t *used, struct pen_status *st)
+bool pen_store_set_retention(struct pen_store *store, const struct pen_retention *retention,
+                             struct pen_status *st)
 {
-    int64_t bytes;
-    if (!store->driver->ops->cached_bytes(store->driver, &bytes, st))
-        return false;
-    *used -= bytes;
-    return true;
+    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+           pen_db_end(store->db,
+                      pen_meta_set(store, "keep_ms", retention->keep_ms, st) &&
+                          pen_meta_set(store, "keep_bytes", retention->keep_bytes, st) &&
+                          pen_meta_set(store, "keep_jobs", retention->keep_jobs, st),
+                      st);
 }
 
-bool pen_policy_intake(struct pen_store *store, struct pen_status *st)
+static bool read_limits(struct pen_store *store, struct pen_retention *out, struct pen_status *st)
 {
-    const char *name = store->driver->name;
-    struct pen_room room;
-    int64_t keep_bytes;
-    if (!read_room(store, &room, &keep_bytes, st))
-        return false;
-    if (room.disk_bytes > 0 && room.disk_free_bytes < intake_bytes(&room))
-        return pen_fail(st, PEN_STORAGE_FULL,
-                        "the store %s has no space left for new jobs: its disk has %lld KiB free, "
-                        "they are taken from %lld KiB on",
-                        name, (long long)(room.disk_free_bytes >> 10),
-                        (long long)(intake_bytes(&room) >> 10));
-    if (keep_bytes > 0 && room.used_bytes >= keep_bytes &&
-        !leave_out_forms(store, &room.used_bytes, st))
-        return false;
-    return keep_bytes == 0 || room.used_bytes < keep_bytes ||
-           pen_fail(st, PEN_STORAGE_FULL,
-                    "the store %s has no space left for new jobs: it holds %lld KiB of the %lld "
-                    "KiB that it may (--keep-bytes)",
-                    name, (long long)(room.used_bytes >> 10), (long long)(keep_bytes >> 10));
+    return pen_meta_get(store, "keep_ms", &out->keep_ms, st) &&
+           pen_meta_get(store, "keep_bytes", &out->keep_bytes, st) &&
+           pen_meta_get(store, "keep_jobs", &out->keep_jobs, st);
 }
 
-/* What a store with a limit by bytes has to hold. */
+/* What a store with a limit by bytes has to hold, and what its disk has left. */
 struct load {
-    int64_t keep, used, expected; /* expected: of unfinished jobs */
+    int64_t keep, used, left;
+    int64_t expected; /* of unfinished jobs */
+    int64_t cached;   /* what used has of cached artefacts */
 };
 
-/* Where retention by bytes begins. */
-static int64_t slack_begin(const struct load *load)
+static bool read_load(struct pen_store *store, struct load *load, struct pen_status *st)
 {
-    return load->keep - load->keep / SLACK_PART;
-}
-
-/* `more` bytes are asked for. */
-static bool read_load(struct pen_store *store, int64_t more, struct load *load,
-                      struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    struct pen_room room;
-    if (!driver->ops->room(driver, &room, st) ||
-        !driver->ops->meta_get(driver, "expected_bytes", &load->expected, st))
+    *load = (struct load){0};
+    if (!pen_meta_get(store, "keep_bytes", &load->keep, st) ||
+        !pen_db_space(store->db, &load->used, &load->left, st))
         return false;
-    load->used = room.used_bytes;
-    return load->used + load->expected + more <= slack_begin(load) ||
-           leave_out_forms(store, &load->used, st);
+    if (load->keep == 0)
+        return true;
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st,
+        "SELECT (SELECT CAST(coalesce(sum(results_bytes), 0) AS BIGINT) FROM job WHERE state < 2), "
+        "(SELECT CAST(coalesce(sum(bytes), 0) AS BIGINT) FROM object WHERE cached = 1 AND state = "
+        "1)",
+        "");
+    if (pen_db_next(rows)) {
+        load->expected = pen_db_int(rows, 0);
+        load->cached = pen_db_int(rows, 1);
+        load->used -= load->cached;
+    }
+    return pen_db_done(rows);
 }
 
-static bool refuse_bytes(struct pen_store *store, const struct load *load, int64_t bytes,
+static bool refuse_bytes(const struct load *load, const char *what, int64_t bytes,
                          struct pen_status *st)
 {
-    if (bytes > load->keep - empty_bytes)
+    return pen_fail(st, PEN_STORAGE_FULL,
+                    "the store has no space left for %s, about %lld KiB: it holds %lld KiB of the "
+                    "%lld KiB that it may (--keep-bytes), and the jobs that wait or run take about "
+                    "%lld KiB",
+                    what, (long long)(bytes >> 10), (long long)(load->used >> 10),
+                    (long long)(load->keep >> 10), (long long)(load->expected >> 10));
+}
+
+bool pen_intake(struct pen_store *store, int64_t bytes, struct pen_status *st)
+{
+    struct load load;
+    int64_t now_ms;
+    if (!read_load(store, &load, st) || !pen_db_now(store->db, &now_ms, st))
+        return false;
+    if (load.left < intake_bytes)
+        return pen_fail(st, PEN_STORAGE_FULL,
+                        "the store has no space left for new jobs: its disk has %lld KiB free, "
+                        "they are taken from %lld KiB on",
+                        (long long)(load.left >> 10), (long long)(intake_bytes >> 10));
+    if (load.keep == 0)
+        return true;
+    if (bytes > 0 && bytes > load.keep - empty_bytes)
         return pen_fail(st, PEN_TOO_LARGE,
                         "the results of this job take about %lld KiB, more than the %lld KiB that "
                         "the store may hold (--keep-bytes)",
-                        (long long)(bytes >> 10), (long long)(load->keep >> 10));
-    return pen_fail(st, PEN_STORAGE_FULL,
-                    "the store %s has no space left for this job, which takes about %lld KiB: it "
-                    "holds %lld KiB of the %lld KiB that it may (--keep-bytes), and the jobs that "
-                    "wait or run take about %lld KiB",
-                    store->driver->name, (long long)(bytes >> 10), (long long)(load->used >> 10),
-                    (long long)(load->keep >> 10), (long long)((load->expected - bytes) >> 10));
-}
-
-bool pen_admit_bytes(struct pen_store *store, int64_t job, struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    struct load load;
-    int64_t bytes;
-    if (!driver->ops->meta_get(driver, "keep_bytes", &load.keep, st))
-        return false;
-    if (load.keep == 0)
-        return true;
-    if (!driver->ops->expected_enter(driver, job, &bytes, st) || !read_load(store, 0, &load, st))
-        return false;
-    const bool alone = load.expected <= bytes;
-    if (bytes > load.keep - empty_bytes || (!alone && load.expected > load.keep / UNFINISHED_PART))
-        return refuse_bytes(store, &load, bytes, st);
-    if (load.used + load.expected <= load.keep) {
-        if (bytes >= pen_wanted_room(store))
-            pen_note_wanted_room(store, 0);
+                        (long long)(bytes >> 10), (long long)(load.keep >> 10));
+    const int64_t all = load.expected + bytes;
+    const bool half = bytes > 0 && load.expected > 0 && all > load.keep / UNFINISHED_PART;
+    if (!half && load.used + all <= load.keep && load.used < load.keep) {
+        if (bytes > 0 && bytes >= atomic_load(&wanted_bytes))
+            atomic_store(&wanted_bytes, 0);
         return true;
     }
-    pen_note_wanted_room(store, bytes);
-    return refuse_bytes(store, &load, bytes, st);
+    if (!half && bytes > 0) {
+        atomic_store(&wanted_bytes, bytes);
+        atomic_store(&wanted_until_ms, now_ms + WANTED_MS);
+    }
+    return refuse_bytes(&load, "this job", bytes, st);
+}
+
+bool pen_store_intake(struct pen_store *store, struct pen_status *st)
+{
+    int64_t now_ms;
+    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+           pen_db_end(store->db,
+                      pen_intake(store, 0, st) && pen_db_now(store->db, &now_ms, st) &&
+                          pen_meta_set(store, "probed_ms", now_ms, st),
+                      st);
 }
 
 bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *st)
 {
     struct load load;
-    if (!store->driver->ops->meta_get(store->driver, "keep_bytes", &load.keep, st))
+    return read_load(store, &load, st) &&
+           (load.keep == 0 || load.used + load.expected + bytes <= load.keep ||
+            refuse_bytes(&load, "what a batch keeps", bytes, st));
+}
+
+/* Whether retention by bytes removes a job now. */
+static bool find_excess(struct pen_store *store, int64_t now_ms, bool *any, bool *above,
+                        struct pen_status *st)
+{
+    struct load load;
+    int64_t soon;
+    *any = *above = false;
+    if (!read_load(store, &load, st))
         return false;
     if (load.keep == 0)
         return true;
-    if (!read_load(store, bytes, &load, st))
+    if (!pen_db_value(store->db, st, &soon,
+                      "SELECT 1 WHERE EXISTS (SELECT 1 FROM job WHERE removed_ms > 0) OR "
+                      "EXISTS (SELECT 1 FROM object WHERE state = 2)",
+                      ""))
         return false;
-    return load.used + load.expected + bytes <= load.keep ||
-           pen_fail(st, PEN_STORAGE_FULL,
-                    "the store %s has no space left for what a batch keeps, %lld KiB: it holds "
-                    "%lld KiB of the %lld KiB that it may (--keep-bytes), and the jobs that wait "
-                    "or run take about %lld KiB",
-                    store->driver->name, (long long)(bytes >> 10), (long long)(load.used >> 10),
-                    (long long)(load.keep >> 10), (long long)(load.expected >> 10));
-}
-
-/* Logs, now and then, that the store is too large by what retention does not remove. */
-static bool tell_that_it_stays(struct pen_store *store, int64_t bytes, struct pen_status *st)
-{
-    int64_t now_ms;
-    if (!store->driver->ops->now(store->driver, &now_ms, st))
-        return false;
-    if (now_ms - store->told_ms >= TELL_MS || now_ms < store->told_ms) {
-        store->told_ms = now_ms;
-        pen_log(PEN_LOG_WARN,
-                "the store %s is too large, by %lld KiB even without all ended jobs and "
-                "statistics, which therefore stay: unfinished jobs and idempotency keys need more "
-                "than --keep-bytes allows",
-                store->driver->name, (long long)((bytes + 1023) >> 10));
-    }
+    *above = load.used > load.keep;
+    *any = soon == 0 && (load.used > load.keep - load.keep / SLACK_PART ||
+                         load.used + load.expected + wanted(now_ms) > load.keep);
     return true;
 }
 
-/* Of a store with a limit by bytes. */
-struct excess {
-    bool any;   /* ended jobs are to be removed */
-    bool above; /* it holds more than the limit itself */
-    bool stats; /* statistics go, too, if there is no ended job left */
-};
-
-/* By how many bytes the store exceeds what retention allows; 0: by none. */
-static int64_t too_large_by(const struct load *load)
+/* By age nothing goes for a day after the clock has jumped ahead (purge.c notes that). */
+bool pen_ages_wait(struct pen_store *store, int64_t now_ms, bool *wait, struct pen_status *st)
 {
-    const int64_t most = load->used < load->keep ? slack_begin(load) : load->keep - 1;
-    return load->used > most ? load->used - most : 0;
-}
-
-/* By how many bytes it is too large for what unfinished jobs, and one that was refused lately, are
- * expected to store; 0: by none. */
-static int64_t too_large_for_jobs_by(struct pen_store *store, const struct load *load)
-{
-    const int64_t all = load->used + load->expected + pen_wanted_room(store);
-    return all > load->keep ? all - load->keep : 0;
-}
-
-/* Whether space is about to become free: something is still to go that was removed already, or a
- * value is being written, which may replace another, or go if its writer has died. For values that
- * are being written it is no more than WRITING_MS: others may follow them all the time. */
-static bool frees_soon(struct pen_store *store, bool *soon, struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    struct pen_job_key removed;
-    int64_t object, now_ms;
-    bool writing;
-    if (!driver->ops->removed_next(driver, &removed, soon, st) ||
-        (!*soon && !pen_value_unused(store, &object, soon, st)) ||
-        !driver->ops->object_unused(driver, INT64_MAX, INT64_MAX, &object, &writing, st) ||
-        !driver->ops->now(driver, &now_ms, st))
+    int64_t from_ms, last_ms;
+    if (!pen_meta_get(store, "ages_from_ms", &from_ms, st) ||
+        !pen_meta_get(store, "purged_ms", &last_ms, st))
         return false;
-    if (!writing)
-        store->waits_ms = 0;
-    else if (store->waits_ms == 0 || store->waits_ms > now_ms)
-        store->waits_ms = now_ms;
-    *soon = *soon || (writing && now_ms - store->waits_ms <= WRITING_MS);
+    *wait = (from_ms > now_ms && from_ms - now_ms <= DAY_MS) ||
+            (last_ms > 0 && now_ms - last_ms > DAY_MS);
     return true;
 }
 
-/* What is to be removed for lack of bytes: nothing, if all ended jobs and statistics are too
- * little, since they would go for nothing. Nothing either while space is about to become free. */
-static bool find_excess(struct pen_store *store, int64_t keep_bytes, struct excess *excess,
-                        struct pen_status *st)
+static bool find_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
+                         struct pen_status *st)
 {
-    struct pen_driver *driver = store->driver;
-    struct load load = {.keep = keep_bytes};
-    int64_t bytes;
-    bool soon;
-    *excess = (struct excess){0};
-    if (keep_bytes == 0)
-        return true;
-    if (!frees_soon(store, &soon, st) || !read_load(store, pen_wanted_room(store), &load, st))
-        return false;
-    const int64_t by = too_large_by(&load), for_jobs_by = too_large_for_jobs_by(store, &load),
-                  most = by > for_jobs_by ? by : for_jobs_by;
-    if (most == 0)
-        store->waits_ms = 0;
-    if (soon || most == 0)
-        return true;
-    if (!driver->ops->ended_bytes(driver, most, &bytes, st))
-        return false;
-    const bool slack = by > 0 && bytes >= by, wanted = for_jobs_by > 0 && bytes >= for_jobs_by;
-    *excess = (struct excess){.any = slack || wanted,
-                              .above = load.used > keep_bytes,
-                              .stats = slack || (wanted && load.expected == 0)};
-    return by == 0 || slack || tell_that_it_stays(store, by - bytes, st);
-}
-
-static bool write_drop_stats(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    return store->driver->ops->removed_purge(store->driver, INT64_MAX, INT64_MAX, STATS_ROWS, arg,
-                                             st);
-}
-
-struct trim {
-    int64_t most;
-    bool more;
-};
-
-static bool write_trim_stats(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    struct trim *trim = arg;
-    struct pen_driver *driver = store->driver;
-    int64_t bytes;
-    for (int i = 0; i < STATS_ROWS && trim->more; i++) {
-        if (!driver->ops->meta_get(driver, "stats_bytes", &bytes, st))
-            return false;
-        trim->more = bytes > trim->most;
-        if (trim->more &&
-            !driver->ops->removed_purge(driver, INT64_MIN, INT64_MAX, 1, &trim->more, st))
-            return false;
-    }
-    return true;
-}
-
-/* Drops the oldest statistics until the others have their part of a store with a limit by bytes:
- * else they would grow until every ended job goes for them. */
-static bool trim_stats(struct pen_store *store, int64_t keep_bytes, struct pen_status *st)
-{
-    struct trim trim = {.most = keep_bytes / STATS_PART};
-    int64_t bytes = 0;
-    if (keep_bytes > 0 && !store->driver->ops->meta_get(store->driver, "stats_bytes", &bytes, st))
-        return false;
-    trim.more = bytes > trim.most;
-    while (trim.more) {
-        if (!pen_store_write(store, write_trim_stats, &trim, st))
-            return false;
-    }
-    return true;
-}
-
-/* A job that has ended, and when. */
-struct ended {
-    char id[PEN_ID_BYTES];
-    int64_t ms;
-    bool found;
-};
-
-static bool find_ended(struct pen_store *store, int64_t after_ms, struct ended *out,
-                       struct pen_status *st)
-{
-    return store->driver->ops->first_ended(store->driver, after_ms, out->id, &out->ms, &out->found,
-                                           st);
-}
-
-static bool write_ahead(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    return store->driver->ops->meta_put(store->driver, ahead_name, *(const int64_t *)arg, st);
-}
-
-/* The ended job that goes before others. Jobs can have ended later than now, by a clock that was
- * ahead. They count as ended when such a job was first found: else they would stay for as long as
- * the clock was ahead, and others go for them. */
-static bool find_next(struct pen_store *store, int64_t now_ms, struct ended *next,
-                      struct pen_status *st)
-{
-    struct ended ahead;
-    int64_t stored_ms, since_ms;
-    if (!find_ended(store, 0, next, st) || !find_ended(store, now_ms + GRACE_MS, &ahead, st) ||
-        !store->driver->ops->meta_get(store->driver, ahead_name, &stored_ms, st))
-        return false;
-    since_ms = stored_ms == 0 || stored_ms > now_ms ? now_ms : stored_ms;
-    if (!ahead.found)
-        since_ms = 0;
-    if (since_ms != stored_ms && !pen_store_write(store, write_ahead, &since_ms, st))
-        return false;
-    if (ahead.found && since_ms <= next->ms) {
-        *next = ahead;
-        next->ms = since_ms;
-    }
-    return true;
-}
-
-bool pen_policy_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
-                        struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
     struct pen_retention keep;
-    struct ended next;
-    int64_t count, now_ms;
-    bool more, wait;
-    struct excess excess;
-    *found = false;
-    if (!pen_policy_retention(store, &keep, st))
+    int64_t now_ms, count = 0, end_ms = 0;
+    bool any, above, wait;
+    if (!read_limits(store, &keep, st) || !pen_db_now(store->db, &now_ms, st) ||
+        !pen_ages_wait(store, now_ms, &wait, st) || !find_excess(store, now_ms, &any, &above, st) ||
+        (keep.keep_jobs > 0 &&
+         !pen_db_value(store->db, st, &count,
+                       "SELECT count(*) FROM job WHERE finished_ms > 0 AND removed_ms = 0", "")))
         return false;
-    if (keep.keep_ms == 0 && keep.keep_bytes == 0 && keep.keep_jobs == 0)
-        return true;
-    if (!driver->ops->now(driver, &now_ms, st) || !pen_ages_wait(store, now_ms, &wait, st) ||
-        !find_next(store, now_ms, &next, st) || !driver->ops->count_ended(driver, &count, st) ||
-        !trim_stats(store, keep.keep_bytes, st) ||
-        !find_excess(store, keep.keep_bytes, &excess, st))
-        return false;
-    if (!next.found)
-        return !excess.stats || pen_store_write(store, write_drop_stats, &more, st);
-    memcpy(id, next.id, sizeof next.id);
-    *found = (excess.above || next.ms < now_ms - GRACE_MS) &&
-             (excess.any || (keep.keep_ms > 0 && !wait && next.ms < now_ms - keep.keep_ms) ||
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT id, finished_ms FROM job WHERE finished_ms > 0 AND removed_ms = 0 "
+                    "ORDER BY finished_ms, number LIMIT 1",
+                    "");
+    const bool ended = pen_db_next(rows);
+    if (ended) {
+        snprintf(id, PEN_ID_BYTES, "%s", pen_db_text(rows, 0));
+        end_ms = pen_db_int(rows, 1);
+    }
+    const int64_t age_ms = now_ms - end_ms;
+    *found = ended && (above || age_ms > GRACE_MS) &&
+             (any || (keep.keep_ms > 0 && !wait && age_ms > keep.keep_ms) ||
               (keep.keep_jobs > 0 && count > keep.keep_jobs));
-    return true;
+    return pen_db_done(rows);
 }
 
-/* The forms of pictures that are stored, and what they may have. */
-struct forms {
-    int64_t bytes;    /* of those that are there */
-    int64_t released; /* removed, but not gone yet; of other things, too, which go as soon */
-    int64_t most;     /* that all of them may have */
-    int64_t left;     /* how much larger the store may become by them; below 0: it has to shrink */
-};
-
-/* Forms leave of the disk what intake needs twice, and the log; what is free in the store is taken
- * before the disk's. Of keep_bytes they leave what is expected of jobs, and wanted for one. */
-static bool read_left(struct pen_store *store, int64_t *left, int64_t *keep_bytes,
-                      struct pen_status *st)
+bool pen_store_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
+                       struct pen_status *st)
 {
-    struct pen_room room;
-    int64_t expected;
-    if (!read_room(store, &room, keep_bytes, st) ||
-        !store->driver->ops->meta_get(store->driver, "expected_bytes", &expected, st))
+    *found = false;
+    return pen_db_begin(store->db, PEN_DB_READ, st) &&
+           pen_db_end(store->db, find_expired(store, id, found, st), st);
+}
+
+/* What cached artefacts may have together. */
+static int64_t cache_share(const struct load *load)
+{
+    const int64_t part = load->keep / CACHE_PART;
+    return load->keep > 0 && part < cache_bytes ? part : cache_bytes;
+}
+
+/* Drops those that were used longest ago, until the others have so many bytes at most. */
+static bool evict(struct pen_store *store, int64_t most, int64_t *dropped, struct pen_status *st)
+{
+    int64_t bytes, number = 1;
+    *dropped = 0;
+    if (!pen_db_value(store->db, st, &bytes,
+                      "SELECT CAST(coalesce(sum(bytes), 0) AS BIGINT) FROM object "
+                      "WHERE cached = 1 AND state = 1",
+                      ""))
         return false;
-    const int64_t of_keep = *keep_bytes - room.used_bytes - expected - pen_wanted_room(store);
-    *left = INT64_MAX / 4;
-    if (room.disk_bytes > 0)
-        *left = room.disk_free_bytes + room.free_bytes - 2 * intake_bytes(&room) - room.log_bytes;
-    if (*keep_bytes > 0 && of_keep < *left)
-        *left = of_keep;
-    return true;
-}
-
-static bool read_forms(struct pen_store *store, struct forms *forms, struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    int64_t keep_bytes;
-    if (!read_left(store, &forms->left, &keep_bytes, st) ||
-        !driver->ops->cached_bytes(driver, &forms->bytes, st) ||
-        !driver->ops->object_released_bytes(driver, &forms->released, st))
-        return false;
-    forms->most = cache_bytes;
-    if (keep_bytes > 0 && keep_bytes / CACHE_PART < forms->most)
-        forms->most = keep_bytes / CACHE_PART;
-    return true;
-}
-
-/* How many bytes the forms may have, those that are there or others instead. What is released will
- * be free, so that no more forms go than must. */
-static int64_t forms_limit(const struct forms *forms)
-{
-    const int64_t limit = forms->bytes + forms->released + forms->left;
-    return limit < forms->most ? limit : forms->most;
-}
-
-/* Refuses a form that the store or its disk has no space for. */
-static bool admit_form(struct pen_store *store, int64_t bytes, struct pen_status *st)
-{
-    int64_t left, keep_bytes;
-    return read_left(store, &left, &keep_bytes, st) &&
-           (bytes <= left ||
-            pen_fail(st, PEN_STORAGE_FULL, "the store %s has no space for a form of a picture",
-                     store->driver->name));
-}
-
-/* Drops the forms that were used longest ago until the others have at most `limit` bytes. */
-static bool evict(struct pen_store *store, int64_t limit, struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    int64_t bytes;
-    if (!driver->ops->cached_bytes(driver, &bytes, st))
-        return false;
-    while (bytes > limit) {
-        if (!driver->ops->cached_evict(driver, &bytes, st))
+    while (bytes > most && bytes > 0 && number > 0) {
+        struct pen_rows *rows =
+            pen_db_rows(store->db, st,
+                        "UPDATE object SET state = 2 WHERE number = (SELECT number FROM object "
+                        "WHERE cached = 1 AND state = 1 ORDER BY used_ms, number LIMIT 1) "
+                        "RETURNING number, bytes",
+                        "");
+        number = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
+        if (number > 0) {
+            bytes -= pen_db_int(rows, 1);
+            (*dropped)++;
+        }
+        if (!pen_db_done(rows))
             return false;
     }
     return true;
 }
 
-struct cached {
-    const struct pen_artefact_key *key;
-    const char *id;
-    struct pen_value value;
-    int64_t limit;
-};
-
-/* Others may have stored forms meanwhile. */
-static bool write_cached(struct pen_store *store, void *arg, struct pen_status *st)
+/* How much larger the store may become by them: the disk keeps twice what intake needs. */
+static int64_t cache_left(const struct load *load)
 {
-    const struct cached *in = arg;
-    struct pen_driver *driver = store->driver;
-    struct pen_artefact_key key = *in->key;
-    struct pen_job_key job;
-    int64_t number, now_ms;
-    if (!evict(store, in->limit - (int64_t)in->value.bytes, st) ||
-        (in->value.object == 0 && !admit_form(store, (int64_t)in->value.bytes, st)) ||
-        !pen_find_job(store, in->id, &job, st) || !driver->ops->now(driver, &now_ms, st))
-        return false;
-    key.job = job.number;
-    return pen_put_artefact(store, &key, &in->value, &number, st) &&
-           driver->ops->cached_put(driver, number, (int64_t)in->value.bytes, now_ms, st);
+    const int64_t of_disk = load->left - 2 * intake_bytes;
+    const int64_t of_keep = load->keep - load->used - load->cached - load->expected;
+    return load->keep > 0 && of_keep < of_disk ? of_keep : of_disk;
 }
 
-static bool write_evict_to(struct pen_store *store, void *arg, struct pen_status *st)
+bool pen_cache_trim(struct pen_store *store, int64_t *dropped, struct pen_status *st)
 {
-    return evict(store, *(const int64_t *)arg, st);
+    struct load load;
+    int64_t most;
+    if (!read_load(store, &load, st))
+        return false;
+    most = cache_share(&load);
+    if (cache_left(&load) < 0)
+        most = 0;
+    return evict(store, most, dropped, st);
 }
 
-/* Drops forms for one of so many bytes. *fits: there is space for it now. It may come a moment
- * later, when what was dropped is gone. */
-static bool make_place(struct pen_store *store, int64_t bytes, bool *fits, int64_t *most,
-                       struct pen_status *st)
+bool pen_store_cache_put(struct pen_store *store, const char *id, int view, const char *layer,
+                         const char *format, const void *data, size_t bytes, struct pen_status *st)
 {
-    struct forms forms;
-    *fits = false;
-    if (!read_forms(store, &forms, st))
+    struct pen_object_owner owner = {
+        .view = view, .layer = layer, .format = format, .cached = true};
+    struct load load;
+    int64_t number, dropped, state;
+    if (!pen_db_begin(store->db, PEN_DB_READ, st) ||
+        !pen_db_end(store->db,
+                    pen_job_number(store, id, &owner.job, NULL, st) && read_load(store, &load, st),
+                    st))
         return false;
-    int64_t others = forms_limit(&forms) - bytes;
-    *most = forms.most;
-    if (others < 0)
+    if ((int64_t)bytes > cache_share(&load) || (int64_t)bytes > cache_left(&load))
         return true;
-    if (forms.bytes > others &&
-        (!pen_store_write(store, write_evict_to, &others, st) || !read_forms(store, &forms, st)))
+    if (!pen_object_load(store, &owner, NULL, data, bytes, &number, st) ||
+        !pen_db_begin(store->db, PEN_DB_PART, st))
         return false;
-    *fits = bytes <= forms.left && forms.bytes + forms.released + bytes <= forms.most;
-    return true;
-}
-
-bool pen_policy_cache_put(struct pen_store *store, const char *id,
-                          const struct pen_artefact_key *key, const void *data, size_t bytes,
-                          struct pen_status *st)
-{
-    struct cached in = {.key = key, .id = id};
-    bool fits;
-    if (!make_place(store, (int64_t)bytes, &fits, &in.limit, st))
-        return false;
-    if (!fits)
-        return true;
-    return pen_value_store_if(store, NULL, admit_form, data, bytes, &in.value, st) &&
-           pen_value_write(store, &in.value, write_cached, &in, st);
-}
-
-static bool write_evict(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    return store->driver->ops->cached_evict(store->driver, arg, st);
-}
-
-bool pen_policy_evict(struct pen_store *store, bool *more, struct pen_status *st)
-{
-    struct forms forms;
-    *more = false;
-    if (!read_forms(store, &forms, st))
-        return false;
-    *more = forms.bytes > 0 && forms.bytes > forms_limit(&forms);
-    return !*more || pen_store_write(store, write_evict, &forms.bytes, st);
-}
-
-struct touch {
-    int64_t artefact, now_ms;
-};
-
-static bool write_touch(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    const struct touch *touch = arg;
-    return store->driver->ops->cached_touch(store->driver, touch->artefact, touch->now_ms, st);
-}
-
-void pen_note_use(struct pen_store *store, const struct pen_artefact_row *artefact)
-{
-    struct touch touch = {.artefact = artefact->number};
-    struct pen_status ignored;
-    int64_t left, keep_bytes;
-    if (!artefact->cached || !store->driver->ops->now(store->driver, &touch.now_ms, &ignored) ||
-        touch.now_ms - artefact->used_ms <= TOUCH_MS ||
-        !read_left(store, &left, &keep_bytes, &ignored) || left < 0)
-        return;
-    pen_store_write(store, write_touch, &touch, &ignored);
-    store->outcome_unknown = false;
+    return pen_db_end(store->db,
+                      pen_job_number(store, id, &owner.job, &state, st) &&
+                          evict(store, cache_share(&load) - (int64_t)bytes, &dropped, st) &&
+                          pen_object_use(store, &owner, number, data, bytes, st),
+                      st);
 }

@@ -1,246 +1,300 @@
 /* SPDX-License-Identifier: MIT */
-/* Submit: stores the key, the scene document, the job, its views and its batches in one transaction
- * (README.md, "Submit"). Unique constraints alone tell whether a key, a document or a job is stored
- * already. The document is compressed before the transaction, unless it is stored already, so that
- * the write lock is held for writing only. */
-#include <pthread.h>
+/* Submit: the key, the scene document, the job, its views and batches in one transaction. The
+ * document is compressed, and a large one loaded, before it. */
+#include <jansson.h>
 #include <string.h>
-#include <time.h>
 
-#include "store/internal/policy.h"
+#include "store/internal/objects.h"
 
-enum {
-    MANY_BATCHES = 256, /* more take longer to store than most transactions: 5 ms and more */
-    PAUSE_NS = 5000000  /* longer than others sleep while they wait for the write lock */
-};
-
-/* Jobs of many batches are stored one after the other, with a pause after each. So who else wants
- * to write (another thread, or a worker) waits for one of them, however many there are. */
-static pthread_mutex_t many_batches = PTHREAD_MUTEX_INITIALIZER;
+enum { TRIES = 2 }; /* a document may be removed between look and submit */
 
 struct submission {
     const struct pen_job_new *job;
-    struct pen_bytes document;
-    bool compressed;
-    enum pen_submit_result result;
+    const char *client;
+    enum pen_submit_result *result;
     struct pen_buf *first_answer;
+    json_t *request;           /* NULL: it is none that JSON allows */
+    struct pen_bytes document; /* compressed; no data: the scene is stored already */
+    int64_t loaded;            /* its object, 0: none */
+    int64_t number;
+    bool missing; /* out: the scene is not stored, and there is no document */
 };
 
-/* Where the key is stored already: compares the body it came with, and reads the first answer. */
+/* Where the key was used before: the answer given then, unless it came with another body. */
 static bool find_key(struct pen_store *store, struct submission *in, bool *found,
                      struct pen_status *st)
 {
-    unsigned char body[32];
-    size_t before = in->first_answer->bytes;
-    if (!store->driver->ops->key_get(store->driver, pen_job_client(in->job),
-                                     in->job->idempotency_key, body, in->first_answer, found, st))
-        return false;
-    if (!*found)
+    size_t bytes;
+    bool ok = true;
+    *found = false;
+    if (!in->job->idempotency_key)
         return true;
-    bool same = memcmp(body, in->job->body_sha256, sizeof body) == 0;
-    in->result = same ? PEN_SUBMIT_REPEATED : PEN_SUBMIT_REUSED;
-    if (!same)
-        in->first_answer->bytes = before;
-    return true;
-}
-
-static bool add_key(struct pen_store *store, struct submission *in, struct pen_status *st)
-{
-    struct pen_key_row key = {.client = pen_job_client(in->job),
-                              .key = in->job->idempotency_key,
-                              .body_sha256 = in->job->body_sha256,
-                              .answer = in->job->answer};
-    bool added, found;
-    if (!store->driver->ops->now(store->driver, &key.created_ms, st) ||
-        !store->driver->ops->key_add(store->driver, &key, &added, st))
-        return false;
-    if (added)
-        return true;
-    return find_key(store, in, &found, st) &&
-           (found || pen_fail(st, PEN_UNAVAILABLE, "the idempotency key was removed meanwhile"));
-}
-
-static bool compress(struct pen_store *store, struct submission *in, struct pen_status *st)
-{
-    in->compressed = in->compressed || pen_compress(store->compressor, in->job->scene,
-                                                    in->job->scene_bytes, &in->document, st);
-    return in->compressed;
-}
-
-static bool insert_scene(struct pen_store *store, struct submission *in, int64_t *number,
-                         bool *added, struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    if (!compress(store, in, st))
-        return false;
-    struct pen_blob_start start = pen_blob_begin(in->document.data, in->document.bytes);
-    if (!driver->ops->scene_add(driver, in->job->scene_sha256, &start, number, added, st))
-        return false;
-    return !*added || pen_blob_finish(store, PEN_BLOB_SCENE, *number, in->document.data,
-                                      in->document.bytes, st);
-}
-
-static bool add_scene(struct pen_store *store, struct submission *in, int64_t *number,
-                      struct pen_status *st)
-{
-    struct pen_driver *driver = store->driver;
-    const unsigned char *sha256 = in->job->scene_sha256;
-    bool found, added;
-    if (!driver->ops->scene_find(driver, sha256, number, &found, st))
-        return false;
-    if (found)
-        return true;
-    if (!insert_scene(store, in, number, &added, st))
-        return false;
-    if (added)
-        return true;
-    return driver->ops->scene_find(driver, sha256, number, &found, st) &&
-           (found || pen_fail(st, PEN_UNAVAILABLE, "the scene document was removed meanwhile"));
-}
-
-/* A job with this id is stored already: by an earlier try of this submit, or it is another job. */
-static bool compare_known(struct pen_store *store, struct submission *in, int64_t scene,
-                          struct pen_status *st)
-{
-    struct pen_job_row row;
-    bool found;
-    if (!store->driver->ops->job_get(store->driver, in->job->id, &row, &found, st))
-        return false;
-    bool same = found && row.scene == scene && strcmp(row.record.kind, in->job->kind) == 0 &&
-                strcmp(row.record.request, in->job->request) == 0;
-    if (found)
-        pen_job_record_release(&row.record);
-    in->result = PEN_SUBMIT_KNOWN;
-    return same ||
-           pen_fail(st, PEN_CONFLICT, "there is another job %s; take a new id", in->job->id);
-}
-
-static bool add_view(struct pen_store *store, const struct pen_job_new *job, int64_t number,
-                     int view, struct pen_status *st)
-{
-    int batches = 0;
-    for (int i = 0; i < job->batch_count; i++)
-        batches += job->batches[i].view == view;
-    if (batches == 0)
-        return pen_fail(st, PEN_INTERNAL, "view %d of a new job has no batch", view);
-    return store->driver->ops->view_add(store->driver, number, view, &job->views[view], batches,
-                                        st);
-}
-
-static bool add_parts(struct pen_store *store, const struct pen_job_new *job, int64_t number,
-                      struct pen_status *st)
-{
-    for (int i = 0; i < job->view_count; i++) {
-        if (!add_view(store, job, number, i, st))
-            return false;
+    struct pen_rows *rows = pen_db_rows(
+        store->db, st, "SELECT body_sha256, answer FROM key WHERE client = $1 AND key = $2", "tt",
+        in->client, in->job->idempotency_key);
+    if (pen_db_next(rows)) {
+        const void *body = pen_db_bytes(rows, 0, &bytes);
+        const bool same = bytes == 32 && memcmp(body, in->job->body_sha256, 32) == 0;
+        *found = true;
+        *in->result = same ? PEN_SUBMIT_REPEATED : PEN_SUBMIT_REUSED;
+        ok = !same || pen_buf_puts(in->first_answer, pen_db_text(rows, 1)) ||
+             pen_fail(st, PEN_NO_MEMORY, "no memory for the answer of a key");
     }
-    for (int i = 0; i < job->batch_count; i++) {
-        struct pen_batch_add add = {.job = number, .batch = job->batches[i]};
-        bool added;
-        if (!store->driver->ops->batch_add(store->driver, &add, &added, st))
-            return false;
-    }
-    return true;
+    return pen_db_done(rows) && ok;
 }
 
-/* client: whose jobs were counted; NULL: all were. */
-static bool too_many(int64_t jobs, const char *client, int64_t most, struct pen_status *st)
+/* Where the job is stored already: the same job, or another one. */
+static bool find_job(struct pen_store *store, struct submission *in, bool *found,
+                     struct pen_status *st)
 {
+    const struct pen_job_new *job = in->job;
+    size_t bytes;
+    bool same = false;
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT job.client, job.kind, job.request, scene.sha256 FROM job "
+                    "LEFT JOIN scene ON scene.number = job.scene WHERE job.id = $1",
+                    "t", job->id);
+    *found = pen_db_next(rows);
+    if (*found) {
+        const void *scene = pen_db_bytes(rows, 3, &bytes);
+        same = strcmp(pen_db_text(rows, 0), in->client) == 0 &&
+               strcmp(pen_db_text(rows, 1), job->kind) == 0 &&
+               strcmp(pen_db_text(rows, 2), job->request) == 0 && bytes == 32 &&
+               memcmp(scene, job->scene_sha256, 32) == 0;
+        *in->result = PEN_SUBMIT_KNOWN;
+    }
+    return pen_db_done(rows) &&
+           (!*found || same || pen_fail(st, PEN_CONFLICT, "another job has the id %s", job->id));
+}
+
+static bool find_known(struct pen_store *store, struct submission *in, bool *known,
+                       struct pen_status *st)
+{
+    return find_key(store, in, known, st) && (*known || find_job(store, in, known, st));
+}
+
+static bool check_queue(struct pen_store *store, const struct submission *in, struct pen_status *st)
+{
+    const int64_t all_max = in->job->queue_max, own_max = in->job->client_queue_max;
+    int64_t all = 0, own = 0;
+    if (all_max == 0 && own_max == 0)
+        return true;
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT (SELECT count(*) FROM job WHERE state < 2), "
+                    "(SELECT count(*) FROM job WHERE client = $1 AND state < 2)",
+                    "t", in->client);
+    if (pen_db_next(rows)) {
+        all = pen_db_int(rows, 0);
+        own = pen_db_int(rows, 1);
+    }
+    if (!pen_db_done(rows))
+        return false;
+    const bool of_all = all_max > 0 && all >= all_max;
+    const int64_t jobs = of_all ? all : own, most = of_all ? all_max : own_max;
+    if (!of_all && (own_max == 0 || own < own_max))
+        return true;
     return pen_fail(st, PEN_QUOTA, "%lld job%s%s%s %s, at most %lld %s allowed; try again later",
-                    (long long)jobs, jobs == 1 ? "" : "s", client ? " of client " : "",
-                    client ? client : "", jobs == 1 ? "waits or runs" : "wait or run",
+                    (long long)jobs, jobs == 1 ? "" : "s", of_all ? "" : " of client ",
+                    of_all ? "" : in->client, jobs == 1 ? "waits or runs" : "wait or run",
                     (long long)most, most == 1 ? "is" : "are");
 }
 
-/* Fails if this job would be one too many. */
-static bool check_queue(struct pen_store *store, const struct pen_job_new *job,
-                        struct pen_status *st)
+static bool add_key(struct pen_store *store, const struct submission *in, struct pen_status *st)
 {
-    int64_t all, of_client;
-    if (job->queue_max == 0 && job->client_queue_max == 0)
+    return !in->job->idempotency_key ||
+           pen_db_run(store->db, st, NULL,
+                      "INSERT INTO key (client, key, body_sha256, answer, created_ms) "
+                      "VALUES ($1, $2, $3, $4, (SELECT now_ms()))",
+                      "ttbt", in->client, in->job->idempotency_key,
+                      (const void *)in->job->body_sha256, (size_t)32, in->job->answer);
+}
+
+static bool add_attribute(struct pen_store *store, int64_t job, const char *prefix, const char *key,
+                          const json_t *value, struct pen_status *st)
+{
+    char name[512];
+    if (!json_is_string(value))
         return true;
-    if (!store->driver->ops->queue_lengths(store->driver, pen_job_client(job), &all, &of_client,
-                                           st))
-        return false;
-    if (job->queue_max > 0 && all > job->queue_max)
-        return too_many(all - 1, NULL, job->queue_max, st);
-    if (job->client_queue_max > 0 && of_client > job->client_queue_max)
-        return too_many(of_client - 1, pen_job_client(job), job->client_queue_max, st);
-    return true;
+    snprintf(name, sizeof name, "%s%s", prefix, key);
+    return pen_db_run(store->db, st, NULL,
+                      "INSERT INTO attribute (key, value, job) VALUES ($1, $2, $3) "
+                      "ON CONFLICT DO NOTHING",
+                      "tti", name, json_string_value(value), job);
 }
 
-static bool add_job(struct pen_store *store, struct submission *in, struct pen_status *st)
+/* What lists are filtered by: the request's name and labels, if it is a JSON object. */
+static bool add_attributes(struct pen_store *store, const struct submission *in,
+                           struct pen_status *st)
 {
-    const struct pen_job_new *job = in->job;
-    int64_t scene, number, pixels = 0;
-    bool added;
-    for (int i = 0; i < job->batch_count; i++)
-        pixels += job->batches[i].pixels;
-    if (!add_scene(store, in, &scene, st) ||
-        !store->driver->ops->job_add(store->driver, job, scene, pixels, &number, &added, st))
-        return false;
-    if (!added)
-        return compare_known(store, in, scene, st);
-    if (!check_queue(store, job, st))
-        return false;
-    store->work = store->changed = true;
-    return add_parts(store, job, number, st) && pen_admit_bytes(store, number, st);
-}
-
-static bool write_submission(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    struct submission *in = arg;
-    in->result = PEN_SUBMIT_CREATED;
-    if (in->job->idempotency_key && !add_key(store, in, st))
-        return false;
-    return in->result != PEN_SUBMIT_CREATED || add_job(store, in, st);
-}
-
-static bool write_many(struct pen_store *store, struct submission *in, struct pen_status *st)
-{
-    const struct timespec pause = {.tv_nsec = PAUSE_NS};
-    pthread_mutex_lock(&many_batches);
-    const bool ok = pen_store_write(store, write_submission, in, st);
-    nanosleep(&pause, NULL);
-    pthread_mutex_unlock(&many_batches);
+    const char *key;
+    json_t *value;
+    bool ok =
+        add_attribute(store, in->number, "", "name", json_object_get(in->request, "name"), st);
+    json_object_foreach(json_object_get(in->request, "labels"), key, value) ok =
+        ok && add_attribute(store, in->number, "label:", key, value, st);
     return ok;
 }
 
-static bool write_job(struct pen_store *store, struct submission *in, struct pen_status *st)
+static bool add_scene(struct pen_store *store, struct submission *in, int64_t *scene,
+                      struct pen_status *st)
 {
-    return in->job->batch_count > MANY_BATCHES ? write_many(store, in, st)
-                                               : pen_store_write(store, write_submission, in, st);
+    if (!pen_scene_find(store, in->job->scene_sha256, scene, st))
+        return false;
+    in->missing = *scene == 0 && !in->document.data;
+    return *scene > 0 || in->missing ||
+           pen_scene_add(store, in->job->scene_sha256, in->loaded, in->document.data,
+                         in->document.bytes, scene, st);
 }
 
-bool pen_policy_submit(struct pen_store *store, const struct pen_job_new *job,
-                       enum pen_submit_result *result, struct pen_buf *first_answer,
-                       struct pen_status *st)
+static bool add_job(struct pen_store *store, struct submission *in, int64_t scene, int64_t bytes,
+                    struct pen_status *st)
 {
-    struct submission in = {.job = job, .first_answer = first_answer};
-    int64_t scene;
-    bool found;
-    if (!store->driver->ops->scene_find(store->driver, job->scene_sha256, &scene, &found, st) ||
-        (!found && !compress(store, &in, st)) || !write_job(store, &in, st))
-        return false;
-    *result = in.result;
-    return true;
+    const struct pen_job_new *job = in->job;
+    int64_t pixels = 0;
+    for (int i = 0; i < job->batch_count; i++)
+        pixels += job->batches[i].pixels;
+    return pen_db_run(
+               store->db, st, NULL,
+               "INSERT INTO job (id, client, kind, priority, state, revision, scene, request, "
+               "max_attempts, charges, losses, timeout_ms, open_views, done_pixels, total_pixels, "
+               "work, "
+               "spent_us, told_us, told_elapsed_us, estimate_ms, elapsed_us, queue_us, "
+               "moment_boot, "
+               "moment_us, moment_ms, created_ms, started_ms, finished_ms, updated_ms, removed_ms, "
+               "results_bytes) VALUES ($1, $2, $3, $4, 0, 1, $5, $6, $7, 0, 0, $8, $9, 0, $10, 0, "
+               "0, 0, "
+               "0, "
+               "0, 0, 0, $11, $12, $13, $13, 0, 0, $13, 0, $14)",
+               "tttiitiiiiiiii", job->id, in->client, job->kind, (int64_t)job->priority, scene,
+               job->request, (int64_t)job->max_attempts, job->timeout_ms, (int64_t)job->view_count,
+               pixels, job->created.boot, job->created.us, job->created_ms, bytes) &&
+           pen_db_value(store->db, st, &in->number, "SELECT number FROM job WHERE id = $1", "t",
+                        job->id);
 }
 
-bool pen_policy_submitted(struct pen_store *store, const struct pen_job_new *job,
-                          enum pen_submit_result *result, struct pen_buf *first_answer, bool *known,
-                          struct pen_status *st)
+static bool add_views(struct pen_store *store, const struct submission *in, struct pen_status *st)
 {
-    struct submission in = {.job = job, .first_answer = first_answer};
-    struct pen_job_key stored;
+    const struct pen_job_new *job = in->job;
+    bool ok = true;
+    for (int view = 0; ok && view < job->view_count; view++) {
+        int64_t batches = 0;
+        for (int i = 0; i < job->batch_count; i++)
+            batches += job->batches[i].view == view;
+        if (batches == 0)
+            return pen_fail(st, PEN_INTERNAL, "view %d of a new job has no batch", view);
+        ok = pen_db_run(store->db, st, NULL,
+                        "INSERT INTO view (job, view, name, width, height, batches, open_batches) "
+                        "VALUES ($1, $2, $3, $4, $5, $6, $6)",
+                        "iitiii", in->number, (int64_t)view, job->views[view].name,
+                        (int64_t)job->views[view].width, (int64_t)job->views[view].height, batches);
+    }
+    return ok;
+}
+
+static bool add_batches(struct pen_store *store, const struct submission *in, struct pen_status *st)
+{
+    const struct pen_job_new *job = in->job;
+    int64_t turn;
+    bool ok = pen_turn_next(store, in->client, job->priority, &turn, st);
+    for (int i = 0; ok && i < job->batch_count; i++) {
+        const struct pen_batch_new *batch = &job->batches[i];
+        ok = pen_db_run(store->db, st, NULL,
+                        "INSERT INTO batch (job, view, kind, first_tile, tile_count, pixels, "
+                        "told_pixels, work, state, priority, client, turn, not_before_ms, alone, "
+                        "attempt, serial, claimed_ms, lease_ms, spent_us, revision, commit_us) "
+                        "VALUES ($1, $2, $3, $4, $5, $6, 0, 0, 0, $7, $8, $9, 0, 0, 0, 0, 0, 0, 0, "
+                        "0, 0)",
+                        "iiiiiiiti", in->number, (int64_t)batch->view, (int64_t)batch->kind,
+                        (int64_t)batch->first_tile, (int64_t)batch->tile_count, batch->pixels,
+                        (int64_t)job->priority, in->client, turn + i);
+    }
+    return ok;
+}
+
+/* `layers` of the request has the picture too. */
+static int64_t results_bytes(const struct submission *in)
+{
+    const size_t layers = json_array_size(json_object_get(in->request, "layers"));
+    int64_t pixels = 0;
+    for (int i = 0; i < in->job->view_count; i++)
+        pixels += (int64_t)in->job->views[i].width * in->job->views[i].height;
+    return pen_results_bytes(pixels, layers > 1 ? (int64_t)layers - 1 : 0);
+}
+
+static bool write_submission(struct pen_store *store, struct submission *in, struct pen_status *st)
+{
+    const int64_t bytes = results_bytes(in);
     int64_t scene;
-    if (job->idempotency_key
-            ? !find_key(store, &in, known, st)
-            : !store->driver->ops->job_find(store->driver, job->id, &stored, known, st))
+    bool known;
+    if (!find_known(store, in, &known, st))
         return false;
-    if (*known && !job->idempotency_key &&
-        (!store->driver->ops->scene_find(store->driver, job->scene_sha256, &scene, known, st) ||
-         (*known && !compare_known(store, &in, scene, st))))
+    if (known)
+        return true;
+    *in->result = PEN_SUBMIT_CREATED;
+    if (!check_queue(store, in, st) || !pen_intake(store, bytes, st) ||
+        !add_scene(store, in, &scene, st))
         return false;
-    *result = in.result;
-    return true;
+    return in->missing || (add_key(store, in, st) && add_job(store, in, scene, bytes, st) &&
+                           add_attributes(store, in, st) && add_views(store, in, st) &&
+                           add_batches(store, in, st));
+}
+
+/* Reads whether the submit, or its scene, is known; else makes the document ready to be stored. */
+static bool prepare(struct pen_store *store, struct submission *in, bool *known,
+                    struct pen_status *st)
+{
+    const struct pen_object_owner owner = {.layer = "", .format = "scene"};
+    int64_t stored = 0;
+    if (!pen_db_begin(store->db, PEN_DB_READ, st) ||
+        !pen_db_end(store->db,
+                    find_known(store, in, known, st) &&
+                        pen_db_value(store->db, st, &stored,
+                                     "SELECT 1 FROM scene WHERE sha256 = $1", "b",
+                                     (const void *)in->job->scene_sha256, (size_t)32),
+                    st))
+        return false;
+    if (*known || (stored && !in->missing))
+        return true;
+    return pen_store_documents(store, st) &&
+           pen_compress(store->documents, in->job->scene, in->job->scene_bytes, &in->document,
+                        st) &&
+           pen_object_load(store, &owner, NULL, in->document.data, in->document.bytes, &in->loaded,
+                           st);
+}
+
+static bool submit(struct pen_store *store, struct submission *in, struct pen_status *st)
+{
+    for (int i = 0; i < TRIES; i++) {
+        bool known;
+        if (!prepare(store, in, &known, st))
+            return false;
+        if (known)
+            return true;
+        if (!pen_db_begin(store->db, PEN_DB_WRITE, st))
+            return false;
+        const bool ok = write_submission(store, in, st);
+        if (!pen_db_end(store->db, ok && !in->missing, st) && !(ok && in->missing))
+            return false;
+        if (!in->missing)
+            return true;
+    }
+    return pen_fail(st, PEN_UNAVAILABLE, "the job's scene was removed meanwhile");
+}
+
+bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
+                      enum pen_submit_result *result, struct pen_buf *first_answer,
+                      struct pen_status *st)
+{
+    struct submission in = {.job = job,
+                            .client = job->client ? job->client : "",
+                            .result = result,
+                            .first_answer = first_answer,
+                            .request = json_loads(job->request, JSON_DECODE_ANY, NULL)};
+    const bool ok = submit(store, &in, st);
+    json_decref(in.request);
+    if (ok && *result == PEN_SUBMIT_CREATED)
+        pen_db_wake(store->db);
+    return ok;
 }

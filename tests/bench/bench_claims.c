@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* How long a claim takes while many jobs wait: bench_claims STORE [JOBS [ADDRESSES]] fills a new
- * store and prints the time of a submit and of a claim. Nothing is rendered. */
+/* How long a claim takes while many jobs wait: bench_claims STORE [JOBS [CLIENTS]] fills a new
+ * store and prints the time of a submit and of a claim; and that of the submit of one job with as
+ * many batches as a job may have. Nothing is rendered. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +9,7 @@
 #include "base/clock.h"
 #include "store/store.h"
 
-enum { JOBS = 24000, CLAIMS = 400 };
+enum { JOBS = 24000, CLAIMS = 400, BATCHES = 16384 };
 
 static int by_value(const void *a, const void *b)
 {
@@ -28,18 +29,20 @@ static void die(const char *what, const struct pen_status *st)
     exit(1);
 }
 
-/* Stores job n, of one batch, from one of so many addresses. */
-static void submit(struct pen_store *store, int n, int addresses)
+/* Stores job n, of so many batches, from one of so many clients. */
+static void submit(struct pen_store *store, int n, int clients, int batches)
 {
     static const unsigned char sha256[32];
-    const struct pen_view_new view = {"main", 4, 4};
-    const struct pen_batch_new batch = {.tile_count = 1, .pixels = 16};
+    static struct pen_batch_new batch[BATCHES];
+    const struct pen_view_new view = {"main", 4, 4 * batches};
     char id[PEN_ID_BYTES], address[32];
     struct pen_buf answer = {0};
     struct pen_status st;
     enum pen_submit_result result;
     snprintf(id, sizeof id, "01900000-0000-7000-8000-%012d", n);
-    snprintf(address, sizeof address, "10.0.%d.%d", n % addresses / 250, n % addresses % 250);
+    snprintf(address, sizeof address, "10.0.%d.%d", n % clients / 250, n % clients % 250);
+    for (int i = 0; i < batches; i++)
+        batch[i] = (struct pen_batch_new){.first_tile = i, .tile_count = 1, .pixels = 16};
     const struct pen_job_new job = {.id = id,
                                     .created_ms = pen_clock_wall_ms(),
                                     .kind = "render",
@@ -50,19 +53,16 @@ static void submit(struct pen_store *store, int n, int addresses)
                                     .max_attempts = 3,
                                     .view_count = 1,
                                     .views = &view,
-                                    .batch_count = 1,
-                                    .batches = &batch,
-#ifndef BEFORE
-                                    .client = address
-#endif
-    };
+                                    .batch_count = batches,
+                                    .batches = batch,
+                                    .client = address};
     if (!pen_store_submit(store, &job, &result, &answer, &st))
         die("submit", &st);
     pen_buf_release(&answer);
 }
 
 /* Claims a batch and commits it; returns the time of the claim. */
-static double work(struct pen_store *store)
+static double work(struct pen_store *store, int serial)
 {
     static const float rgb[48];
     const struct pen_result result = {.rgb = rgb,
@@ -76,11 +76,11 @@ static double work(struct pen_store *store)
     struct pen_status st;
     bool found = false;
     const int64_t begun_ns = pen_clock_ns();
-    if (!pen_store_claim(store, "w", 60000, &claim, &found, &st) || !found)
+    if (!pen_store_claim(store, "w", 60000, serial, &claim, &found, &st) || !found)
         die("claim", &st);
     const double ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
     claim.spent_us = 1000;
-    if (!pen_store_commit(store, &claim, &result, &st))
+    if (!pen_store_commit(store, &claim, &result, NULL, &st))
         die("commit", &st);
     return ms;
 }
@@ -89,25 +89,29 @@ int main(int argc, char **argv)
 {
     double ms[CLAIMS];
     struct pen_status st;
-    const int jobs = number(argv, argc, 2, JOBS), addresses = number(argv, argc, 3, 1);
+    const int jobs = number(argv, argc, 2, JOBS), clients = number(argv, argc, 3, 1000);
     const int claims = jobs < CLAIMS ? jobs : CLAIMS;
     if (argc < 2) {
-        fprintf(stderr, "usage: bench_claims STORE [JOBS [ADDRESSES]]\n");
+        fprintf(stderr, "usage: bench_claims STORE [JOBS [CLIENTS]]\n");
         return 2;
     }
-    struct pen_store *store = pen_store_open(argv[1], &st);
+    struct pen_store *store = pen_store_open(argv[1], true, &st);
     if (!store)
         die("open", &st);
     int64_t begun_ns = pen_clock_ns();
     for (int n = 0; n < jobs; n++)
-        submit(store, n, addresses);
-    printf("%d jobs of %d addresses: %.3f ms per submit\n", jobs, addresses,
+        submit(store, n, clients, 1);
+    printf("%d jobs of %d clients: %.3f ms per submit\n", jobs, clients,
            (double)(pen_clock_ns() - begun_ns) * 1e-6 / jobs);
     for (int i = 0; i < claims; i++)
-        ms[i] = work(store);
+        ms[i] = work(store, i + 1);
     qsort(ms, (size_t)claims, sizeof *ms, by_value);
     printf("a claim takes %.3f ms (median), %.3f ms (95 of 100)\n", ms[claims / 2],
            ms[claims * 95 / 100]);
+    begun_ns = pen_clock_ns();
+    submit(store, jobs, clients, BATCHES);
+    printf("a submit of %d batches takes %.1f ms\n", BATCHES,
+           (double)(pen_clock_ns() - begun_ns) * 1e-6);
     pen_store_close(store);
     return 0;
 }

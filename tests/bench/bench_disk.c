@@ -33,7 +33,7 @@ static void must(bool ok, const struct pen_status *st, const char *what)
 static struct pen_store *open_store(void)
 {
     struct pen_status st;
-    struct pen_store *store = pen_store_open(url, &st);
+    struct pen_store *store = pen_store_open(url, true, &st);
     must(store != NULL, &st, "open");
     return store;
 }
@@ -112,7 +112,7 @@ static void fill(struct pen_store *store, double gib)
     for (int i = 0; i < PICTURE_BYTES; i++)
         picture[i] = (char)((seed = seed * 6364136223846793005u + 1442695040888963407u) >> 56);
     submit(store, 1);
-    must(pen_store_claim(store, "w", 3600 * 1000, &claim, &found, &st) && found, &st, "claim");
+    must(pen_store_claim(store, "w", 3600 * 1000, 1, &claim, &found, &st) && found, &st, "claim");
     for (int i = 0; i < gib * (1 << 30) / PICTURE_BYTES; i++) {
         snprintf(layer, sizeof layer, "layer-%d", i);
         must(pen_store_artefact_put(store, &claim, layer, "pfm", picture, PICTURE_BYTES, &st), &st,
@@ -135,7 +135,7 @@ static void remove_all(struct pen_store *store)
     printf("delete answered after %.1f ms\n", seconds_since(begun_ns) * 1e3);
     for (begun_ns = pen_clock_ns(); more; slices++) {
         int64_t slice_ns = pen_clock_ns();
-        must(pen_store_purge_slice(store, &more, &st), &st, "slice");
+        must(pen_store_purge(store, &more, &st), &st, "slice");
         int64_t took_ns = pen_clock_ns() - slice_ns;
         longest_ms = (double)took_ns * 1e-6 > longest_ms ? (double)took_ns * 1e-6 : longest_ms;
         const struct timespec pause = {.tv_nsec = took_ns < 5000000     ? 5000000
@@ -149,11 +149,14 @@ static void remove_all(struct pen_store *store)
 
 static void start(void)
 {
+    enum { CHECK_MS = 300 };
     struct pen_status st;
+    bool finished;
     int64_t begun_ns = pen_clock_ns();
     struct pen_store *store = open_store();
-    must(pen_store_check_start(store, &st), &st, "check");
-    printf("opened and checked as at a start in %.3f s\n", seconds_since(begun_ns));
+    must(pen_store_check(store, CHECK_MS, &finished, &st), &st, "check");
+    printf("opened and checked as at a start in %.3f s%s\n", seconds_since(begun_ns),
+           finished ? "" : ", unfinished");
     pen_store_close(store);
 }
 

@@ -9,7 +9,7 @@ set -- "$@" --set samples_per_pixel=$(samples_lasting 1000 scene.json "$@")
 "$penumbra" render scene.json "$@" -o wanted.pfm
 
 exits "a backup without a store fails" 4 "$build/penumbrad" backup b.db --store "$store"
-prints "and names the missing store" stderr "there is no store $store"
+prints "and names the missing store" stderr "$store: there is no store"
 exits "a backup without a file name fails" 2 "$build/penumbrad" backup --store "$store"
 daemon_start
 export PENUMBRA_URL="$url"
@@ -103,7 +103,7 @@ daemon_stop
 printf 'not a database' >"$store"
 rm -f "$store-wal" "$store-shm"
 exits "a daemon does not start with a damaged store" 8 "$build/penumbrad" --listen 127.0.0.1:0 --store "$store"
-prints "and proposes to restore a backup" stderr "restore a backup"
+prints "and says so" stderr "is not a Penumbra store, or is damaged"
 exits "a worker does not start with a damaged store" 8 "$build/penumbrad" --role worker --store "$store"
 expect "the damaged store is not changed" "$(cat "$store")" "not a database"
 finish

@@ -43,6 +43,12 @@ for role in api all; do
     prints "and the message says which role does" stderr "only --role worker ends without work"
 done
 
+# One of the two processes alone makes no store
+exits "a worker alone does not start without a store" 4 "$build/penumbrad" --role worker --store new/typo.db
+prints "and says why" stderr "new/typo.db: there is no store"
+exits "nor does an api alone" 4 "$build/penumbrad" --role api --listen 127.0.0.1:0 --store new/typo.db
+check "and no folder is made" test ! -e new
+
 daemon_start # makes the store
 daemon_stop
 daemon_start --role api

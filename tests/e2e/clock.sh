@@ -22,14 +22,14 @@ unset LD_PRELOAD
 noted() { # NAME: housekeeping has noted a time under this name
     python3 -c 'import sqlite3, sys
 store = sqlite3.connect("file:%s?mode=ro" % sys.argv[1], uri=True)
-sys.exit(not store.execute("SELECT 1 FROM meta WHERE name = ? AND value > 0", (sys.argv[2],)).fetchone())' \
+sys.exit(not store.execute("SELECT 1 FROM meta WHERE name = ? AND CAST(value AS INTEGER) > 0", (sys.argv[2],)).fetchone())' \
         "$store" "$1"
 }
 began() {
     call "$job"
     [ "$(body .state)" = running ]
 }
-within noted housekeeping_ms || not_ok housekeeping "there was none"
+within noted purged_ms || not_ok housekeeping "there was none"
 begun=$(date +%s)
 submit '{"scene": "builtin:gloss", "render": {"width": 120, "height": 90, "samples_per_pixel": 16}}'
 within began || not_ok job-begins "it is $(body .state)"
@@ -42,7 +42,7 @@ expect the-clock-was-set-back-and-total-is-true \
     "$(body ".timing | .total_ms >= .queue_ms + .render_ms and .queue_ms >= 0 and .total_ms < $most")" true
 
 echo +3d >"$work/clock"
-within noted jump_ms || not_ok jump-is-noted "it is not"
+within noted ages_from_ms || not_ok jump-is-noted "it is not"
 call "$job/image"
 expect a-picture-that-is-seconds-old-is-kept "$status" 200
 finish

@@ -172,16 +172,16 @@ second=$job
 submit "$waiting"
 expect submit-without-place "$(body 'has("queue_position")')" false
 third=$job
-within has_place 2
-expect place-of-the-last "$(body .queue_position) $(header etag)" "2 W/\"$(body .revision)\""
+within has_place 3 # behind the big one, whose other batches come first
+expect place-of-the-last "$(body .queue_position) $(header etag)" "3 W/\"$(body .revision)\""
 expect eta-of-the-last "$(body '.progress.eta_seconds > 0')" true
 tag=$(header etag)
 call "$third" -H "If-None-Match: $tag"
 expect weak-tag-not-modified "$status" 304
 call "$second/cancel" -X POST
 expect no-place-any-more "$(body 'has("queue_position")')" false
-within has_place 1
-expect place-moves-up "$(body .queue_position) $(header etag)" "1 $tag"
+within has_place 2
+expect place-moves-up "$(body .queue_position) $(header etag)" "2 $tag"
 call "$big"
 expect running-has-no-place "$(body 'has("queue_position")') $(header etag)" "false \"$(body .revision)\""
 call "$third/cancel" -X POST

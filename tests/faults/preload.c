@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Simulates a failing disk under a running daemon. Preloaded, this library replaces the functions
- * by which SQLite accesses files whose path begins with $FAULTS_STORE, except the one ending in
- * -wake. Each line of the file $FAULTS_CONTROL, which is read at every call, makes an operation
- * fail:
+ * by which SQLite accesses files whose path begins with $FAULTS_STORE. Each line of the file
+ * $FAULTS_CONTROL, which is read at every call, makes an operation fail:
  *
  *     write ENOSPC       every write; or EIO, or SHORT: half is written, then the disk is full
  *     sync EIO 3         every third sync of a process
@@ -43,8 +42,7 @@ static bool is_store_file(int fd)
     if (length < 0)
         return false;
     path[length] = '\0';
-    size_t prefix = strlen(store);
-    return strncmp(path, store, prefix) == 0 && strcmp(path + prefix, "-wake") != 0;
+    return strncmp(path, store, strlen(store)) == 0;
 }
 
 static int error_of(const char *name)

@@ -54,7 +54,7 @@ static void set_up(const char *job, int heartbeat_ms)
     struct pen_status st;
     struct answer answer;
     server_start(&server, &(struct server_options){.heartbeat_ms = heartbeat_ms});
-    store = pen_store_open(server.store, &st);
+    store = pen_store_open(server.store, false, &st);
     store_must(store != NULL, &st, "open");
     server_ask(&server, "POST /v1/jobs HTTP/1.1", job, &answer);
     ck_assert_msg(answer.status == 202, "%s", (const char *)answer.text.data);

@@ -103,12 +103,12 @@ static int64_t cost_of_changes(int characters)
                           &fds[i], 1);
         answer_release(&answer);
     }
-    struct pen_store *store = pen_store_open(server.store, &st);
+    struct pen_store *store = pen_store_open(server.store, false, &st);
     ck_assert_msg(store != NULL, "%s", st.msg);
     client_pause(300 * client_patience());
     const int64_t begun_ns = cpu_ns();
     for (int i = 0; i < CHANGES; i++) {
-        pen_store_wake(store, PEN_SIGNAL_CHANGES);
+        pen_store_wake(store);
         client_pause(50 * client_patience());
     }
     const int64_t cost_ns = cpu_ns() - begun_ns;

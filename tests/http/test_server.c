@@ -636,38 +636,6 @@ START_TEST(test_server__store_that_takes_no_writes_is_reported)
 }
 END_TEST
 
-/* What the background check has found damaged is told; the daemon stays ready. */
-START_TEST(test_server__damage_that_was_found_is_reported)
-{
-    struct server server;
-    struct answer answer;
-    struct store_bed bed = {0};
-    struct pen_scrub scrub = {0};
-    struct pen_status st;
-    char path[80];
-    bool more = true;
-    server_start(&server, &(struct server_options){0});
-    server_submit(&server, path);
-    server_ask(&server, "GET /readyz HTTP/1.1", NULL, &answer);
-    ck_assert_ptr_null(strstr(answer.body, "damaged"));
-    answer_release(&answer);
-    snprintf(bed.url, sizeof bed.url, "%s", server.store);
-    store_run_sql(&bed, "UPDATE scene SET document = x'55'", NULL, 0);
-    struct pen_store *store = store_bed_handle(&bed);
-    while (more)
-        store_must(pen_store_scrub(store, &scrub, &more, &st), &st, "scrub");
-    pen_store_close(store);
-    server_ask(&server, "GET /readyz HTTP/1.1", NULL, &answer);
-    ck_assert_int_eq(answer.status, 200);
-    ck_assert_ptr_nonnull(strstr(answer.body, "\"damaged\":1"));
-    answer_release(&answer);
-    server_ask(&server, "GET /metrics HTTP/1.1", NULL, &answer);
-    ck_assert_ptr_nonnull(strstr(answer.body, "\npenumbra_store_damaged 1\n"));
-    answer_release(&answer);
-    server_stop(&server);
-}
-END_TEST
-
 enum { CLIENTS = 16, SUBMITS = 10 };
 
 struct client {
@@ -826,7 +794,6 @@ PEN_SUITE("server", test_server__partial_requests_are_ended,
           test_server__disconnected_waiters_do_no_harm, test_server__stop_answers_waiting_requests,
           test_server__drain_refuses_new_jobs_only,
           test_server__store_that_takes_no_writes_is_reported,
-          test_server__damage_that_was_found_is_reported,
           test_server__concurrent_submits_are_all_kept,
           test_server__concurrent_submits_with_one_key_are_one_job, test_server__jobs_are_rendered,
           test_server__listening_socket_stays_the_callers,

@@ -56,7 +56,8 @@ static void check_same_layers(void)
     check_same("beauty");
     for (int i = 0; i < LAYERS; i++)
         check_same(names[i]);
-    ck_assert_int_eq(count_of("SELECT count(*) FROM artefact WHERE layer = 'kept'"), 0);
+    ck_assert_int_eq(
+        count_of("SELECT count(*) FROM object WHERE layer LIKE 'kept:%' AND state = 1"), 0);
 }
 
 static int render_batches(void)
@@ -144,8 +145,8 @@ static void finish(void)
 START_TEST(test_layers__parts_that_cannot_be_used_are_rendered_again)
 {
     static const char *const harms[] = {
-        "DELETE FROM artefact WHERE layer = 'kept'",
-        "DELETE FROM artefact WHERE layer = 'kept' AND format NOT LIKE '%-0'"};
+        "UPDATE object SET state = 2 WHERE layer LIKE 'kept:%'",
+        "UPDATE object SET state = 2 WHERE layer LIKE 'kept:%' AND layer NOT LIKE '%-0'"};
     for (int i = 0; i < 3; i++) {
         jobs_bed_open(&bed);
         make_whole(other);
@@ -196,7 +197,8 @@ START_TEST(test_layers__cancel_drops_the_parts)
     ck_assert(jobs_has_kept(&bed, id, "cost-0"));
     store_must(pen_jobs_cancel(bed.jobs, id, NULL, &snapshot, &st), &st, "cancel");
     json_decref(snapshot.json);
-    ck_assert_int_eq(count_of("SELECT count(*) FROM artefact WHERE layer = 'kept'"), 0);
+    ck_assert_int_eq(
+        count_of("SELECT count(*) FROM object WHERE layer LIKE 'kept:%' AND state = 1"), 0);
     jobs_bed_close(&bed);
 }
 END_TEST

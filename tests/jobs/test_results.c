@@ -184,7 +184,7 @@ static void commit_numbers(const struct pen_claim *claim)
     for (int64_t i = 0; i < claim->pixels * 3; i++)
         rgb[i] = (float)i / (float)(claim->pixels * 3);
     struct pen_result result = {.rgb = rgb, .pixels = claim->pixels, .stats = "{}"};
-    store_must(pen_store_commit(bed.bed.store, claim, &result, &st), &st, "commit");
+    store_must(pen_store_commit(bed.bed.store, claim, &result, NULL, &st), &st, "commit");
 }
 
 static struct pen_buf preview(void)

@@ -354,8 +354,7 @@ START_TEST(test_study__bill_of_a_killed_worker_is_finished)
     wait_for_runs(2);
     kill(pid, SIGKILL);
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
-    store_must(pen_store_expire_leases(bed.bed.store, "doomed:1:1", &opened, &st), &st,
-               "expire leases");
+    opened = store_worker_died(bed.bed.store, "doomed:1:1");
     ck_assert_int_eq(opened, 1);
     jobs_worker_start(&bed);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
@@ -463,8 +462,7 @@ START_TEST(test_study__stopping_worker_gives_it_back)
     ck_assert_timed(took_ms < 30000);
     struct pen_status st;
     int opened = -1;
-    store_must(pen_store_expire_leases(bed.bed.store, "test:1:1", &opened, &st), &st,
-               "expire leases");
+    opened = store_worker_died(bed.bed.store, "test:1:1");
     ck_assert_int_eq(opened, 0);
     struct pen_job_record job = store_job_get(bed.bed.store, id);
     ck_assert_int_eq(job.state, PEN_JOB_RUNNING);
@@ -490,8 +488,7 @@ START_TEST(test_study__benchmark_of_a_killed_worker_goes_on)
     kill(pid, SIGKILL);
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
     pen_clock_format(pen_clock_wall_ms(), killed);
-    store_must(pen_store_expire_leases(bed.bed.store, "doomed:1:1", &opened, &st), &st,
-               "expire leases");
+    opened = store_worker_died(bed.bed.store, "doomed:1:1");
     ck_assert_int_eq(opened, 1);
     jobs_worker_start(&bed);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "support/jobs.h"
+#include "support/store_rows.h"
 #include "support/store_sql.h"
 #include "support/suite.h"
 
@@ -665,7 +666,7 @@ START_TEST(test_submit__first_answer_is_made_again_from_the_job)
     ck_assert_mem_eq(again.answer.data, first.answer.data, first.answer.bytes);
     pen_buf_release(&again.answer);
     pen_buf_release(&first.answer);
-    store_run_sql(&bed.bed, "SELECT key FROM idempotency WHERE length(answer) > 100", NULL, 0);
+    store_run_sql(&bed.bed, "SELECT key FROM key WHERE length(answer) > 100", NULL, 0);
     ck_assert(pen_jobs_delete(bed.jobs, first.id, NULL, true, &st));
     ck_assert(!submit(body, "key-1", &again, &errors));
     ck_assert_int_eq(errors.item[0].code, PEN_GONE);
@@ -696,23 +697,20 @@ struct cover {
     int64_t pixels;
 };
 
-static bool check_cover(void *user, const struct pen_batch_record *batch)
+static void check_cover(struct cover *cover, const struct store_batch *batch)
 {
-    struct cover *cover = user;
     if (batch->view != cover->view)
         *cover = (struct cover){.view = batch->view, .pixels = cover->pixels};
     ck_assert_int_eq(batch->first_tile, cover->next_tile);
     ck_assert_int_gt(batch->tile_count, 0);
     cover->next_tile += batch->tile_count;
     cover->pixels += batch->pixels;
-    return true;
 }
 
 START_TEST(test_submit__batches_cover_every_tile_once)
 {
     static const int sizes[][3] = {{1, 1, 32},     {33, 31, 32},  {800, 600, 32}, {999, 777, 7},
                                    {640, 480, 64}, {5, 9000, 16}, {9000, 5, 3},   {97, 89, 100}};
-    struct pen_status st;
     char body[4096];
     jobs_bed_open(&bed);
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
@@ -721,8 +719,11 @@ START_TEST(test_submit__batches_cover_every_tile_once)
                  " \"height\": %d, \"tile\": %d, \"samples_per_pixel\": 50}",
                  sizes[i][0], sizes[i][1], sizes[i][2]);
         jobs_submit(&bed, jobs_scene(body), id);
+        static struct store_batch batch[20000];
         struct cover cover = {0};
-        store_must(pen_store_batches(bed.bed.store, id, check_cover, &cover, &st), &st, "batches");
+        const int count = store_batches(bed.bed.url, id, batch, 20000);
+        for (int k = 0; k < count; k++)
+            check_cover(&cover, &batch[k]);
         ck_assert_int_eq(cover.view, 1);
         const int edge = sizes[i][2] < 64 ? sizes[i][2] : 64;
         ck_assert_int_eq(cover.next_tile, pen_tile_count(sizes[i][0], sizes[i][1], edge));

@@ -10,7 +10,9 @@
 
 #include "base/clock.h"
 #include "film/picture.h"
+#include "store/db.h"
 #include "support/jobs.h"
+#include "support/store_rows.h"
 #include "support/store_sql.h"
 #include "support/suite.h"
 
@@ -19,7 +21,7 @@ static char id[PEN_ID_BYTES];
 
 /* Many samples make many rays, so that a small image has several batches. */
 static const char several_batches[] =
-    ", \"render\": {\"width\": 150, \"height\": 110, \"samples_per_pixel\": 600, \"tile\": 8}";
+    ", \"render\": {\"width\": 150, \"height\": 110, \"samples_per_pixel\": 1000, \"tile\": 8}";
 static const char one_batch[] = ", \"render\": {\"width\": 40, \"height\": 30}";
 
 /* Renders a bare scene without store and worker. */
@@ -59,18 +61,13 @@ static void compare_with_film(const struct pen_film *film)
     pen_buf_release(&pfm);
 }
 
-static bool count_batch(void *user, const struct pen_batch_record *batch)
-{
-    int *kinds = user;
-    kinds[batch->kind]++;
-    return true;
-}
-
 static void count_batches(int kinds[2])
 {
-    struct pen_status st;
+    static struct store_batch batch[1000];
+    const int count = store_batches(bed.bed.url, id, batch, 1000);
     kinds[0] = kinds[1] = 0;
-    store_must(pen_store_batches(bed.bed.store, id, count_batch, kinds, &st), &st, "batches");
+    for (int i = 0; i < count; i++)
+        kinds[batch[i].kind]++;
 }
 
 START_TEST(test_worker__one_batch_gives_the_pixels_of_a_direct_render)
@@ -320,7 +317,7 @@ static void check_error(const char *type, int status)
     json_decref(job);
 }
 
-static atomic_int stuck_reports, slow_calls;
+static atomic_int stuck_reports;
 static atomic_bool holds_up, in_call;
 
 /* On a busy machine render threads may be slow to stop after a call, which does not matter here. */
@@ -330,21 +327,46 @@ static void count_stuck(void *user)
     atomic_fetch_add(&stuck_reports, atomic_load(&in_call));
 }
 
-/* A call that `user` names takes two seconds to return, as when the disk is slow to sync. */
-static void hold_up(void *user, const struct pen_store_call *call)
+/* Another writer of the store, which is slow, as when the disk is slow to sync: from the first
+ * pixel of the batch on, for two seconds. */
+static pthread_t slow_writer;
+
+static void *write_slowly(void *user)
 {
-    if (strcmp(call->name, (const char *)user) != 0 || !atomic_load(&holds_up))
-        return;
-    atomic_fetch_add(&slow_calls, 1);
+    struct pen_status st;
+    struct pen_db *db = pen_db_open(bed.bed.url, false, &st);
+    (void)user;
+    store_must(db && pen_db_begin(db, PEN_DB_WRITE, &st), &st, "write lock");
     atomic_store(&in_call, true);
     usleep(2000000);
     atomic_store(&in_call, false);
+    pen_db_end(db, false, &st);
+    pen_db_close(db);
+    return NULL;
 }
 
-static void begin_with_slow(const struct pen_store_observer *observer)
+static bool is_any(void *user, const char *job_name)
 {
+    (void)user, (void)job_name;
+    return true;
+}
+
+static bool begin_to_write(void *user, int x, int y)
+{
+    (void)user;
+    if (x == 0 && y == 0 && atomic_exchange(&holds_up, false)) {
+        ck_assert_int_eq(pthread_create(&slow_writer, NULL, write_slowly, NULL), 0);
+        while (!atomic_load(&in_call))
+            usleep(100);
+    }
+    return true;
+}
+
+static void begin_with_slow_writer(void)
+{
+    static const struct pen_worker_fault fault = {.wanted = is_any, .pixel = begin_to_write};
     jobs_bed_open(&bed);
-    bed.observer = observer;
+    bed.fault = &fault;
     bed.stuck = count_stuck;
     atomic_store(&holds_up, true);
     jobs_worker_start(&bed);
@@ -354,31 +376,11 @@ static void begin_with_slow(const struct pen_store_observer *observer)
  * threads, which have ended, are not taken for stuck. */
 START_TEST(test_worker__slow_commit_is_not_a_stuck_thread)
 {
-    static const struct pen_store_observer slow = {.called = hold_up, .user = (void *)"commit"};
-    begin_with_slow(&slow);
+    begin_with_slow_writer();
     jobs_submit(&bed, jobs_scene(one_batch), id);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
     jobs_worker_stop(&bed);
-    ck_assert_int_eq(atomic_load(&slow_calls), 1);
-    ck_assert_int_eq(atomic_load(&stuck_reports), 0);
-    jobs_bed_close(&bed);
-}
-END_TEST
-
-/* The same of a batch that is cancelled while its worker keeps its state. */
-START_TEST(test_worker__slow_keep_is_not_a_stuck_thread)
-{
-    static const struct pen_store_observer slow = {.called = hold_up, .user = (void *)"keep"};
-    begin_with_slow(&slow);
-    jobs_submit(&bed,
-                "{\"scene\": \"builtin:lens\", \"views\": [\"middle\"], \"render\": {\"width\": 64,"
-                " \"height\": 48, \"tile\": 8, \"target_error\": 0.0001, \"max_samples\": 65536}}",
-                id);
-    while (atomic_load(&slow_calls) == 0)
-        usleep(1000);
-    cancel_job();
-    atomic_store(&holds_up, false);
-    jobs_worker_stop(&bed);
+    pthread_join(slow_writer, NULL);
     ck_assert_int_eq(atomic_load(&stuck_reports), 0);
     jobs_bed_close(&bed);
 }
@@ -526,7 +528,7 @@ static void *stop_when_ended(void *stop)
 {
     jobs_wait(&bed, id);
     atomic_store((atomic_bool *)stop, true);
-    pen_store_wake(bed.bed.store, PEN_SIGNAL_WORK);
+    pen_store_wake(bed.bed.store);
     return NULL;
 }
 
@@ -555,9 +557,7 @@ START_TEST(test_worker__stop_leaves_the_rest_to_the_next_worker)
     jobs_submit(&bed, jobs_scene(several_batches), id);
     wait_for_progress();
     jobs_worker_stop(&bed);
-    int opened = -1;
-    store_must(pen_store_expire_leases(bed.bed.store, "test:1:1", &opened, &st), &st, "sweep");
-    ck_assert_int_eq(opened, 0);
+    ck_assert_int_eq(store_worker_died(bed.bed.store, "test:1:1"), 0);
     ck_assert_int_eq(store_job_state(bed.bed.store, id), PEN_JOB_RUNNING);
     jobs_worker_start(&bed);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
@@ -568,7 +568,7 @@ END_TEST
 START_TEST(test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes)
 {
     struct pen_status st;
-    int status, opened;
+    int status;
     store_bed_make(&bed.bed);
     pid_t pid = jobs_worker_fork(&bed);
     jobs_bed_open(&bed);
@@ -577,7 +577,7 @@ START_TEST(test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes)
     kill(pid, SIGKILL);
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
     ck_assert(WIFSIGNALED(status));
-    store_must(pen_store_expire_leases(bed.bed.store, "doomed:1:1", &opened, &st), &st, "sweep");
+    store_worker_died(bed.bed.store, "doomed:1:1");
     struct pen_job_record job = store_job_get(bed.bed.store, id);
     ck_assert_int_eq(job.state, PEN_JOB_RUNNING);
     ck_assert_int_gt(job.done_pixels, 0);
@@ -602,7 +602,7 @@ PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
           test_worker__each_view_is_rendered_from_its_camera,
           test_worker__cancel_reaches_a_running_batch,
           test_worker__slow_commit_is_not_a_stuck_thread,
-          test_worker__slow_keep_is_not_a_stuck_thread, test_worker__job_that_takes_too_long_fails,
+          test_worker__job_that_takes_too_long_fails,
           test_worker__short_job_that_takes_longer_than_its_timeout_fails,
           test_worker__job_whose_time_was_spent_by_other_workers_fails,
           test_worker__job_that_was_started_long_ago_has_its_time_left,

@@ -1,130 +1,122 @@
 /* SPDX-License-Identifier: MIT */
-/* The list of workers, with the batches that they hold. */
-#include <stdio.h>
+/* The list of workers, those whose process is gone, and their counters. */
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
-#include "base/clock.h"
 #include "support/store.h"
 #include "support/suite.h"
 
-struct row {
-    char name[40], job_id[PEN_ID_BYTES], view[40];
-    struct pen_worker_record worker; /* without its texts, which are no longer valid */
-};
+static struct store_bed bed;
 
-struct rows {
-    struct row row[8];
-    int count;
-};
-
-static bool note_row(void *user, const struct pen_worker_record *worker)
+static bool count_held(void *user, const struct pen_worker_record *worker)
 {
-    struct rows *rows = user;
-    struct row *row = &rows->row[rows->count++];
-    *row = (struct row){.worker = *worker};
-    snprintf(row->name, sizeof row->name, "%s", worker->id);
-    snprintf(row->job_id, sizeof row->job_id, "%s", worker->job_id ? worker->job_id : "");
-    snprintf(row->view, sizeof row->view, "%s", worker->job_id ? worker->view : "");
-    return rows->count < 8;
+    int *held = user;
+    ck_assert_int_eq(worker->threads, 2);
+    held[worker->job_id ? 1 : 0]++;
+    return true;
 }
 
-static struct rows list(struct pen_store *store)
-{
-    struct rows rows = {0};
-    struct pen_status st;
-    store_must(pen_store_workers(store, note_row, &rows, &st), &st, "workers");
-    return rows;
-}
-
-static void see(struct pen_store *store, const char *name, int threads, int64_t lease_ms)
+static void expect_held(int idle, int held)
 {
     struct pen_status st;
-    struct pen_worker_new worker = {
-        .id = name, .host = "host", .pid = 77, .threads = threads, .lease_ms = lease_ms};
-    store_must(pen_store_worker_seen(store, &worker, &st), &st, "seen");
+    int count[2] = {0};
+    store_must(pen_store_workers(bed.store, count_held, count, &st), &st, "workers");
+    ck_assert_int_eq(count[0], idle);
+    ck_assert_int_eq(count[1], held);
 }
 
-START_TEST(test_workers__are_listed_with_what_they_hold)
+START_TEST(test_workers__are_listed_with_each_batch_that_they_hold)
 {
-    struct store_bed bed = {0};
-    struct store_job in;
+    struct store_job job;
+    struct pen_status st;
     store_bed_open(&bed);
-    ck_assert_int_eq(list(bed.store).count, 0);
-    int64_t before_ms = pen_clock_wall_ms();
-    see(bed.store, "a", 4, 60000);
-    see(bed.store, "b", 2, 60000);
-    store_job_init(&in, 1, 2, 3);
-    store_job_submit(bed.store, &in);
-    struct pen_claim first = store_claim(bed.store, "b"), second = store_claim(bed.store, "b");
-    struct rows rows = list(bed.store);
-    ck_assert_int_eq(rows.count, 3);
-    ck_assert_str_eq(rows.row[0].name, "a");
-    ck_assert_int_eq(rows.row[0].worker.threads, 4);
-    ck_assert_ptr_null(rows.row[0].worker.job_id);
-    ck_assert_int_ge(rows.row[0].worker.seen_ms, before_ms);
-    ck_assert_int_eq(rows.row[0].worker.seen_ms, rows.row[0].worker.started_ms);
-    const struct pen_claim *claims[] = {&first, &second};
-    for (int i = 1; i < 3; i++) {
-        ck_assert_str_eq(rows.row[i].name, "b");
-        ck_assert_str_eq(rows.row[i].job_id, in.id);
-        ck_assert_str_eq(rows.row[i].view, in.view[0].name);
-        ck_assert_int_eq(rows.row[i].worker.batch, claims[i - 1]->batch);
-        ck_assert_int_eq(rows.row[i].worker.attempt, 1);
-        ck_assert_int_eq(rows.row[i].worker.pixels, 16);
-        ck_assert_int_eq(rows.row[i].worker.kind, PEN_BATCH_RENDER);
+    store_job_init(&job, 1, 1, 2);
+    store_job_submit(bed.store, &job);
+    store_worker_seen(bed.store, "v");
+    store_worker_seen(bed.store, "w");
+    store_worker_seen(bed.store, "w");
+    expect_held(2, 0);
+    store_claim(bed.store, "v");
+    store_claim(bed.store, "v");
+    expect_held(1, 2);
+    store_must(pen_store_worker_gone(bed.store, "w", &st), &st, "gone");
+    expect_held(0, 2);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* A worker's process that claims a batch, counts something and ends. */
+static void lost_worker(void)
+{
+    store_bed_open(&bed);
+    pen_store_count(PEN_COUNT_RAYS, 7);
+    store_worker_seen(bed.store, "lost");
+    store_claim(bed.store, "lost");
+    _exit(0);
+}
+
+START_TEST(test_workers__whose_process_is_gone_give_batches_and_counters_back)
+{
+    struct pen_counters counters;
+    struct store_job job;
+    struct pen_status st;
+    int opened;
+    store_bed_open(&bed);
+    store_job_init(&job, 1, 1, 1);
+    store_job_submit(bed.store, &job);
+    pen_store_close(bed.store);
+    const pid_t child = fork();
+    ck_assert_int_ge(child, 0);
+    if (child == 0)
+        lost_worker();
+    ck_assert_int_eq(waitpid(child, NULL, 0), child);
+    store_bed_open(&bed);
+    store_worker_seen(bed.store, "lives");
+    expect_held(1, 1);
+    store_must(pen_store_release_gone(bed.store, &opened, &st), &st, "gone");
+    ck_assert_int_eq(opened, 1);
+    expect_held(1, 0);
+    store_must(pen_store_counters(bed.store, &counters, &st), &st, "counters");
+    ck_assert_uint_eq(counters.count[PEN_COUNT_RAYS], 7);
+    ck_assert_uint_eq(counters.count[PEN_COUNT_LEASES_LOST], 1);
+    store_bed_close(&bed);
+}
+END_TEST
+
+/* A worker that is told to stop leaves the list and its numbers. */
+START_TEST(test_workers__that_leave_have_their_counters_stay)
+{
+    struct pen_counters counters;
+    struct pen_status st;
+    store_bed_open(&bed);
+    pen_store_close(bed.store);
+    for (int i = 0; i < 2; i++) {
+        const pid_t child = fork();
+        ck_assert_int_ge(child, 0);
+        if (child == 0) {
+            store_bed_open(&bed);
+            store_worker_seen(bed.store, "v");
+            pen_store_count(PEN_COUNT_RAYS, 7);
+            store_worker_seen(bed.store, "v");
+            pen_store_count(PEN_COUNT_RAYS, 5);
+            store_must(pen_store_worker_gone(bed.store, "v", &st), &st, "gone");
+            store_must(pen_store_counters(bed.store, &counters, &st), &st, "counters");
+            _exit((int)counters.count[PEN_COUNT_RAYS]);
+        }
+        int status;
+        ck_assert_int_eq(waitpid(child, &status, 0), child);
+        ck_assert_int_eq(WEXITSTATUS(status), 12 * (i + 1));
     }
-    ck_assert_int_eq(store_commit(bed.store, &first), PEN_OK);
-    ck_assert_int_eq(store_commit(bed.store, &second), PEN_OK);
-    rows = list(bed.store);
-    ck_assert_int_eq(rows.count, 2);
-    ck_assert_ptr_null(rows.row[1].worker.job_id);
-    store_bed_close(&bed);
-}
-END_TEST
-
-/* A worker that works on a long batch reports itself only by extending its lease. */
-START_TEST(test_workers__are_seen_by_their_leases)
-{
-    struct store_bed bed = {0};
-    struct store_job in;
     store_bed_open(&bed);
-    see(bed.store, "w", 1, 10000); /* and claims for longer: as if seen in the future */
-    store_job_init(&in, 1, 1, 1);
-    store_job_submit(bed.store, &in);
-    store_claim(bed.store, "w");
-    struct rows rows = list(bed.store);
-    ck_assert_int_eq(rows.count, 1);
-    ck_assert_int_ge(rows.row[0].worker.seen_ms, rows.row[0].worker.started_ms + 50000);
+    expect_held(0, 0);
+    pen_store_count(PEN_COUNT_RAYS, 1);
+    store_must(pen_store_counters(bed.store, &counters, &st), &st, "counters");
+    ck_assert_uint_eq(counters.count[PEN_COUNT_RAYS], 25);
     store_bed_close(&bed);
 }
 END_TEST
 
-START_TEST(test_workers__are_removed_by_id_or_by_age)
-{
-    struct store_bed bed = {0};
-    struct pen_status st;
-    store_bed_open(&bed);
-    see(bed.store, "a", 1, 1000);
-    see(bed.store, "b", 1, 1000);
-    int64_t started_ms = list(bed.store).row[1].worker.started_ms;
-    while (pen_clock_wall_ms() == started_ms)
-        ;
-    see(bed.store, "b", 3, 1000);
-    struct rows rows = list(bed.store);
-    ck_assert_int_eq(rows.count, 2);
-    ck_assert_int_eq(rows.row[1].worker.started_ms, started_ms);
-    ck_assert_int_gt(rows.row[1].worker.seen_ms, started_ms);
-    ck_assert_int_eq(rows.row[1].worker.threads, 3);
-    store_must(pen_store_worker_gone(bed.store, "a", &st), &st, "gone");
-    store_must(pen_store_worker_gone(bed.store, "nobody", &st), &st, "gone");
-    ck_assert_int_eq(list(bed.store).count, 1);
-    store_must(pen_store_purge(bed.store, 3600000, 3600000, &st), &st, "purge");
-    ck_assert_int_eq(list(bed.store).count, 1);
-    store_must(pen_store_purge(bed.store, -1000, -1000, &st), &st, "purge");
-    ck_assert_int_eq(list(bed.store).count, 0);
-    store_bed_close(&bed);
-}
-END_TEST
-
-PEN_SUITE("store workers", test_workers__are_listed_with_what_they_hold,
-          test_workers__are_seen_by_their_leases, test_workers__are_removed_by_id_or_by_age)
+PEN_SUITE("store workers", test_workers__that_leave_have_their_counters_stay,
+          test_workers__are_listed_with_each_batch_that_they_hold,
+          test_workers__whose_process_is_gone_give_batches_and_counters_back)

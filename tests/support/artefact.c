@@ -1,33 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /* Takes the place of a worker that held a batch of the job then: so it needs the store's inner
- * functions, since the store takes an artefact from a claim's holder only. */
-#include "store/internal/policy.h"
+ * functions, since the store takes a value from a claim's holder only. */
+#include "store/internal/objects.h"
 #include "support/store.h"
-
-struct put {
-    const char *id;
-    struct pen_artefact_key key;
-    struct pen_value value;
-};
-
-static bool write(struct pen_store *store, void *arg, struct pen_status *st)
-{
-    struct put *put = arg;
-    struct pen_job_key job;
-    int64_t number;
-    if (!pen_find_job(store, put->id, &job, st))
-        return false;
-    put->key.job = job.number;
-    return pen_put_artefact(store, &put->key, &put->value, &number, st);
-}
 
 void store_put(struct pen_store *store, const struct store_artefact *artefact)
 {
-    struct put put = {
-        .id = artefact->id,
-        .key = {.view = artefact->view, .layer = artefact->layer, .format = artefact->format}};
+    struct pen_object_owner owner = {
+        .view = artefact->view, .layer = artefact->layer, .format = artefact->format};
     struct pen_status st;
-    store_must(pen_value_store(store, NULL, artefact->data, artefact->bytes, &put.value, &st) &&
-                   pen_value_write(store, &put.value, write, &put, &st),
-               &st, "put");
+    int64_t loaded;
+    store_must(
+        pen_db_begin(store->db, PEN_DB_READ, &st) &&
+            pen_db_end(store->db, pen_job_number(store, artefact->id, &owner.job, NULL, &st),
+                       &st) &&
+            pen_object_load(store, &owner, NULL, artefact->data, artefact->bytes, &loaded, &st) &&
+            pen_db_begin(store->db, PEN_DB_WRITE, &st) &&
+            pen_db_end(store->db,
+                       pen_object_use(store, &owner, loaded, artefact->data, artefact->bytes, &st),
+                       &st),
+        &st, "put");
 }

@@ -39,9 +39,7 @@ static void *work(void *user)
                                          .keep_ms = random_fewer(),
                                          .max_seconds = bed->max_seconds,
                                          .batch_ms = bed->batch_ms,
-                                         .patience_ms = bed->patience_ms,
                                          .fault = bed->fault,
-                                         .observer = bed->observer,
                                          .stuck = bed->stuck};
     struct pen_status st;
     bool ok = pen_worker_run(&options, &bed->stop, &st);
@@ -61,7 +59,7 @@ void jobs_worker_stop(struct jobs_bed *bed)
 {
     void *ok = NULL;
     atomic_store(&bed->stop, true);
-    pen_store_wake(bed->bed.store, PEN_SIGNAL_WORK);
+    pen_store_wake(bed->bed.store);
     pthread_join(bed->thread, &ok);
     bed->working = false;
     ck_assert_ptr_nonnull(ok);
@@ -69,6 +67,7 @@ void jobs_worker_stop(struct jobs_bed *bed)
 
 pid_t jobs_worker_fork(const struct jobs_bed *bed)
 {
+    pen_store_close(store_bed_handle(&bed->bed)); /* a worker makes no store */
     pid_t pid = fork();
     ck_assert_int_ge(pid, 0);
     if (pid == 0) {
@@ -97,11 +96,18 @@ void jobs_submit(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES])
     pen_buf_release(&out.answer);
 }
 
+static bool read_kept(struct jobs_bed *bed, const char *id, const char *name, struct pen_buf *kept)
+{
+    char layer[64];
+    struct pen_status st;
+    snprintf(layer, sizeof layer, "kept:%s", name);
+    return pen_store_artefact(bed->bed.store, id, 0, layer, "kept", kept, &st);
+}
+
 bool jobs_has_kept(struct jobs_bed *bed, const char *id, const char *name)
 {
     struct pen_buf kept = {0};
-    struct pen_status st;
-    const bool has = pen_store_artefact(bed->bed.store, id, 0, "kept", name, &kept, &st);
+    const bool has = read_kept(bed, id, name, &kept);
     pen_buf_release(&kept);
     return has;
 }
@@ -109,9 +115,8 @@ bool jobs_has_kept(struct jobs_bed *bed, const char *id, const char *name)
 struct pen_buf jobs_wait_kept(struct jobs_bed *bed, const char *id, const char *name)
 {
     struct pen_buf kept = {0};
-    struct pen_status st;
     for (int i = 0; i < 6000; i++) {
-        if (pen_store_artefact(bed->bed.store, id, 0, "kept", name, &kept, &st))
+        if (read_kept(bed, id, name, &kept))
             return kept;
         ck_assert_msg(!pen_job_state_ended(store_job_state(bed->bed.store, id)), "it has ended");
         usleep(10000);
@@ -122,7 +127,9 @@ struct pen_buf jobs_wait_kept(struct jobs_bed *bed, const char *id, const char *
 void jobs_put_kept(struct jobs_bed *bed, const char *id, const char *name, const void *data,
                    size_t bytes)
 {
-    store_put(bed->bed.store, &(struct store_artefact){id, 0, "kept", name, data, bytes});
+    char layer[64];
+    snprintf(layer, sizeof layer, "kept:%s", name);
+    store_put(bed->bed.store, &(struct store_artefact){id, 0, layer, "kept", data, bytes});
 }
 
 /* Waits until what is kept is enough, for four minutes at most. */
@@ -143,8 +150,7 @@ static void wait_enough(struct jobs_bed *bed, const char *id, const char *name,
 struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char id[PEN_ID_BYTES],
                                    const char *name, bool (*enough)(const struct pen_buf *kept))
 {
-    struct pen_status st;
-    int status, opened;
+    int status;
     store_bed_make(&bed->bed);
     const pid_t pid = jobs_worker_fork(bed);
     jobs_bed_open(bed);
@@ -152,8 +158,7 @@ struct pen_buf jobs_begin_and_kill(struct jobs_bed *bed, const char *body, char 
     wait_enough(bed, id, name, enough);
     kill(pid, SIGKILL);
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
-    store_must(pen_store_expire_leases(bed->bed.store, "doomed:1:1", &opened, &st), &st, "expire");
-    ck_assert_int_eq(opened, 1);
+    ck_assert_int_eq(store_worker_died(bed->bed.store, "doomed:1:1"), 1);
     return jobs_wait_kept(bed, id, name); /* it may have kept more since */
 }
 
@@ -165,7 +170,7 @@ enum pen_job_state jobs_wait(struct jobs_bed *bed, const char *id)
         enum pen_job_state state = store_job_state(bed->bed.store, id);
         if (pen_job_state_ended(state))
             return state;
-        pen_store_wait(bed->bed.store, PEN_SIGNAL_CHANGES, &seen, 100);
+        pen_store_wait(bed->bed.store, &seen, 100);
     }
     ck_abort_msg("job %s does not end", id);
 }

@@ -17,11 +17,10 @@ struct jobs_bed {
     pthread_t thread;
     atomic_bool stop;
     bool working;
-    int max_seconds;                           /* as in pen_worker_options */
-    int64_t batch_ms, patience_ms;             /* the same */
-    const struct pen_worker_fault *fault;      /* of the workers that are started; may be NULL */
-    const struct pen_store_observer *observer; /* of jobs_worker_start; may be NULL */
-    void (*stuck)(void *user);                 /* the same */
+    int max_seconds;                      /* as in pen_worker_options */
+    int64_t batch_ms;                     /* the same */
+    const struct pen_worker_fault *fault; /* of the workers that are started; may be NULL */
+    void (*stuck)(void *user);            /* the same */
 };
 
 /* Opens the bed, in the folder of store_bed_make if that was called before. Keeps bed->fault. */

@@ -63,6 +63,9 @@ void server_start(struct server *server, const struct server_options *options)
                                     .cors = options->cors};
     if (options->body_bytes)
         http.limits.body_bytes = options->body_bytes;
+    struct pen_store *made = pen_store_open(server->store, true, &st);
+    ck_assert_msg(made != NULL, "%s", st.msg);
+    pen_store_close(made);
     server->http = pen_http_start(&http, &st);
     ck_assert_msg(server->http != NULL, "%s", st.msg);
     ck_assert_msg(pen_http_open(server->http, &http, &st), "%s", st.msg);
@@ -74,9 +77,9 @@ static void stop_worker(struct server *server)
 {
     struct pen_status st;
     atomic_store(&server->stop_worker, true);
-    struct pen_store *store = pen_store_open(server->store, &st);
+    struct pen_store *store = pen_store_open(server->store, false, &st);
     ck_assert_msg(store != NULL, "%s", st.msg);
-    pen_store_wake(store, PEN_SIGNAL_WORK);
+    pen_store_wake(store);
     pthread_join(server->worker, NULL);
     pen_store_close(store);
 }

@@ -17,13 +17,15 @@ void store_must(bool ok, const struct pen_status *st, const char *what)
 struct pen_store *store_bed_handle(const struct store_bed *bed)
 {
     struct pen_status st;
-    struct pen_store *store = pen_store_open(bed->url, &st);
+    struct pen_store *store = pen_store_open(bed->url, true, &st);
     store_must(store != NULL, &st, "open");
     return store;
 }
 
 void store_bed_make(struct store_bed *bed)
 {
+    const char *engine = getenv("PEN_STORE_ENGINE");
+    ck_assert_msg(!engine || strcmp(engine, "sqlite") == 0, "no engine is called %s", engine);
     *bed = (struct store_bed){0};
     snprintf(bed->folder, sizeof bed->folder, "/tmp/penumbra-test-XXXXXX");
     ck_assert_ptr_nonnull(mkdtemp(bed->folder));
@@ -47,19 +49,13 @@ void store_bed_set_clock(const struct store_bed *bed, int64_t *time_ms)
     pen_store_set_clock(bed->store, read_time, time_ms);
 }
 
-static void print_finding(void *user, const char *finding)
-{
-    (void)user;
-    fprintf(stderr, "audit: %s\n", finding);
-}
-
-void store_audit_clean(struct pen_store *store)
+/* The store has no damage. */
+static void check(struct pen_store *store)
 {
     struct pen_status st;
-    int found = -1;
-    store_must(pen_store_audit(store, print_finding, NULL, &found, &st), &st, "audit");
-    ck_assert_int_eq(found, 0);
-    store_must(pen_store_check(store, &st), &st, "check");
+    bool finished = false;
+    store_must(pen_store_check(store, 0, &finished, &st), &st, "check");
+    ck_assert(finished);
 }
 
 static void remove_folder(const char *folder)
@@ -78,7 +74,7 @@ static void remove_folder(const char *folder)
 
 void store_bed_close(struct store_bed *bed)
 {
-    store_audit_clean(bed->store);
+    check(bed->store);
     pen_store_close(bed->store);
     remove_folder(bed->folder);
     *bed = (struct store_bed){0};
@@ -133,12 +129,20 @@ void store_job_submit(struct pen_store *store, const struct store_job *job)
     pen_buf_release(&answer);
 }
 
+/* Each claim of a test is a new one. */
+static int64_t next_serial(void)
+{
+    static int64_t serial;
+    return ++serial;
+}
+
 struct pen_claim store_claim(struct pen_store *store, const char *worker)
 {
     struct pen_status st;
     struct pen_claim claim = {0};
     bool found = false;
-    store_must(pen_store_claim(store, worker, STORE_LEASE_MS, &claim, &found, &st), &st, "claim");
+    store_must(pen_store_claim(store, worker, STORE_LEASE_MS, next_serial(), &claim, &found, &st),
+               &st, "claim");
     ck_assert(found);
     return claim;
 }
@@ -167,7 +171,7 @@ enum pen_code store_commit(struct pen_store *store, const struct pen_claim *clai
         result.artefact = "picture";
         result.artefact_bytes = strlen("picture");
     }
-    enum pen_code code = pen_store_commit(store, claim, &result, &st) ? PEN_OK : st.code;
+    enum pen_code code = pen_store_commit(store, claim, &result, NULL, &st) ? PEN_OK : st.code;
     free(rgb);
     return code;
 }
@@ -178,12 +182,22 @@ int store_work_off(struct pen_store *store, const char *worker)
     for (int count = 0;; count++) {
         struct pen_claim claim;
         bool found = false;
-        store_must(pen_store_claim(store, worker, STORE_LEASE_MS, &claim, &found, &st), &st,
-                   "claim");
+        store_must(
+            pen_store_claim(store, worker, STORE_LEASE_MS, next_serial(), &claim, &found, &st), &st,
+            "claim");
         if (!found)
             return count;
         ck_assert_int_eq(store_commit(store, &claim), PEN_OK);
     }
+}
+
+int store_worker_died(struct pen_store *store, const char *id)
+{
+    const struct pen_worker_death death = {.worker = id, .end = PEN_WORKER_DIED};
+    struct pen_status st;
+    int opened = 0;
+    store_must(pen_store_worker_ended(store, &death, &opened, &st), &st, "a worker's end");
+    return opened;
 }
 
 int store_purge_slices(struct pen_store *store)
@@ -191,15 +205,14 @@ int store_purge_slices(struct pen_store *store)
     struct pen_status st;
     int slices = 0;
     for (bool more = true; more; slices += more)
-        store_must(pen_store_purge_slice(store, &more, &st), &st, "slice");
+        store_must(pen_store_purge(store, &more, &st), &st, "slice");
     return slices;
 }
 
 void store_worker_seen(struct pen_store *store, const char *id)
 {
     struct pen_status st;
-    struct pen_worker_new worker = {
-        .id = id, .host = "host", .pid = 1, .threads = 2, .lease_ms = STORE_LEASE_MS};
+    struct pen_worker_new worker = {.id = id, .threads = 2, .lease_ms = STORE_LEASE_MS};
     store_must(pen_store_worker_seen(store, &worker, &st), &st, "seen");
 }
 

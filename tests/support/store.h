@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A store in a folder of its own, and jobs to put in it, for tests of the rooms store and jobs.
- * Only this file names the URL: the tests that use it hold for every driver. */
+ * Only store.c names the URL, of the engine that PEN_STORE_ENGINE names (sqlite, if nothing). So
+ * the tests hold for every engine, but tests/store/test_sqlite_*.c. */
 #ifndef TESTS_SUPPORT_STORE_H
 #define TESTS_SUPPORT_STORE_H
 
@@ -22,14 +23,11 @@ void store_bed_open(struct store_bed *bed);
 /* Makes the bed's store take its time from *time_ms: it passes only when the test changes that. */
 void store_bed_set_clock(const struct store_bed *bed, int64_t *time_ms);
 
-/* Audits the store (the test fails on any finding), closes it, removes the folder. */
+/* Checks the store (the test fails if it is damaged), closes it, removes the folder. */
 void store_bed_close(struct store_bed *bed);
 
 /* A further handle on the bed's store. */
 struct pen_store *store_bed_handle(const struct store_bed *bed);
-
-/* Fails the test, and prints every finding, if the audit finds anything. */
-void store_audit_clean(struct pen_store *store);
 
 enum { STORE_JOB_BATCHES = 64, STORE_JOB_TILE = 4 };
 
@@ -74,6 +72,9 @@ struct store_artefact {
     size_t bytes;
 };
 void store_put(struct pen_store *store, const struct store_artefact *artefact);
+
+/* Reports that a worker was killed by another process; returns the number of batches opened. */
+int store_worker_died(struct pen_store *store, const char *id);
 
 /* Does all that deletes have left to do, in slices; returns their number. */
 int store_purge_slices(struct pen_store *store);

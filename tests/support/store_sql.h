@@ -10,14 +10,7 @@
 /* Runs one statement without results, with a blob (or NULL) for its first parameter. */
 void store_run_sql(const struct store_bed *bed, const char *sql, const void *blob, size_t bytes);
 
-/* Changes the file of a store back to an earlier schema; no handle may be open. Stores that earlier
- * versions really wrote are in tests/store/kept. */
-void store_downgrade(const char *file, int version);
-
 /* What a statement gives that has one number for a result. */
 int store_number(const char *file, const char *sql);
-
-/* The schema's version of a store's file. */
-int store_schema_version(const char *file);
 
 #endif

@@ -20,18 +20,20 @@
 #include "cmd/daemon/worker_exit.h"
 #include "cmd/option_values.h"
 
-/* A process that lived this long did not crash at its start. */
-static const int64_t stable_ns = INT64_C(10) * 1000000000;
+/* A process that lived this long did not crash at its start; and one that has taken the place of
+ * one that ended for an I/O error works, if it could open the store. */
+static const int64_t stable_ns = INT64_C(10) * 1000000000, stable_fault_ns = 2000000000;
 /* How often a worker is asked whether it has done enough. */
 static const int64_t check_ns = INT64_C(250) * 1000000;
 static const int64_t first_pause_ns = INT64_C(100) * 1000000;
-static const int64_t longest_pause_ns = INT64_C(5) * 1000000000;
+static const int64_t longest_pause_ns = INT64_C(5) * 1000000000, longest_fault_ns = 2000000000;
 
-enum { ARGUMENTS_MAX = 20 };
+enum { ARGUMENTS_MAX = 22 };
 
-void pen_child_init(struct pen_child *child, const char *role, bool wanted)
+void pen_child_init(struct pen_child *child, const char *role, int signal_slot, bool wanted)
 {
     *child = (struct pen_child){.role = role,
+                                .signal_slot = signal_slot,
                                 .control_fd = -1,
                                 .trace_fd = -1,
                                 .start_at_ns = wanted ? 0 : INT64_MAX,
@@ -54,7 +56,7 @@ static void close_fd(int *fd)
 struct arguments {
     int count;
     char *list[ARGUMENTS_MAX + 1];
-    char control[16], listen[16], trace[16], dead_trace[16];
+    char control[16], listen[16], slot[16], trace[16], dead_trace[16];
 };
 
 static void add(struct arguments *arguments, const char *option, const char *value)
@@ -65,10 +67,11 @@ static void add(struct arguments *arguments, const char *option, const char *val
     arguments->list[arguments->count++] = (char *)(uintptr_t)value;
 }
 
-static void add_fd(struct arguments *arguments, const char *option, int fd, char text[16])
+/* A descriptor or a slot; below 0: none. */
+static void add_number(struct arguments *arguments, const char *option, int number, char text[16])
 {
-    snprintf(text, 16, "%d", fd);
-    if (fd >= 0)
+    snprintf(text, 16, "%d", number);
+    if (number >= 0)
         add(arguments, option, text);
 }
 
@@ -78,9 +81,10 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     static char program[] = "penumbrad";
     *arguments = (struct arguments){.count = 1, .list = {program}};
     add(arguments, "--role", child->role);
-    add_fd(arguments, "--internal-control-fd", control_fd, arguments->control);
-    add_fd(arguments, "--internal-listen-fd", listen_fd, arguments->listen);
-    add_fd(arguments, "--internal-trace-fd", child->trace_fd, arguments->trace);
+    add_number(arguments, "--internal-control-fd", control_fd, arguments->control);
+    add_number(arguments, "--internal-listen-fd", listen_fd, arguments->listen);
+    add_number(arguments, "--internal-signal-slot", child->signal_slot, arguments->slot);
+    add_number(arguments, "--internal-trace-fd", child->trace_fd, arguments->trace);
     add(arguments, "--internal-worker-name", child->name);
     if (!child->dead.name[0])
         return;
@@ -88,7 +92,7 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     add(arguments, "--internal-dead-how", child->dead.how);
     add(arguments, "--internal-dead-end",
         child->dead.end == PEN_WORKER_CRASHED ? "crashed" : "died");
-    add_fd(arguments, "--internal-dead-trace-fd", child->dead.trace_fd, arguments->dead_trace);
+    add_number(arguments, "--internal-dead-trace-fd", child->dead.trace_fd, arguments->dead_trace);
 }
 
 /* Puts the configuration into the environment, which other users cannot read as they can a command
@@ -133,21 +137,36 @@ static _Noreturn void exec_child(const struct pen_child *child, const struct pen
     _exit(PEN_EXEC_FAILED);
 }
 
+/* From when on the child counts as stable. */
+static int64_t stable_at(const struct pen_child *child)
+{
+    const bool works = child->fault[0] && !child->has_fault && child->ready;
+    return child->started_ns + (works ? stable_fault_ns : stable_ns);
+}
+
 int64_t pen_child_check_at_ns(const struct pen_child *child)
 {
     if (!child->pid || child->failures == 0)
         return INT64_MAX;
-    const int64_t stable_at_ns = child->started_ns + stable_ns;
+    const int64_t stable_at_ns = stable_at(child);
     const int64_t check_at_ns = child->trace ? pen_clock_ns() + check_ns : stable_at_ns;
     return check_at_ns < stable_at_ns ? check_at_ns : stable_at_ns;
 }
 
 void pen_child_reset_failures(struct pen_child *child)
 {
-    const bool stable = child->pid && pen_clock_ns() - child->started_ns >= stable_ns;
+    const bool stable = child->pid && pen_clock_ns() >= stable_at(child);
     if (stable ||
         (child->trace && atomic_load_explicit(&child->trace->proven, memory_order_relaxed)))
         child->failures = child->blamed_count = 0;
+    if (child->failures == 0 && !child->has_fault)
+        child->fault[0] = '\0';
+}
+
+void pen_child_fault(struct pen_child *child, const char *why)
+{
+    snprintf(child->fault, sizeof child->fault, "%s", why);
+    child->has_fault = true;
 }
 
 /* Counts the crash over a job. Returns false if one over this job was counted before. */
@@ -177,11 +196,12 @@ static bool end_counts(struct pen_child *child, int wait_status)
  * then. */
 static int64_t schedule_restart(struct pen_child *child, bool counts)
 {
+    const int64_t longest_ns = child->fault[0] ? longest_fault_ns : longest_pause_ns;
     int64_t pause = 0;
     if (counts && child->failures > 0)
-        pause = child->failures > 6 ? longest_pause_ns : first_pause_ns << (child->failures - 1);
-    if (pause > longest_pause_ns)
-        pause = longest_pause_ns;
+        pause = child->failures > 6 ? longest_ns : first_pause_ns << (child->failures - 1);
+    if (pause > longest_ns)
+        pause = longest_ns;
     child->failures += counts;
     child->start_at_ns = pen_clock_ns() + pause;
     return pause;
@@ -206,7 +226,7 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
 {
     int pair[2];
     child->started_ns = pen_clock_ns();
-    child->ready = child->stopping = child->killed = false;
+    child->ready = child->stopping = child->killed = child->has_fault = false;
     pid_t pid = -1;
     if (is_worker(child) && !prepare_worker(child)) {
         schedule_restart(child, true);

@@ -38,9 +38,13 @@ struct pen_child {
     int blamed_count;                            /* crashes of different jobs among them */
     char name[PEN_WORKER_ID_BYTES];              /* a worker's id in the store; "": it is an api */
     char last_end[96];                           /* "signal 11 (SIGSEGV)"; "": has not ended yet */
-    int trace_fd;            /* a worker's crash record (crash_record.h); -1: none */
-    struct pen_trace *trace; /* the same, mapped; NULL: none */
-    int64_t oom_kills;       /* pen_oom_kills at a worker's start */
+    char fault[PEN_MSG_BYTES]; /* the I/O error for which it has ended, until a successor works; "":
+                                * none */
+    bool has_fault;            /* this process ends for it, and not its predecessor */
+    int signal_slot;           /* see pen_store_signals_join */
+    int trace_fd;              /* a worker's crash record (crash_record.h); -1: none */
+    struct pen_trace *trace;   /* the same, mapped; NULL: none */
+    int64_t oom_kills;         /* pen_oom_kills at a worker's start */
     /* The last worker that ended with leases, until its successor has released them. name "":
      * none. */
     struct {
@@ -51,7 +55,7 @@ struct pen_child {
 };
 
 /* wanted: the supervisor's role has such a child. If not, it is never started. */
-void pen_child_init(struct pen_child *child, const char *role, bool wanted);
+void pen_child_init(struct pen_child *child, const char *role, int signal_slot, bool wanted);
 
 /* Starts the program in this role, with this configuration. The child inherits listen_fd if that is
  * not -1. A start that fails counts as an end: the next one follows after a pause. */
@@ -60,12 +64,15 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
 /* Notes that the child has sent "ready": a worker has released the leases of its predecessor. */
 void pen_child_ready(struct pen_child *child);
 
+/* Notes that the child ends for an I/O error of the store. */
+void pen_child_fault(struct pen_child *child, const char *why);
+
 /* When to call pen_child_reset_failures next. Returns INT64_MAX if the child is not running or has
  * no failures. */
 int64_t pen_child_check_at_ns(const struct pen_child *child);
 
-/* Sets failures to 0 once the child has lived long enough, or done enough, not to be in a crash
- * loop. */
+/* Sets failures to 0, and forgets the fault, once the child has lived long enough, or done enough,
+ * not to be in a crash loop. */
 void pen_child_reset_failures(struct pen_child *child);
 
 /* Records the end of the process with this wait status, logs it, and sets the time of the next

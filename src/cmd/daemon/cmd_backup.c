@@ -61,24 +61,6 @@ static const struct pen_command command = {
     .max_args = 1,
 };
 
-/* Finds the store as the daemon does. Returns as pen_config_load. Owns: release *config in any
- * case. */
-static int find_store(const struct settings *settings, struct pen_config *config)
-{
-    static char program[] = "penumbrad", store[] = "--store", file[] = "--config";
-    char *argv[6] = {program};
-    int argc = 1;
-    if (settings->store) {
-        argv[argc++] = store;
-        argv[argc++] = (char *)(uintptr_t)settings->store;
-    }
-    if (settings->config) {
-        argv[argc++] = file;
-        argv[argc++] = (char *)(uintptr_t)settings->config;
-    }
-    return pen_config_load(config, argc, argv);
-}
-
 static const int stopping[] = {SIGTERM, SIGINT, SIGHUP};
 enum { STOPPING = sizeof stopping / sizeof stopping[0] };
 
@@ -203,7 +185,7 @@ int pen_backup_command(int argc, char **argv)
     int code = pen_command_begin(&command, argc, argv, &settings, &parsed);
     if (code >= 0)
         return code;
-    code = find_store(&settings, &config);
+    code = pen_config_find_store(settings.store, settings.config, &config);
     if (code < 0)
         code = back_up_attended(config.store, parsed.args[0], settings.replace);
     pen_config_release(&config);

@@ -149,7 +149,7 @@ static const struct pen_option options[] = {
          "submit is refused whose results, with those of the jobs that wait or run, are expected "
          "to be too much: 10 bytes for a pixel and 12 more for each further layer, together at "
          "most half of SIZE, or one job alone. The files beside it come on top: its log, 8 MiB "
-         "and for a time more, and a reserve of at most 32 MiB"},
+         "and for a time more, and a reserve of 16 MiB"},
     {.name = "keep-jobs",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, keep_jobs),
@@ -236,6 +236,12 @@ static const struct pen_option options[] = {
      .value = "FD",
      .max = 1 << 20,
      .hidden = true},
+    {.name = "internal-signal-slot",
+     .kind = PEN_OPTION_INT,
+     .offset = offsetof(struct pen_config, signal_slot),
+     .value = "N",
+     .max = 63,
+     .hidden = true},
     {.name = "internal-worker-name",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, worker_name),
@@ -281,8 +287,8 @@ const struct pen_command pen_command_daemon = {
         "and opens the log file anew. Every option is also an environment variable and a "
         "key of the configuration file. The command line overrides the environment, the "
         "environment the file. `penumbrad backup FILE` copies the store, even while a "
-        "daemon uses it; `penumbrad token` makes, lists and removes tokens. Both have a "
-        "--help of their own.",
+        "daemon uses it; `penumbrad check` looks for damage in it; `penumbrad token` makes, lists "
+        "and removes tokens. Each has a --help of its own.",
     .options = options,
     .max_args = 0,
 };
@@ -402,6 +408,22 @@ int pen_config_load(struct pen_config *config, int argc, char **argv)
     if (config->file && !pen_config_read_file(config, &parsed, &errors))
         return pen_report_errors(program, config->file, &errors);
     return check(config, &st) ? -1 : pen_report(program, NULL, &st);
+}
+
+int pen_config_find_store(const char *store, const char *file, struct pen_config *config)
+{
+    static char program[] = "penumbrad", store_option[] = "--store", file_option[] = "--config";
+    char *argv[6] = {program};
+    int argc = 1;
+    if (store) {
+        argv[argc++] = store_option;
+        argv[argc++] = (char *)(uintptr_t)store;
+    }
+    if (file) {
+        argv[argc++] = file_option;
+        argv[argc++] = (char *)(uintptr_t)file;
+    }
+    return pen_config_load(config, argc, argv);
 }
 
 void pen_config_release(struct pen_config *config)

@@ -39,6 +39,7 @@ struct pen_config {
     int control_fd;              /* -1: this process is no child */
     int listen_fd;               /* of an api; -1: none */
     int trace_fd, dead_trace_fd; /* -1: none */
+    int signal_slot;             /* see pen_store_signals_join */
     const char *worker_name;     /* a worker's id in the store */
     /* Of its predecessor: the id, the end as text, and "crashed" or "died". NULL: none. */
     const char *dead_worker, *dead_how, *dead_end;
@@ -61,6 +62,11 @@ void pen_config_release(struct pen_config *config);
 /* Whether the role is to serve HTTP, and whether it is to render. One of them holds, or both. */
 bool pen_config_serves(const struct pen_config *config);
 bool pen_config_renders(const struct pen_config *config);
+
+/* Finds the store as the daemon does, for a command beside it, which may name the store or the
+ * daemon's configuration file (NULL: neither). Returns as pen_config_load. Owns: release *config in
+ * any case. */
+int pen_config_find_store(const char *store, const char *file, struct pen_config *config);
 
 struct pen_log_target {
     const char *level, *format, *file; /* file NULL or "": standard error as it is */

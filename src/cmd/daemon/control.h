@@ -12,6 +12,7 @@
  *   child to supervisor:  "pong"
  *                         "ready"                   it works; a worker has released the leases of
  *                                                   its predecessor
+ *                         "fault TEXT"              it ends, since its store has this I/O error
  *                         "idle"                    (worker) it ends, since it found no work for
  *                                                   the time of --until-idle */
 #ifndef PEN_CMD_DAEMON_CONTROL_H

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The program `penumbrad`: reads the configuration and runs a supervisor or, as its child, an api
- * or a worker process. Or runs `penumbrad backup` or `penumbrad token`. */
+ * or a worker process. Or runs `penumbrad backup`, `penumbrad check` or `penumbrad token`. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "cmd/daemon/cmd_backup.h"
+#include "cmd/daemon/cmd_check.h"
 #include "cmd/daemon/cmd_token.h"
 #include "cmd/daemon/config.h"
 #include "cmd/daemon/roles.h"
@@ -17,58 +17,36 @@
 
 static const char program[] = "penumbrad";
 
-/* Whether this supervisor both serves and renders. Only such a one makes a store, sets what is
- * kept, and releases the leases of dead workers. */
+/* Whether this supervisor both serves and renders. Only such a one makes a store, and sets what is
+ * kept. */
 static bool is_whole(const struct pen_config *config)
 {
     return pen_config_serves(config) && pen_config_renders(config);
 }
 
-/* Of all whole daemons only one may use a store: two would keep by different rules. */
-static bool take_supervision(const struct pen_config *config, struct pen_store *store,
-                             struct pen_status *st)
+/* How long the start looks for damage. */
+enum { CHECK_MS = 300 };
+
+/* Looks for damage, as far as the time allows. */
+static bool check_store(struct pen_store *store, struct pen_status *st)
 {
-    if (!is_whole(config) || pen_store_supervise(store, st))
-        return true;
-    return st->code == PEN_CONFLICT
-               ? pen_fail(st, PEN_UNAVAILABLE,
-                          "another penumbrad uses this store; stop it, give this one another "
-                          "--store, or start it with --role worker")
-               : false;
+    bool finished;
+    if (!pen_store_check(store, CHECK_MS, &finished, st))
+        return false;
+    if (!finished)
+        pen_log(PEN_LOG_INFO,
+                "the look for damage in the store was not finished in %d ms; `penumbrad check` "
+                "looks at all of it",
+                CHECK_MS);
+    return true;
 }
 
-/* Opens and checks the store before any child does. So the terminal shows at once that a store is
- * missing, damaged or cannot be opened, instead of a log in which children fail again and again.
- * *url names it for the children, which open no other one. Owns: free *url. */
-static struct pen_store *open_store(const struct pen_config *config, char **url,
-                                    struct pen_status *st)
-{
-    if (asprintf(url, "%s%s", is_whole(config) ? "" : "store::", config->store) < 0) {
-        *url = NULL;
-        pen_fail(st, PEN_NO_MEMORY, "out of memory");
-        return NULL;
-    }
-    struct pen_store *store = pen_store_open(*url, st);
-    free(*url);
-    *url = NULL;
-    if (store && take_supervision(config, store, st) && pen_store_check_start(store, st)) {
-        if (asprintf(url, "store:%s:%s", pen_store_identity(store), pen_store_path(store)) >= 0)
-            return store;
-        *url = NULL;
-        pen_fail(st, PEN_NO_MEMORY, "out of memory");
-    }
-    pen_store_close(store);
-    return NULL;
-}
-
-/* Opens the batches of workers of this host that have ended without a supervisor to report it. One
- * whose supervisor is about to report it may be among them, and is then not charged. So this is not
- * done at the start of each supervisor, since those of workers may come and go all the time. */
-static void release_dead(struct pen_store *store)
+/* Opens the batches of workers of this host that have ended without a supervisor to report it. */
+static void release_gone(struct pen_store *store)
 {
     struct pen_status st;
     int opened = 0;
-    if (!pen_store_release_dead(store, &opened, &st))
+    if (!pen_store_release_gone(store, &opened, &st))
         pen_log(PEN_LOG_WARN, "%s: the batches of dead workers wait for the end of their leases",
                 st.msg);
     else if (opened > 0)
@@ -76,24 +54,32 @@ static void release_dead(struct pen_store *store)
                 opened == 1 ? "" : "es");
 }
 
-/* What only a whole daemon does with the store: it releases leases, sets what is kept, and makes
- * the reserve. */
-static bool equip_store(const struct pen_config *config, struct pen_store *store,
-                        struct pen_status *st)
+static bool set_retention(const struct pen_config *config, struct pen_store *store,
+                          struct pen_status *st)
 {
     const struct pen_retention keep = {.keep_ms = (int64_t)config->keep_days * 86400000,
                                        .keep_bytes = config->keep_bytes_max,
                                        .keep_jobs = config->keep_jobs};
-    struct pen_status why;
-    release_dead(store);
-    if (!pen_store_reserve(store, &why))
-        pen_log(PEN_LOG_WARN, "%s", why.msg);
     if (pen_store_set_retention(store, &keep, st))
         return true;
     if (pen_store_failure(store, st) == PEN_FAILURE_REFUSED)
         return false;
     pen_log(PEN_LOG_WARN, "%s: what is kept stays as it was set before", st->msg);
     return true;
+}
+
+/* Opens and checks the store before any child does. So the terminal shows at once that a store is
+ * missing, damaged or cannot be opened, instead of a log in which children fail again and again. */
+static bool prepare_store(const struct pen_config *config, struct pen_status *st)
+{
+    const bool whole = is_whole(config);
+    struct pen_store *store = pen_store_open(config->store, whole, st);
+    bool ok = store && check_store(store, st);
+    if (ok)
+        release_gone(store);
+    ok = ok && (!whole || set_retention(config, store, st));
+    pen_store_close(store);
+    return ok;
 }
 
 /* Opens the listening socket, and says so. */
@@ -111,39 +97,22 @@ static int start_listening(const struct pen_config *config, struct pen_status *s
     return fd;
 }
 
-/* The supervisor keeps its handle, and so its lock, until all children have ended. */
-static int supervise_store(const struct pen_config *config, struct pen_store *store,
-                           const char *url, int argc, char **argv)
-{
-    struct pen_status st;
-    int fd = -1;
-    pen_signals_hold();
-    if (pen_config_serves(config) && (fd = start_listening(config, &st)) < 0)
-        return pen_report(program, NULL, &st);
-    int code = pen_report_finish(program, 0);
-    if (code == 0 && is_whole(config) && !equip_store(config, store, &st))
-        code = pen_report(program, config->store, &st);
-    if (code == 0)
-        code = pen_supervisor_run(config, url, argc, argv, fd);
-    if (!pen_store_settle(store, &st))
-        pen_log(PEN_LOG_WARN, "%s", st.msg);
-    if (fd >= 0)
-        close(fd);
-    return code;
-}
-
 static int supervise(const struct pen_config *config, int argc, char **argv)
 {
     struct pen_status st;
-    char *url;
+    int fd = -1;
     if (pen_config_serves(config) && !pen_access_check_files(&config->access, &st))
         return pen_report(program, NULL, &st);
-    struct pen_store *store = open_store(config, &url, &st);
-    if (!store)
+    pen_signals_hold();
+    if (!prepare_store(config, &st))
         return pen_report(program, config->store, &st);
-    int code = supervise_store(config, store, url, argc, argv);
-    pen_store_close(store);
-    free(url);
+    if (pen_config_serves(config) && (fd = start_listening(config, &st)) < 0)
+        return pen_report(program, NULL, &st);
+    int code = pen_report_finish(program, 0);
+    if (code == 0)
+        code = pen_supervisor_run(config, argc, argv, fd);
+    if (fd >= 0)
+        close(fd);
     return code;
 }
 
@@ -157,6 +126,7 @@ static int run(const struct pen_config *config, int argc, char **argv)
         return pen_report(program, NULL, &st);
     if (config->control_fd < 0)
         return supervise(config, argc, argv);
+    pen_store_signals_join(config->signal_slot);
     return pen_config_serves(config) ? pen_role_api(config) : pen_role_worker(config);
 }
 
@@ -165,6 +135,8 @@ int main(int argc, char **argv)
     struct pen_config config;
     if (argc > 1 && strcmp(argv[1], "backup") == 0)
         return pen_report_finish(program, pen_backup_command(argc - 1, argv + 1));
+    if (argc > 1 && strcmp(argv[1], "check") == 0)
+        return pen_report_finish(program, pen_check_command(argc - 1, argv + 1));
     if (argc > 1 && strcmp(argv[1], "token") == 0)
         return pen_report_finish(program, pen_token_command(argc - 1, argv + 1));
     int code = pen_config_load(&config, argc, argv);

@@ -77,11 +77,42 @@ static bool open_store(struct pen_http *http, const struct pen_http_options *opt
     return false;
 }
 
-/* Opens the store, and handles the api's events until it has to stop. */
-static void handle_api_events(struct pen_event_source *events, struct pen_http *http,
-                              const struct pen_http_options *options)
+/* Why the store can no longer be relied on, as its threads have found out. */
+struct fault {
+    pthread_mutex_t lock;
+    struct pen_status why; /* guarded by lock; code PEN_OK: it can */
+    const struct pen_event_source *events;
+};
+
+/* Notes the first I/O error. Threads: any. */
+static void note_fault(void *user, const struct pen_status *why)
 {
-    struct pen_status last = {.code = PEN_OK};
+    struct fault *fault = user;
+    pthread_mutex_lock(&fault->lock);
+    const bool first = fault->why.code == PEN_OK;
+    if (first)
+        fault->why = *why;
+    pthread_mutex_unlock(&fault->lock);
+    if (first)
+        pen_event_source_work_ended(fault->events);
+}
+
+/* Tells the supervisor and the log for which I/O error this process ends. Returns the exit code,
+ * which is never charged to a job. */
+static int end_for_fault(const struct pen_event_source *events, const struct pen_status *why)
+{
+    char text[PEN_CONTROL_BYTES];
+    pen_log(PEN_LOG_ERROR, "the store has an I/O error, so this process ends: %s", why->msg);
+    snprintf(text, sizeof text, "fault %s", why->msg);
+    pen_control_send(events->control_fd, text);
+    return pen_code_exit(PEN_STORAGE);
+}
+
+/* Opens the store, and handles the api's events until it has to stop. Returns the exit code. */
+static int handle_api_events(struct pen_event_source *events, struct pen_http *http,
+                             const struct pen_http_options *options, struct fault *fault)
+{
+    struct pen_status last = {.code = PEN_OK}, why;
     bool opened = false;
     for (;;) {
         struct pen_event event;
@@ -97,15 +128,20 @@ static void handle_api_events(struct pen_event_source *events, struct pen_http *
         case PEN_EVENT_STOP:
             pen_http_drain(http);
             end_within(STOP_API_S);
-            return;
+            return 0;
         case PEN_EVENT_LOST:
             pen_log(PEN_LOG_ERROR, "the supervisor has ended: ending");
             end_within(PEN_LOST_MS / 1000);
-            return;
+            return 0;
         case PEN_EVENT_STATE:
             pen_http_set_not_ready(http, event.text);
             break;
         case PEN_EVENT_WORK_END:
+            end_within(STOP_API_S);
+            pthread_mutex_lock(&fault->lock);
+            why = fault->why;
+            pthread_mutex_unlock(&fault->lock);
+            return end_for_fault(events, &why);
         case PEN_EVENT_TIMEOUT:
             break;
         }
@@ -151,7 +187,10 @@ static int serve(const struct pen_config *config)
     struct pen_status st;
     if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
-    struct pen_http_options options = {.listen_fd = config->listen_fd,
+    struct fault fault = {.lock = PTHREAD_MUTEX_INITIALIZER, .events = &events};
+    struct pen_http_options options = {.broken = note_fault,
+                                       .broken_user = &fault,
+                                       .listen_fd = config->listen_fd,
                                        .store_url = config->store,
                                        .limits = limits_of(config),
                                        .trusted_proxy = config->access.trusted_proxy,
@@ -164,11 +203,11 @@ static int serve(const struct pen_config *config)
         pen_event_source_close(&events);
         return fail(&st);
     }
-    handle_api_events(&events, http, &options);
+    const int code = handle_api_events(&events, http, &options, &fault);
     pen_http_stop(http);
     pen_event_source_close(&events);
     pen_log(PEN_LOG_INFO, "ended");
-    return 0;
+    return code;
 }
 
 static void set_allocator(void)
@@ -272,8 +311,19 @@ static void handle_worker_events(struct pen_event_source *events, struct worker_
             pen_clock_ns() + (lost ? PEN_LOST_MS / 2 : PEN_DRAIN_WORKER_MS) * INT64_C(1000000);
         deadline_ns = until < deadline_ns ? until : deadline_ns;
         atomic_store(&worker->stop, true);
-        pen_store_wake(store, PEN_SIGNAL_WORK);
+        pen_store_wake(store);
     }
+}
+
+static void end_broken(void *user, const struct pen_status *why)
+{
+    _exit(end_for_fault(user, why));
+}
+
+/* Of a call that the store has failed before there was work. */
+static int fail_store(const struct pen_event_source *events, const struct pen_status *st)
+{
+    return st->code == PEN_STORAGE ? end_for_fault(events, st) : fail(st);
 }
 
 /* Ends render threads that do not stop, by ending the process. The worker calls this after it has
@@ -345,16 +395,20 @@ static int run_worker_process(const struct pen_config *config, struct pen_event_
                     .threads = config->threads,
                     .scene_cap_bytes = limit_memory(config->memory_limit) / 2,
                     .max_seconds = config->max.seconds,
+                    .supervisor = getppid(),
                     .trace = pen_crash_record_map(config->trace_fd),
-                    .stuck = end_stuck_threads}};
+                    .stuck = end_stuck_threads,
+                    .broken = end_broken,
+                    .user = events}};
     struct pen_fault_hook hook;
     struct pen_status st;
     pthread_t thread;
     if (worker.options.trace)
         pen_crash_record_install(worker.options.trace);
-    if (!take_test_settings(&worker.options, &hook, &st) ||
-        !release_predecessor(store, config, &st))
+    if (!take_test_settings(&worker.options, &hook, &st))
         return fail(&st);
+    if (!release_predecessor(store, config, &st))
+        return fail_store(events, &st);
     /* Before a job is taken: a crash afterwards is the job's, one before is the worker's. */
     pen_control_send(events->control_fd, "ready");
     if (pthread_create(&thread, NULL, run_worker, &worker) != 0) {
@@ -365,7 +419,7 @@ static int run_worker_process(const struct pen_config *config, struct pen_event_
     handle_worker_events(events, &worker, store);
     pthread_join(thread, NULL);
     if (!worker.ok)
-        return fail(&worker.st);
+        return fail_store(events, &worker.st);
     if (!atomic_load(&worker.stop))
         pen_control_send(events->control_fd, "idle");
     pen_log(PEN_LOG_INFO, "ended");
@@ -380,8 +434,8 @@ int pen_role_worker(const struct pen_config *config)
     prctl(PR_SET_NAME, worker_process);
     if (!pen_event_source_open(&events, config->control_fd, &st))
         return fail(&st);
-    struct pen_store *store = pen_store_open(config->store, &st);
-    int code = store ? run_worker_process(config, &events, store) : fail(&st);
+    struct pen_store *store = pen_store_open(config->store, false, &st);
+    int code = store ? run_worker_process(config, &events, store) : fail_store(&events, &st);
     pen_store_close(store);
     pen_event_source_close(&events);
     return code;

@@ -27,6 +27,8 @@ _Static_assert(KILL_WORKER_S * 1000 > PEN_DRAIN_WORKER_MS, "a worker gives its b
 static const int64_t longest_drain_ns = 9700000000;
 /* The number of ends in a row (child.h) that is a crash loop: the daemon is not ready. */
 enum { CRASH_LOOP = 3 };
+/* The children's places among those that signals of the store reach. */
+enum { SLOT_API, SLOT_WORKER, SLOTS };
 
 struct supervisor {
     const struct pen_config *first; /* the configuration at the start */
@@ -37,17 +39,20 @@ struct supervisor {
     int listen_fd, signal_fd;
     struct pen_child api, worker;
     bool draining;
-    int64_t drain_ns; /* when it began */
-    char state[256];  /* the last "state" message to the api */
+    int64_t drain_ns;              /* when it began */
+    char state[PEN_CONTROL_BYTES]; /* the last "state" message to the api */
     struct pen_notify notify;
     bool told_ready; /* the service manager */
     int64_t ping_ns; /* when the children are asked next whether they answer */
 };
 
-/* If the child is in a crash loop, writes that. */
-static void describe_crash_loop(const struct pen_child *child, char *text, size_t size)
+/* If the child has ended for an I/O error, or is in a crash loop, writes that. */
+static void describe_failure(const struct pen_child *child, char *text, size_t size)
 {
-    if (child->failures >= CRASH_LOOP)
+    if (child->fault[0])
+        snprintf(text, size, "the %s process ended, and is started again: %s", child->role,
+                 child->fault);
+    else if (child->failures >= CRASH_LOOP)
         snprintf(text, size,
                  "the %s process ended %d times in a row, soon after its start%s, the last time "
                  "by %s",
@@ -55,16 +60,17 @@ static void describe_crash_loop(const struct pen_child *child, char *text, size_
                  child->last_end);
 }
 
-/* Sends the api the reason why the daemon is not ready, or none: a worker in a crash loop, or
- * crashes of the api's own predecessors, of which a new api process knows nothing. Without `always`
+/* Sends the api the reason why the daemon is not ready, or none: an I/O error,
+ * a worker in a crash loop, or ends of the api's predecessors, of which a new api process knows
+ * nothing. Without `always`
  * only if the state has changed. */
 static void send_state(struct supervisor *s, bool always)
 {
     char text[sizeof s->state] = "state ";
     char *rest = text + strlen(text);
     size_t size = sizeof text - strlen(text);
-    describe_crash_loop(&s->api, rest, size);
-    describe_crash_loop(&s->worker, rest, size);
+    describe_failure(&s->api, rest, size);
+    describe_failure(&s->worker, rest, size);
     if (!always && strcmp(text, s->state) == 0)
         return;
     memcpy(s->state, text, sizeof text);
@@ -226,6 +232,8 @@ static void handle_message(struct supervisor *s, struct pen_child *child, const 
 {
     if (strcmp(text, "pong") == 0)
         child->answered = true;
+    if (strncmp(text, "fault ", 6) == 0)
+        pen_child_fault(child, text + 6);
     if (strcmp(text, "idle") == 0 && !s->draining) {
         pen_log(PEN_LOG_INFO, "no work for %d s", s->now.until_idle);
         begin_drain(s);
@@ -314,16 +322,14 @@ static void run(struct supervisor *s)
     }
 }
 
-int pen_supervisor_run(const struct pen_config *config, const char *store_url, int argc,
-                       char **argv, int listen_fd)
+int pen_supervisor_run(const struct pen_config *config, int argc, char **argv, int listen_fd)
 {
     struct supervisor s = {
         .first = config, .now = *config, .argc = argc, .argv = argv, .listen_fd = listen_fd};
     struct pen_status st;
-    s.now.store = store_url;
-    pen_child_init(&s.api, "api", pen_config_serves(config));
-    pen_child_init(&s.worker, "worker", pen_config_renders(config));
-    if (!open_signals(&s, &st)) {
+    pen_child_init(&s.api, "api", SLOT_API, pen_config_serves(config));
+    pen_child_init(&s.worker, "worker", SLOT_WORKER, pen_config_renders(config));
+    if (!open_signals(&s, &st) || !pen_store_signals_make(SLOTS, &st)) {
         pen_log(PEN_LOG_ERROR, "%s", st.msg);
         return pen_code_exit(st.code);
     }

@@ -7,6 +7,8 @@
  *    socket's queue; none is refused.
  *  - It starts a child that has ended again. If a child ends soon after each start, the pauses
  *    between the starts double. What a job is charged with is not held against the worker.
+ *  - A child that meets an I/O error of the store ends. Until its successor works, the daemon is
+ * not ready, and /readyz says why.
  *  - The successor of a worker first releases the leases of its predecessor, and charges a crash.
  *  - The children end when it ends or dies, because their control channel closes.
  *  - SIGTERM and SIGINT drain the daemon within 10 s:
@@ -23,10 +25,9 @@
 
 #include "cmd/daemon/config.h"
 
-/* Runs until drained. Returns the exit code. store_url: what the children open. argc and argv are
- * those of main, to read the configuration again on SIGHUP. listen_fd: -1 without an api. Owns: all
- * of them stay the caller's. */
-int pen_supervisor_run(const struct pen_config *config, const char *store_url, int argc,
-                       char **argv, int listen_fd);
+/* Runs until drained. Returns the exit code. argc and argv are those of main, to read the
+ * configuration again on SIGHUP. listen_fd: -1 without an api. Owns: all of them stay the caller's.
+ */
+int pen_supervisor_run(const struct pen_config *config, int argc, char **argv, int listen_fd);
 
 #endif

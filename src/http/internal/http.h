@@ -13,6 +13,8 @@
 
 #include "http/server.h"
 
+struct pen_jobs;
+
 struct pen_http {
     struct pen_limits limits;
     struct guard *guard;
@@ -24,6 +26,8 @@ struct pen_http {
     struct snapshot_cache *snapshot_cache;
     struct static_files *static_files;
     struct pictures *pictures;
+    void (*broken)(void *user, const struct pen_status *why); /* see struct pen_http_options */
+    void *broken_user;
     int64_t heartbeat_ns; /* time after which a silent event stream gets a heartbeat */
     char *cors;           /* origins with spaces between them; NULL: none */
     bool has_proxy;
@@ -50,5 +54,8 @@ struct pen_http {
     char not_ready_reason[PEN_MSG_BYTES]; /* guarded by ready_lock: see pen_http_set_not_ready */
     struct pen_status store_fault;        /* guarded by ready_lock: why the store is not open */
 };
+
+/* Reports an I/O error that the handle's store has met. */
+void pen_http_check_store(struct pen_http *http, struct pen_jobs *jobs);
 
 #endif

@@ -32,9 +32,6 @@ void pen_http_watch_stop(struct watch *watch);
 /* Frees a stopped watcher that no thread uses any more. NULL is allowed. */
 void pen_http_watch_free(struct watch *watch);
 
-/* The store's change counter. */
-uint32_t pen_http_watch_changes(struct watch *watch);
-
 enum watch_result {
     WATCH_ACCEPTED, /* the request belongs to the watcher now, and its connection is suspended */
     WATCH_FULL,     /* WATCH_MAX polls are waiting already */

@@ -16,15 +16,6 @@
 #include "render/layers.h"
 #include "render/render.h"
 
-/* How often this worker has given a batch back whose state it could not keep. */
-struct pen_batch_losses {
-    int64_t batch;
-    int count; /* 0: no batch is here */
-};
-
-/* Of so many batches that have lost work last. */
-enum { PEN_BATCH_LOSSES = 64 };
-
 struct pen_batch_context {
     struct pen_store *store;
     struct pen_thread_pool *pool;
@@ -48,11 +39,10 @@ struct pen_batch_context {
     bool rounds_kept;               /* the store has what the last of that view's rounds has left */
     struct pen_film *layer[PEN_LAYER_COUNT]; /* without a target error: of the rows of tiles that
                                                 the batch is in; else NULL */
-    int64_t split_ns; /* when its tiles end, by pen_clock_ns, if not in rounds */
-    int64_t keep_ms, patience_ms, batch_ms; /* as in pen_worker_options */
-    int max_seconds;                        /* the same */
-    struct pen_batch_losses losses[PEN_BATCH_LOSSES];
-    int losses_next; /* the one that the next batch takes */
+    int64_t split_ns;          /* when its tiles end, by pen_clock_ns, if not in rounds */
+    int64_t keep_ms, batch_ms; /* as in pen_worker_options */
+    int max_seconds;           /* the same */
+    double rays_per_s;         /* by the last batch that was rendered; 0: there was none */
     double store_ms; /* time spent waiting for the store and for compression; not in the job's
                         statistics yet */
 };

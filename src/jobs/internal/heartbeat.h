@@ -45,9 +45,6 @@ const atomic_bool *pen_heartbeat_cancel_flag(struct pen_heartbeat *heart);
 /* Sets the cancel flag. Threads: any. */
 void pen_heartbeat_cancel(struct pen_heartbeat *heart);
 
-/* Makes the thread call pen_store_checkpoint at its next check. */
-void pen_heartbeat_request_checkpoint(struct pen_heartbeat *heart);
-
 /* Stops the clock of the active claim while the worker waits for the store, and starts it again.
  * Render threads must not work meanwhile: none are reported as stuck. */
 void pen_heartbeat_pause(struct pen_heartbeat *heart);

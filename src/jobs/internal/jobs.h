@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "io/json_build.h"
 #include "jobs/jobs.h"
+#include "jobs/worker.h"
 
 struct pen_jobs {
     struct pen_store *store;
@@ -20,6 +21,15 @@ static inline struct pen_log_about pen_claim_about(const struct pen_claim *claim
 {
     return (struct pen_log_about){
         .job = claim->job_id, .batch = claim->batch, .attempt = claim->attempt};
+}
+
+/* Ends the process if the store has an I/O error, as the options say. */
+static inline void pen_worker_check_store(const struct pen_worker_options *options,
+                                          const struct pen_store *store)
+{
+    struct pen_status why;
+    if (options->broken && pen_store_is_broken(store, &why))
+        options->broken(options->user, &why);
 }
 
 /* Where the report of a job is kept, among its artefacts. */

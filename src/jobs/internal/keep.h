@@ -3,12 +3,7 @@
  * little of it, and when it gives way to a batch that comes first: once its state is kept.
  *
  * A state is kept no more often than asked, and not for more than a twentieth of the time. After a
- * try that fails the next one waits: half a second, a second, two, and so on to a minute.
- *
- * A state that finds no room, on the disk or in memory, does not hold up others without end: when
- * one has waited for ten seconds, the batch gives way nevertheless. It loses what it has done since
- * its state was last kept, which is logged, and is not charged to the job. So that the batch ends,
- * however many others come, this time doubles with each such loss of it in this worker. */
+ * try that fails the next one waits: half a second, a second, two, and so on to a minute. */
 #ifndef PEN_JOBS_INTERNAL_KEEP_H
 #define PEN_JOBS_INTERNAL_KEEP_H
 
@@ -21,11 +16,9 @@ struct pen_keeper {
     int times;                 /* and how many times as long as keeping one takes */
     int64_t ask_ms;            /* the shortest time between questions for a higher priority */
     int64_t asked_ns;          /* when it was last asked whether a batch that comes first waits */
-    int64_t outranked_ns;      /* since when one is known to wait; 0: none is */
-    int64_t kept_ns;           /* when the state was last kept, or the batch begun */
+    bool outranked;            /* one does */
     int64_t tried_ns, took_ns; /* when keeping it was last tried, and how long that took */
     int64_t retry_ms; /* how long the next try waits, since the last one has failed; else 0 */
-    bool lacks_room;  /* the last try has failed for want of room */
 };
 
 /* Both times are those of the kind of batch; the worker's options may have another `wait_ms`

@@ -19,10 +19,8 @@ struct pen_tile_run {
     const float *image; /* all of it, by rows */
 };
 
-/* Starts the thread. The observer, unless NULL, gets one call named "compress" for each batch, with
- * the time it took. Owns: free with pen_pixel_compressor_free. Fails: PEN_NO_MEMORY. */
-struct pen_pixel_compressor *pen_pixel_compressor_new(const struct pen_store_observer *observer,
-                                                      struct pen_status *st);
+/* Starts the thread. Owns: free with pen_pixel_compressor_free. Fails: PEN_NO_MEMORY. */
+struct pen_pixel_compressor *pen_pixel_compressor_new(struct pen_status *st);
 void pen_pixel_compressor_free(struct pen_pixel_compressor *compressor);
 
 /* Begins a batch. The run's image and settings stay until pen_pixel_compressor_end or _cancel.

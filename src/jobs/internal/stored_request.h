@@ -37,6 +37,9 @@ bool pen_stored_request_audit(const struct pen_stored_request *request, uint64_t
 /* The seconds in which the picture is to be made; 0: as many as it takes. */
 double pen_stored_request_budget(const struct pen_stored_request *request);
 
+/* The bound of the job's rays, by which a job is a long one. */
+double pen_stored_request_bound_rays(const struct pen_stored_request *request);
+
 /* How often a job of kind "effects" times each render; whether one of kind "explain" renders. */
 int pen_stored_request_repeats(const struct pen_stored_request *request);
 bool pen_stored_request_analyze(const struct pen_stored_request *request);

@@ -1,0 +1,405 @@
+/* SPDX-License-Identifier: MIT */
+/* A connection to SQLite (db.h). The database has a write-ahead log; its application id and user
+ * version tell whose it is and which version its schema has. Opening is in db_sqlite_open.c. */
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "store/internal/counters.h"
+#include "store/internal/sqlite.h"
+
+enum {
+    TEXT_BYTES = 8192,
+    LOG_BYTES = 32 << 20, /* a longer log is emptied, although readers must be waited for */
+    PATIENCE_MS = 50,
+    INDEX_BYTES = 32 << 10 /* the step in which SQLite lengthens the log's index */
+};
+
+/* SQLite does not say why it cannot lengthen the log's index. */
+static bool is_disk_full(const struct pen_db *db)
+{
+    struct statvfs info;
+    return statvfs(db->path, &info) == 0 &&
+           (int64_t)info.f_bavail * (int64_t)info.f_frsize < INDEX_BYTES;
+}
+
+bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
+{
+    const char *why = sqlite3_errmsg(db->sqlite);
+    enum pen_code code;
+    if (rc == SQLITE_IOERR_SHMSIZE && is_disk_full(db))
+        rc = SQLITE_FULL;
+    switch (rc & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+        code = PEN_UNAVAILABLE;
+        break;
+    case SQLITE_FULL:
+        code = PEN_STORAGE_FULL;
+        break;
+    case SQLITE_NOMEM:
+        code = PEN_NO_MEMORY;
+        break;
+    case SQLITE_IOERR:
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+    case SQLITE_CANTOPEN:
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+        code = PEN_STORAGE;
+        /* The next process recovers from the log. */
+        sqlite3_db_config(db->sqlite, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
+        break;
+    default:
+        code = PEN_INTERNAL;
+    }
+    db->trouble = (struct pen_db_trouble){.code = code,
+                                          .failure = code == PEN_STORAGE || code == PEN_INTERNAL
+                                                         ? PEN_FAILURE_REFUSED
+                                                         : PEN_FAILURE_RETRY};
+    pen_fail(st, code, "%s%s: %s (SQLite error %d)", db->path,
+             (rc & 0xff) == SQLITE_CORRUPT  ? " is damaged"
+             : (rc & 0xff) == SQLITE_NOTADB ? " is not a Penumbra store, or is damaged"
+                                            : "",
+             why, rc);
+    if (code == PEN_STORAGE && db->broken.code == PEN_OK)
+        db->broken = *st;
+    return false;
+}
+
+/* In a transaction, later calls fail with the status of the first that has failed. */
+static bool fail_rows(struct pen_db *db, int rc, struct pen_status *st)
+{
+    pen_sqlite_fail(db, rc, st);
+    if (db->in)
+        db->failed = *st;
+    return false;
+}
+
+struct pen_db_trouble pen_db_trouble(const struct pen_db *db)
+{
+    return db->trouble;
+}
+
+bool pen_db_is_broken(const struct pen_db *db, struct pen_status *why)
+{
+    if (why)
+        *why = db->broken;
+    return db->broken.code != PEN_OK;
+}
+
+bool pen_sqlite_exec(struct pen_db *db, const char *sql, struct pen_status *st)
+{
+    const int rc = sqlite3_exec(db->sqlite, sql, NULL, NULL, NULL);
+    return rc == SQLITE_OK || pen_sqlite_fail(db, rc, st);
+}
+
+/* Unless SQLite has done it. */
+static void roll_back(struct pen_db *db)
+{
+    if (sqlite3_get_autocommit(db->sqlite))
+        return;
+    sqlite3_step(db->rollback);
+    sqlite3_reset(db->rollback);
+}
+
+bool pen_db_begin(struct pen_db *db, enum pen_db_access access, struct pen_status *st)
+{
+    db->trouble = (struct pen_db_trouble){0};
+    db->failed.code = PEN_OK;
+    db->begun_ns = pen_clock_ns();
+    db->access = access;
+    if (access != PEN_DB_READ && db->syncs != (access == PEN_DB_WRITE)) {
+        db->syncs = access == PEN_DB_WRITE;
+        if (!pen_sqlite_exec(
+                db, db->syncs ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=NORMAL", st))
+            return false;
+    }
+    db->in = pen_sqlite_exec(db, access == PEN_DB_READ ? "BEGIN" : "BEGIN IMMEDIATE", st);
+    return db->in;
+}
+
+static void reset_all(struct pen_db *db)
+{
+    for (sqlite3_stmt *stmt = sqlite3_next_stmt(db->sqlite, NULL); stmt;
+         stmt = sqlite3_next_stmt(db->sqlite, stmt)) {
+        if (sqlite3_stmt_busy(stmt))
+            sqlite3_reset(stmt);
+    }
+}
+
+/* An I/O error in a commit leaves open whether the log has the transaction. */
+static bool commit(struct pen_db *db, struct pen_status *st)
+{
+    if (pen_sqlite_exec(db, "COMMIT", st))
+        return true;
+    if (db->trouble.code == PEN_STORAGE)
+        db->trouble.failure = PEN_FAILURE_UNKNOWN;
+    return false;
+}
+
+bool pen_db_end(struct pen_db *db, bool ok, struct pen_status *st)
+{
+    if (!db->in)
+        return false;
+    reset_all(db);
+    if (db->failed.code != PEN_OK) {
+        *st = db->failed;
+        ok = false;
+    }
+    ok = ok && commit(db, st);
+    if (!ok)
+        roll_back(db);
+    db->in = false;
+    pen_timing_add(db->access == PEN_DB_READ ? PEN_TIMING_READ : PEN_TIMING_WRITE,
+                   (pen_clock_ns() - db->begun_ns) / 1000);
+    return ok;
+}
+
+/* The text without the word that stands for row locks, which SQLite has no need of. */
+static const char *plain(const char *sql, char text[TEXT_BYTES])
+{
+    static const char word[] = "{skip_locked}";
+    const char *at = strstr(sql, word);
+    size_t used = 0;
+    if (!at)
+        return sql;
+    for (; at && used + strlen(sql) < TEXT_BYTES; at = strstr(sql, word)) {
+        memcpy(text + used, sql, (size_t)(at - sql));
+        used += (size_t)(at - sql);
+        sql = at + sizeof word - 1;
+    }
+    strcpy(text + used, sql);
+    return text;
+}
+
+/* The statement of a literal, prepared once. */
+static struct pen_rows *prepared(struct pen_db *db, const char *sql, struct pen_status *st)
+{
+    const size_t first = ((uintptr_t)sql >> 4) % STATEMENTS;
+    char text[TEXT_BYTES];
+    for (size_t i = 0; i < STATEMENTS; i++) {
+        struct pen_rows *rows = &db->statements[(first + i) % STATEMENTS];
+        if (rows->sql == sql)
+            return rows;
+        if (rows->sql)
+            continue;
+        const int rc = sqlite3_prepare_v3(db->sqlite, plain(sql, text), -1,
+                                          SQLITE_PREPARE_PERSISTENT, &rows->stmt, NULL);
+        if (rc != SQLITE_OK) {
+            fail_rows(db, rc, st);
+            return NULL;
+        }
+        rows->sql = sql;
+        rows->db = db;
+        return rows;
+    }
+    pen_fail(st, PEN_INTERNAL, "more than %d statements", STATEMENTS);
+    return NULL;
+}
+
+/* Parameters are bound by name: SQLite numbers them by their first appearance. */
+static int bind(sqlite3_stmt *stmt, const char *types, va_list args)
+{
+    static const char *const names[] = {"$1", "$2",  "$3",  "$4",  "$5",  "$6",  "$7",  "$8",
+                                        "$9", "$10", "$11", "$12", "$13", "$14", "$15", "$16"};
+    int rc = SQLITE_OK;
+    for (int i = 0; types[i] && rc == SQLITE_OK; i++) {
+        const int at = sqlite3_bind_parameter_index(stmt, names[i]);
+        const char type = types[i];
+        if (type == 'i') {
+            rc = sqlite3_bind_int64(stmt, at, va_arg(args, int64_t));
+        } else if (type == 't') {
+            rc = sqlite3_bind_text(stmt, at, va_arg(args, const char *), -1, SQLITE_STATIC);
+        } else {
+            const void *data = va_arg(args, const void *);
+            const size_t bytes = va_arg(args, size_t);
+            rc = sqlite3_bind_blob64(stmt, at, data, bytes, SQLITE_STATIC);
+        }
+    }
+    return rc;
+}
+
+static struct pen_rows *start(struct pen_db *db, struct pen_status *st, const char *sql,
+                              const char *types, va_list args)
+{
+    if (db->in && db->failed.code != PEN_OK) {
+        *st = db->failed;
+        return NULL;
+    }
+    if (!db->in)
+        db->trouble = (struct pen_db_trouble){0};
+    struct pen_rows *rows = prepared(db, sql, st);
+    if (!rows)
+        return NULL;
+    sqlite3_reset(rows->stmt);
+    sqlite3_clear_bindings(rows->stmt);
+    rows->st = st;
+    rows->ok = true;
+    const int rc = bind(rows->stmt, types, args);
+    if (rc != SQLITE_OK) {
+        fail_rows(db, rc, st);
+        return NULL;
+    }
+    return rows;
+}
+
+struct pen_rows *pen_db_rows(struct pen_db *db, struct pen_status *st, const char *sql,
+                             const char *types, ...)
+{
+    va_list args;
+    va_start(args, types);
+    struct pen_rows *rows = start(db, st, sql, types, args);
+    va_end(args);
+    return rows;
+}
+
+bool pen_db_run(struct pen_db *db, struct pen_status *st, int64_t *changed, const char *sql,
+                const char *types, ...)
+{
+    va_list args;
+    va_start(args, types);
+    struct pen_rows *rows = start(db, st, sql, types, args);
+    va_end(args);
+    while (pen_db_next(rows)) {
+    }
+    if (changed)
+        *changed = rows && rows->ok ? sqlite3_changes64(db->sqlite) : 0;
+    return pen_db_done(rows);
+}
+
+bool pen_db_value(struct pen_db *db, struct pen_status *st, int64_t *value, const char *sql,
+                  const char *types, ...)
+{
+    va_list args;
+    va_start(args, types);
+    struct pen_rows *rows = start(db, st, sql, types, args);
+    va_end(args);
+    *value = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
+    return pen_db_done(rows);
+}
+
+bool pen_db_next(struct pen_rows *rows)
+{
+    if (!rows || !rows->ok)
+        return false;
+    const int rc = sqlite3_step(rows->stmt);
+    if (rc != SQLITE_ROW && rc != SQLITE_DONE)
+        rows->ok = fail_rows(rows->db, rc, rows->st);
+    return rc == SQLITE_ROW;
+}
+
+bool pen_db_done(struct pen_rows *rows)
+{
+    if (!rows)
+        return false;
+    sqlite3_reset(rows->stmt);
+    return rows->ok;
+}
+
+int64_t pen_db_int(struct pen_rows *rows, int column)
+{
+    return sqlite3_column_int64(rows->stmt, column);
+}
+
+const char *pen_db_text(struct pen_rows *rows, int column)
+{
+    return (const char *)sqlite3_column_text(rows->stmt, column);
+}
+
+const void *pen_db_bytes(struct pen_rows *rows, int column, size_t *bytes)
+{
+    const void *data = sqlite3_column_blob(rows->stmt, column);
+    *bytes = (size_t)sqlite3_column_bytes(rows->stmt, column);
+    return data;
+}
+
+bool pen_db_is_null(struct pen_rows *rows, int column)
+{
+    return sqlite3_column_type(rows->stmt, column) == SQLITE_NULL;
+}
+
+bool pen_db_now(struct pen_db *db, int64_t *now_ms, struct pen_status *st)
+{
+    (void)st;
+    *now_ms = db->now_ms ? db->now_ms(db->now_user) : pen_clock_wall_ms();
+    return true;
+}
+
+void pen_db_set_clock(struct pen_db *db, int64_t (*now_ms)(void *user), void *user)
+{
+    db->now_ms = now_ms;
+    db->now_user = user;
+}
+
+/* Pages of the file, those of them that are free, and bytes that the disk has left. */
+static bool read_space(struct pen_db *db, int64_t *pages, int64_t *unused, int64_t *left,
+                       struct pen_status *st)
+{
+    struct statvfs info;
+    if (!pen_db_value(db, st, pages, "PRAGMA page_count", "") ||
+        !pen_db_value(db, st, unused, "PRAGMA freelist_count", ""))
+        return false;
+    if (statvfs(db->path, &info) != 0)
+        return pen_fail(st, PEN_STORAGE, "%s: its file system cannot be read", db->path);
+    *left = (int64_t)info.f_bavail * (int64_t)info.f_frsize;
+    return true;
+}
+
+bool pen_db_space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_status *st)
+{
+    int64_t pages, unused;
+    if (!read_space(db, &pages, &unused, left, st))
+        return false;
+    *used = (pages - unused) * PEN_SQLITE_PAGE;
+    return true;
+}
+
+bool pen_db_give_reserve(struct pen_db *db)
+{
+    return unlink(db->reserve) == 0;
+}
+
+/* Copies the log into the database and empties it, which also gives the free pages at the file's
+ * end back. The copy stops nobody. Writers wait while the log is emptied, which waits for readers,
+ * but no longer than PATIENCE_MS. */
+static bool empty_log(struct pen_db *db, struct pen_status *st)
+{
+    int rc = sqlite3_wal_checkpoint_v2(db->sqlite, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
+    db->patience_ms = PATIENCE_MS;
+    if (rc == SQLITE_OK)
+        rc = sqlite3_wal_checkpoint_v2(db->sqlite, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL, NULL);
+    db->patience_ms = PEN_SQLITE_BUSY_MS;
+    return rc == SQLITE_OK || rc == SQLITE_BUSY || pen_sqlite_fail(db, rc, st);
+}
+
+static bool is_log_long(const struct pen_db *db)
+{
+    char path[PEN_SQLITE_PATH_BYTES + 8];
+    struct stat info;
+    snprintf(path, sizeof path, "%s-wal", db->path);
+    return stat(path, &info) == 0 && info.st_size > LOG_BYTES;
+}
+
+bool pen_db_maintain(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st)
+{
+    const int64_t most = bytes / PEN_SQLITE_PAGE;
+    int64_t pages, unused, left = 0;
+    char sql[64];
+    *more = false;
+    if (!read_space(db, &pages, &unused, &left, st))
+        return false;
+    if (left >= PEN_RESERVE_FREE + PEN_RESERVE)
+        pen_sqlite_make_reserve(db);
+    sqlite3_snprintf(sizeof sql, sql, "PRAGMA incremental_vacuum(%lld)", (long long)most);
+    if (unused > 0 &&
+        (!pen_db_begin(db, PEN_DB_WRITE, st) || !pen_db_end(db, pen_sqlite_exec(db, sql, st), st)))
+        return false;
+    *more = unused > most;
+    return (unused == 0 || *more) && !is_log_long(db) ? true : empty_log(db, st);
+}

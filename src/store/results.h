@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/* Results: pixels, statistics, commits, artefacts. A part of store.h, whose promises hold here. */
+#ifndef PEN_STORE_RESULTS_H
+#define PEN_STORE_RESULTS_H
+
+#include "store/claims.h"
+
+/* Calls `each` for every committed render batch of a view, in the order of tiles; stops when it
+ * returns false. rgb is valid during the call. Fails: PEN_NOT_FOUND (no such job), PEN_STORAGE
+ * (damaged pixels). */
+typedef bool pen_pixels_fn(void *user, int first_tile, int tile_count, const float *rgb,
+                           int64_t pixels);
+bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
+                      void *user, struct pen_status *st);
+
+/* Calls `each` for the statistics of every committed batch of a job, oldest batch first; stops
+ * when it returns false. Fails: PEN_NOT_FOUND (no such job). */
+struct pen_batch_stats {
+    enum pen_batch_kind kind;
+    int view;
+    int64_t commit_us; /* how long the worker waited for its commit */
+    const char *stats;
+};
+typedef bool pen_stats_fn(void *user, const struct pen_batch_stats *batch);
+bool pen_store_stats(struct pen_store *store, const char *id, pen_stats_fn *each, void *user,
+                     struct pen_status *st);
+
+/* The place of a committed render batch in its view. */
+struct pen_commit_record {
+    int64_t revision; /* that the commit gave the job */
+    int view, first_tile, tile_count;
+};
+
+/* Calls `each` for the render batches that were committed after a revision of the job, in the order
+ * of their commits; stops when it returns false. Every commit gives its job a new revision, so no
+ * two batches have the same. Fails: PEN_NOT_FOUND (no such job). */
+typedef bool pen_commit_fn(void *user, const struct pen_commit_record *commit);
+bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, pen_commit_fn *each,
+                       void *user, struct pen_status *st);
+
+/* Appends an artefact of a job to *out; view -1: made from all views. An empty *out is then as
+ * large as the artefact. Fails: PEN_NOT_FOUND, PEN_STORAGE (damaged). */
+bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
+                        const char *format, struct pen_buf *out, struct pen_status *st);
+
+/* Stores an artefact of the view of the claim's batch, before the commit; one that exists is
+ * replaced. Fails: PEN_STALE (nothing is stored). */
+bool pen_store_artefact_put(struct pen_store *store, const struct pen_claim *claim,
+                            const char *layer, const char *format, const void *data, size_t bytes,
+                            struct pen_status *st);
+
+/* Stores an artefact of a job that can be made again, from what is committed; one that exists is
+ * replaced. It is dropped when others are used later, or space runs short; it is not stored at all
+ * if it is too large or space is short. Fails: PEN_NOT_FOUND. */
+bool pen_store_cache_put(struct pen_store *store, const char *id, int view, const char *layer,
+                         const char *format, const void *data, size_t bytes, struct pen_status *st);
+
+#endif
