@@ -341,6 +341,28 @@ static bool run_to_power_cut(const struct scenario *s, long n, uint64_t seed)
     return failed;
 }
 
+/* What a call that succeeded has done outlives a power cut right after it. */
+static void cut_after_success(const struct scenario *s, uint64_t seed)
+{
+    struct pen_status st = {0};
+    const struct fault_plan plan = {.calls = FAULT_WRITE | FAULT_SYNC | FAULT_TRUNCATE,
+                                    .mode = FAULT_FROM,
+                                    .n = 1,
+                                    .error = EIO};
+    fault_bed_renew(&disk);
+    disk.bed.store = store_bed_handle(&disk.bed);
+    store_must(s->work(&st), &st, s->name);
+    faults_arm(&plan);
+    pen_store_close(disk.bed.store);
+    faults_disarm();
+    faults_cut_power(seed);
+    disk.bed.store = store_bed_handle(&disk.bed);
+    struct pen_buf now = dump();
+    ck_assert_msg(same(&now, &after), "%s, then a power cut: the store is\n%s", s->name, now.data);
+    pen_buf_release(&now);
+    pen_store_close(disk.bed.store);
+}
+
 START_TEST(test_sqlite_faults__power_cuts)
 {
     enum { SEEDS = 3 };
@@ -351,6 +373,7 @@ START_TEST(test_sqlite_faults__power_cuts)
             continue;
         expect_effect(&scenarios[i]);
         long cuts = 0;
+        cut_after_success(&scenarios[i], 7);
         for (uint64_t seed = 1; seed <= (uint64_t)random_some(SEEDS, 1); seed++) {
             for (long n = 1; run_to_power_cut(&scenarios[i], n, seed * 1000 + (uint64_t)n);
                  n += n < 20 || random_all() ? 1 : 7) /* a large value is written in many calls */
