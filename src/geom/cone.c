@@ -32,12 +32,13 @@ static void end_before_apex(struct pen_cone *c)
         hull->slab_top = hull->top;
 }
 
-/* Takes away what would reach out too far: see end_before_apex, and where the side is flat, lines
- * along a cap would be met far beside it. */
+/* Takes away what would reach out too far: see end_before_apex, and where the side is so flat that
+ * lines along a cap would be met more than seven times as far beside it. */
 static void join_within_rounding(struct pen_cone *c)
 {
     end_before_apex(c);
-    c->hull.joint /= c->slant;
+    if (fabs(c->slope) > 7)
+        c->hull.joint *= 7 / fabs(c->slope);
 }
 
 bool pen_cone_make(struct pen_cone *c, struct pen_vec3 base, struct pen_vec3 axis, double r,

@@ -13,9 +13,9 @@ void pen_cylinder_set_rim(struct pen_cylinder *c, double rounding)
     struct dd3 a = dd_of3(c->round.a);
     struct dd top = dd_mul((struct dd){c->h, 0}, dd_sqrt(dd_dot(a, a)));
     double size = c->round.r + c->h, most = rounding < size ? rounding : size;
-    double reach = 8 * (PEN_U * (pen_norm1(c->round.q) + size) + most);
-    c->rim = c->caps ? 0 : reach;
-    c->joint = c->caps ? reach * c->round.length : 0;
+    double place = pen_norm1(c->round.q), near = place < 0x1p12 * size ? place : 0x1p12 * size;
+    c->rim = c->caps ? 0 : 8 * (PEN_U * (place + size) + most);
+    c->joint = c->caps ? 8 * (PEN_U * (near + size) + most) * c->round.length : 0;
     c->edge_on = c->caps ? PEN_EDGE_ON / 2 * c->round.length : 0; /* which is below 2 */
     struct dd end = dd_add(top, (struct dd){c->rim * c->round.length, 0});
     c->slab_base = -c->rim * c->round.length;
