@@ -345,7 +345,6 @@ START_TEST(test_study__bill_of_a_killed_worker_is_finished)
 {
     static const char some[] = "\"render\": {\"width\": 200, \"height\": 150, \"tile\": 8,"
                                " \"samples_per_pixel\": 36}, \"repeats\": 1,";
-    struct pen_status st;
     int status, opened;
     store_bed_make(&bed.bed);
     pid_t pid = jobs_worker_fork(&bed);
@@ -460,7 +459,6 @@ START_TEST(test_study__stopping_worker_gives_it_back)
     jobs_worker_stop(&bed);
     int64_t took_ms = (pen_clock_ns() - begun_ns) / 1000000;
     ck_assert_timed(took_ms < 30000);
-    struct pen_status st;
     int opened = -1;
     opened = store_worker_died(bed.bed.store, "test:1:1");
     ck_assert_int_eq(opened, 0);
@@ -477,7 +475,6 @@ START_TEST(test_study__benchmark_of_a_killed_worker_goes_on)
     static const char some[] = "\"render\": {\"width\": 200, \"height\": 150, \"tile\": 8,"
                                " \"samples_per_pixel\": 36}, \"repeats\": 4,"
                                " \"matrix\": {\"threads\": [1, 2]},";
-    struct pen_status st;
     int status, opened;
     char killed[25];
     store_bed_make(&bed.bed);

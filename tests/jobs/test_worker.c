@@ -551,7 +551,6 @@ END_TEST
 
 START_TEST(test_worker__stop_leaves_the_rest_to_the_next_worker)
 {
-    struct pen_status st;
     jobs_bed_open(&bed);
     jobs_worker_start(&bed);
     jobs_submit(&bed, jobs_scene(several_batches), id);
@@ -567,7 +566,6 @@ END_TEST
 
 START_TEST(test_worker__killed_in_mid_job_another_finishes_with_the_same_bytes)
 {
-    struct pen_status st;
     int status;
     store_bed_make(&bed.bed);
     pid_t pid = jobs_worker_fork(&bed);
