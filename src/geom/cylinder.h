@@ -55,7 +55,7 @@ static inline double pen_cylinder_reaches_out(const struct pen_cylinder *c)
 
 /* No line is taken as parallel to the caps whose |d.a| is above this share of d's largest
  * component: some roundings of d and a. */
-#define PEN_EDGE_ON 0x1p-48
+#define PEN_EDGE_ON (32 * PEN_U)
 
 /* Whether the ray's line is parallel to the caps, so far as the rounding of its direction can tell.
  * da is pen_cylinder_along. */

@@ -3,10 +3,10 @@
  * or a light, meets the column. */
 #include <math.h>
 
+#include "math/scale.h"
 #include "property/gen.h"
 #include "property/primitives.h"
 #include "property/rows.h"
-#include "math/scale.h"
 #include "support/kit.h"
 
 static struct kit kit;
