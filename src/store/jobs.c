@@ -89,8 +89,12 @@ static bool read_job(struct pen_store *store, const char *id, struct pen_job_rec
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
                    struct pen_status *st)
 {
-    return pen_db_begin(store->db, PEN_DB_READ, st) &&
-           pen_db_end(store->db, read_job(store, id, job, st), st);
+    *job = (struct pen_job_record){.number = 0};
+    const bool ok = pen_db_begin(store->db, PEN_DB_READ, st) &&
+                    pen_db_end(store->db, read_job(store, id, job, st), st);
+    if (!ok) /* it may have been read before the end of the transaction failed */
+        pen_job_record_release(job);
+    return ok;
 }
 
 /* One statement for each index that may lead: of a label, a name, a state, a kind, or the jobs
