@@ -74,7 +74,7 @@ for signal in TERM=143 INT=130 KILL=137; do
 done
 ended_by end_maker
 expect "a backup dies with the process that makes it" "$code" 137
-check "and leaves nothing" no_copy
+check "and leaves nothing" within no_copy
 check "and says so" grep -q 'was ended by a signal' stderr
 ended_by end_both
 exits "the next backup" 0 "$build/penumbrad" backup d.db --store "$store"
