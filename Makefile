@@ -41,7 +41,9 @@ COMPILE = $(CC) $(CPP) $(OPT) $(ROOM_OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(P
 # The build id is in the reports of benchmarks (src/study/host.c).
 LINK = $(CC) $(SAN) -pthread -Wl,--build-id=sha1 $(LDFLAGS)
 
-PKGS := jansson expat libpng zlib sqlite3 libzstd libsodium libmicrohttpd gnutls libcurl
+# FARM=0 builds without PostgreSQL.
+FARM ?= 1
+PKGS := jansson expat libpng zlib sqlite3 libzstd libsodium libmicrohttpd gnutls libcurl $(if $(filter 1,$(FARM)),libpq)
 PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
 # libcurl is loaded by the commands that need it, see src/cmd/client/curl_library.h.
 # A program links only the libraries that it uses.
@@ -72,7 +74,7 @@ MAN_PAGES := $(if $(SAN),,$(MAN_NAMES:%=$(BUILD)/man/%))
 COMPLETION := $(if $(SAN),,$(BUILD)/completion/penumbra.bash $(BUILD)/completion/penumbra.zsh)
 
 LIB_SRC := $(foreach r,$(RENDER_ROOMS),$(call room_files,$(r)))
-SVC_SRC := $(foreach r,$(SERVICE_ROOMS),$(call room_files,$(r)))
+SVC_SRC := $(filter-out $(if $(filter 1,$(FARM)),,src/store/db_postgres%),$(foreach r,$(SERVICE_ROOMS),$(call room_files,$(r))))
 ISA_SRC := $(filter %_isa.c,$(LIB_SRC))
 ISA_OBJ := $(foreach isa,$(ISAS),$(ISA_SRC:%.c=$(BUILD)/%_$(isa).o))
 LIB_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(ISA_SRC),$(LIB_SRC))) $(ISA_OBJ) $(BUILD)/gen/builtin_scenes.o
@@ -128,6 +130,7 @@ $(BUILD)/penumbra $(BUILD)/penumbrad:
 $(foreach r,math geom accel shade film,$(eval $$(BUILD)/src/$(r)/%.o: ROOM_OPT := $$(PIXEL_OPT)))
 # Loops over bytes of pixels, which the compiler vectorises at -O3.
 $(BUILD)/src/store/pixels.o: EXTRA := -O3
+$(BUILD)/src/store/db.o: EXTRA := $(if $(filter 1,$(FARM)),-DPEN_FARM)
 define compile_object
 @mkdir -p $(@D)
 $(call say,CC ,$<)

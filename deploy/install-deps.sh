@@ -11,7 +11,7 @@
 set -eu
 
 packages="gcc g++ make libc6-dev pkg-config libjansson-dev libpng-dev zlib1g-dev libsqlite3-dev
-    libzstd-dev libsodium-dev libmicrohttpd-dev libgnutls28-dev libcurl4-openssl-dev libexpat1-dev check curl ca-certificates openssl jq procps
+    libzstd-dev libsodium-dev libmicrohttpd-dev libpq-dev libgnutls28-dev libcurl4-openssl-dev libexpat1-dev check curl ca-certificates openssl jq procps
     python3-minimal python3-yaml python3-jsonschema"
 for option in "$@"; do
     case $option in

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A connection to a database, as the rules of this room need it: transactions, statements, a clock,
- * signals, space. db_sqlite*.c and signals.c implement it, and only they know SQLite.
+ * signals, space. internal/engine.h is what an engine implements of it: db_sqlite*.c and
+ * db_postgres*.c, the only files that know SQLite and PostgreSQL.
  *
  * Statements are literals in the SQL that SQLite 3.40 and PostgreSQL 15 both know; SQL.md lists
  * what that excludes. Words in braces are replaced when a statement is prepared.
@@ -89,8 +90,8 @@ void pen_db_set_clock(struct pen_db *db, int64_t (*now_ms)(void *user), void *us
 void pen_db_wait(struct pen_db *db, uint32_t *seen, int timeout_ms);
 void pen_db_wake(struct pen_db *db);
 
-/* Bytes that the database uses, and bytes that it may still take from the disk (INT64_MAX: that is
- * somebody else's care). */
+/* Bytes that the database uses (NULL: they are not needed), and bytes that it may still take from
+ * the disk (INT64_MAX: that is somebody else's care). */
 bool pen_db_space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_status *st);
 
 /* After a write that found the disk full: removes the reserve, so that a cancel or a delete finds

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "store/internal/counters.h"
+#include "store/internal/signals.h"
 #include "store/internal/sqlite.h"
 
 enum {
@@ -20,15 +20,20 @@ enum {
     INDEX_BYTES = 32 << 10 /* the step in which SQLite lengthens the log's index */
 };
 
+static struct pen_sqlite *of(struct pen_db *db)
+{
+    return (struct pen_sqlite *)db;
+}
+
 /* SQLite does not say why it cannot lengthen the log's index. */
-static bool is_disk_full(const struct pen_db *db)
+static bool is_disk_full(const struct pen_sqlite *db)
 {
     struct statvfs info;
     return statvfs(db->path, &info) == 0 &&
            (int64_t)info.f_bavail * (int64_t)info.f_frsize < INDEX_BYTES;
 }
 
-bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
+bool pen_sqlite_fail(struct pen_sqlite *db, int rc, struct pen_status *st)
 {
     const char *why = sqlite3_errmsg(db->sqlite);
     enum pen_code code;
@@ -58,49 +63,28 @@ bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st)
     default:
         code = PEN_INTERNAL;
     }
-    db->trouble = (struct pen_db_trouble){.code = code,
-                                          .failure = code == PEN_STORAGE || code == PEN_INTERNAL
-                                                         ? PEN_FAILURE_REFUSED
-                                                         : PEN_FAILURE_RETRY};
+    db->base.trouble = (struct pen_db_trouble){
+        .code = code,
+        .failure =
+            code == PEN_STORAGE || code == PEN_INTERNAL ? PEN_FAILURE_REFUSED : PEN_FAILURE_RETRY};
     pen_fail(st, code, "%s%s: %s (SQLite error %d)", db->path,
              (rc & 0xff) == SQLITE_CORRUPT  ? " is damaged"
              : (rc & 0xff) == SQLITE_NOTADB ? " is not a Penumbra store, or is damaged"
                                             : "",
              why, rc);
-    if (code == PEN_STORAGE && db->broken.code == PEN_OK)
-        db->broken = *st;
-    return false;
+    if (code == PEN_STORAGE && db->base.broken.code == PEN_OK)
+        db->base.broken = *st;
+    return pen_db_failed(&db->base, st);
 }
 
-/* In a transaction, later calls fail with the status of the first that has failed. */
-static bool fail_rows(struct pen_db *db, int rc, struct pen_status *st)
-{
-    pen_sqlite_fail(db, rc, st);
-    if (db->in)
-        db->failed = *st;
-    return false;
-}
-
-struct pen_db_trouble pen_db_trouble(const struct pen_db *db)
-{
-    return db->trouble;
-}
-
-bool pen_db_is_broken(const struct pen_db *db, struct pen_status *why)
-{
-    if (why)
-        *why = db->broken;
-    return db->broken.code != PEN_OK;
-}
-
-bool pen_sqlite_exec(struct pen_db *db, const char *sql, struct pen_status *st)
+bool pen_sqlite_exec(struct pen_sqlite *db, const char *sql, struct pen_status *st)
 {
     const int rc = sqlite3_exec(db->sqlite, sql, NULL, NULL, NULL);
     return rc == SQLITE_OK || pen_sqlite_fail(db, rc, st);
 }
 
 /* Unless SQLite has done it. */
-static void roll_back(struct pen_db *db)
+static void roll_back(struct pen_sqlite *db)
 {
     if (sqlite3_get_autocommit(db->sqlite))
         return;
@@ -108,23 +92,19 @@ static void roll_back(struct pen_db *db)
     sqlite3_reset(db->rollback);
 }
 
-bool pen_db_begin(struct pen_db *db, enum pen_db_access access, struct pen_status *st)
+static bool begin(struct pen_db *base, enum pen_db_access access, struct pen_status *st)
 {
-    db->trouble = (struct pen_db_trouble){0};
-    db->failed.code = PEN_OK;
-    db->begun_ns = pen_clock_ns();
-    db->access = access;
+    struct pen_sqlite *db = of(base);
     if (access != PEN_DB_READ && db->syncs != (access == PEN_DB_WRITE)) {
         db->syncs = access == PEN_DB_WRITE;
         if (!pen_sqlite_exec(
                 db, db->syncs ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=NORMAL", st))
             return false;
     }
-    db->in = pen_sqlite_exec(db, access == PEN_DB_READ ? "BEGIN" : "BEGIN IMMEDIATE", st);
-    return db->in;
+    return pen_sqlite_exec(db, access == PEN_DB_READ ? "BEGIN" : "BEGIN IMMEDIATE", st);
 }
 
-static void reset_all(struct pen_db *db)
+static void reset_all(struct pen_sqlite *db)
 {
     for (sqlite3_stmt *stmt = sqlite3_next_stmt(db->sqlite, NULL); stmt;
          stmt = sqlite3_next_stmt(db->sqlite, stmt)) {
@@ -134,30 +114,22 @@ static void reset_all(struct pen_db *db)
 }
 
 /* An I/O error in a commit leaves open whether the log has the transaction. */
-static bool commit(struct pen_db *db, struct pen_status *st)
+static bool commit(struct pen_sqlite *db, struct pen_status *st)
 {
     if (pen_sqlite_exec(db, "COMMIT", st))
         return true;
-    if (db->trouble.code == PEN_STORAGE)
-        db->trouble.failure = PEN_FAILURE_UNKNOWN;
+    if (db->base.trouble.code == PEN_STORAGE)
+        db->base.trouble.failure = PEN_FAILURE_UNKNOWN;
     return false;
 }
 
-bool pen_db_end(struct pen_db *db, bool ok, struct pen_status *st)
+static bool end(struct pen_db *base, bool ok, struct pen_status *st)
 {
-    if (!db->in)
-        return false;
+    struct pen_sqlite *db = of(base);
     reset_all(db);
-    if (db->failed.code != PEN_OK) {
-        *st = db->failed;
-        ok = false;
-    }
     ok = ok && commit(db, st);
     if (!ok)
         roll_back(db);
-    db->in = false;
-    pen_timing_add(db->access == PEN_DB_READ ? PEN_TIMING_READ : PEN_TIMING_WRITE,
-                   (pen_clock_ns() - db->begun_ns) / 1000);
     return ok;
 }
 
@@ -179,12 +151,13 @@ static const char *plain(const char *sql, char text[TEXT_BYTES])
 }
 
 /* The statement of a literal, prepared once. */
-static struct pen_rows *prepared(struct pen_db *db, const char *sql, struct pen_status *st)
+static struct pen_sqlite_rows *prepared(struct pen_sqlite *db, const char *sql,
+                                        struct pen_status *st)
 {
     const size_t first = ((uintptr_t)sql >> 4) % STATEMENTS;
     char text[TEXT_BYTES];
     for (size_t i = 0; i < STATEMENTS; i++) {
-        struct pen_rows *rows = &db->statements[(first + i) % STATEMENTS];
+        struct pen_sqlite_rows *rows = &db->statements[(first + i) % STATEMENTS];
         if (rows->sql == sql)
             return rows;
         if (rows->sql)
@@ -192,11 +165,10 @@ static struct pen_rows *prepared(struct pen_db *db, const char *sql, struct pen_
         const int rc = sqlite3_prepare_v3(db->sqlite, plain(sql, text), -1,
                                           SQLITE_PREPARE_PERSISTENT, &rows->stmt, NULL);
         if (rc != SQLITE_OK) {
-            fail_rows(db, rc, st);
+            pen_sqlite_fail(db, rc, st);
             return NULL;
         }
         rows->sql = sql;
-        rows->db = db;
         return rows;
     }
     pen_fail(st, PEN_INTERNAL, "more than %d statements", STATEMENTS);
@@ -225,125 +197,97 @@ static int bind(sqlite3_stmt *stmt, const char *types, va_list args)
     return rc;
 }
 
-static struct pen_rows *start(struct pen_db *db, struct pen_status *st, const char *sql,
-                              const char *types, va_list args)
+static struct pen_rows *start(struct pen_db *base, struct pen_status *st, bool waits,
+                              const char *sql, const char *types, va_list args)
 {
-    if (db->in && db->failed.code != PEN_OK) {
-        *st = db->failed;
-        return NULL;
-    }
-    if (!db->in)
-        db->trouble = (struct pen_db_trouble){0};
-    struct pen_rows *rows = prepared(db, sql, st);
+    struct pen_sqlite *db = of(base);
+    struct pen_sqlite_rows *rows = prepared(db, sql, st);
+    (void)waits;
     if (!rows)
         return NULL;
     sqlite3_reset(rows->stmt);
     sqlite3_clear_bindings(rows->stmt);
-    rows->st = st;
-    rows->ok = true;
+    rows->base = (struct pen_rows){.db = base, .st = st, .ok = true};
     const int rc = bind(rows->stmt, types, args);
     if (rc != SQLITE_OK) {
-        fail_rows(db, rc, st);
+        pen_sqlite_fail(db, rc, st);
         return NULL;
     }
-    return rows;
+    return &rows->base;
 }
 
-struct pen_rows *pen_db_rows(struct pen_db *db, struct pen_status *st, const char *sql,
-                             const char *types, ...)
+static sqlite3_stmt *statement(const struct pen_rows *rows)
 {
-    va_list args;
-    va_start(args, types);
-    struct pen_rows *rows = start(db, st, sql, types, args);
-    va_end(args);
-    return rows;
+    return ((const struct pen_sqlite_rows *)rows)->stmt;
 }
 
-bool pen_db_run(struct pen_db *db, struct pen_status *st, int64_t *changed, const char *sql,
-                const char *types, ...)
+static bool next(struct pen_rows *rows)
 {
-    va_list args;
-    va_start(args, types);
-    struct pen_rows *rows = start(db, st, sql, types, args);
-    va_end(args);
-    while (pen_db_next(rows)) {
-    }
-    if (changed)
-        *changed = rows && rows->ok ? sqlite3_changes64(db->sqlite) : 0;
-    return pen_db_done(rows);
-}
-
-bool pen_db_value(struct pen_db *db, struct pen_status *st, int64_t *value, const char *sql,
-                  const char *types, ...)
-{
-    va_list args;
-    va_start(args, types);
-    struct pen_rows *rows = start(db, st, sql, types, args);
-    va_end(args);
-    *value = pen_db_next(rows) ? pen_db_int(rows, 0) : 0;
-    return pen_db_done(rows);
-}
-
-bool pen_db_next(struct pen_rows *rows)
-{
-    if (!rows || !rows->ok)
-        return false;
-    const int rc = sqlite3_step(rows->stmt);
+    const int rc = sqlite3_step(statement(rows));
     if (rc != SQLITE_ROW && rc != SQLITE_DONE)
-        rows->ok = fail_rows(rows->db, rc, rows->st);
+        rows->ok = pen_sqlite_fail(of(rows->db), rc, rows->st);
     return rc == SQLITE_ROW;
 }
 
-bool pen_db_done(struct pen_rows *rows)
+static bool done(struct pen_rows *rows)
 {
-    if (!rows)
-        return false;
-    sqlite3_reset(rows->stmt);
+    sqlite3_reset(statement(rows));
     return rows->ok;
 }
 
-int64_t pen_db_int(struct pen_rows *rows, int column)
+static int64_t changed(struct pen_rows *rows)
 {
-    return sqlite3_column_int64(rows->stmt, column);
+    return sqlite3_changes64(of(rows->db)->sqlite);
 }
 
-const char *pen_db_text(struct pen_rows *rows, int column)
+static int64_t integer(struct pen_rows *rows, int column)
 {
-    return (const char *)sqlite3_column_text(rows->stmt, column);
+    return sqlite3_column_int64(statement(rows), column);
 }
 
-const void *pen_db_bytes(struct pen_rows *rows, int column, size_t *bytes)
+static const char *text(struct pen_rows *rows, int column)
 {
-    const void *data = sqlite3_column_blob(rows->stmt, column);
-    *bytes = (size_t)sqlite3_column_bytes(rows->stmt, column);
+    return (const char *)sqlite3_column_text(statement(rows), column);
+}
+
+static const void *bytes(struct pen_rows *rows, int column, size_t *size)
+{
+    const void *data = sqlite3_column_blob(statement(rows), column);
+    *size = (size_t)sqlite3_column_bytes(statement(rows), column);
     return data;
 }
 
-bool pen_db_is_null(struct pen_rows *rows, int column)
+static bool is_null(struct pen_rows *rows, int column)
 {
-    return sqlite3_column_type(rows->stmt, column) == SQLITE_NULL;
+    return sqlite3_column_type(statement(rows), column) == SQLITE_NULL;
 }
 
-bool pen_db_now(struct pen_db *db, int64_t *now_ms, struct pen_status *st)
+static bool now(struct pen_db *db, int64_t *now_ms, struct pen_status *st)
 {
     (void)st;
     *now_ms = db->now_ms ? db->now_ms(db->now_user) : pen_clock_wall_ms();
     return true;
 }
 
-void pen_db_set_clock(struct pen_db *db, int64_t (*now_ms)(void *user), void *user)
+static void wait_change(struct pen_db *db, uint32_t *seen, int timeout_ms)
 {
-    db->now_ms = now_ms;
-    db->now_user = user;
+    (void)db;
+    pen_signals_wait(seen, timeout_ms);
+}
+
+static void wake(struct pen_db *db)
+{
+    (void)db;
+    pen_signals_raise();
 }
 
 /* Pages of the file, those of them that are free, and bytes that the disk has left. */
-static bool read_space(struct pen_db *db, int64_t *pages, int64_t *unused, int64_t *left,
+static bool read_space(struct pen_sqlite *db, int64_t *pages, int64_t *unused, int64_t *left,
                        struct pen_status *st)
 {
     struct statvfs info;
-    if (!pen_db_value(db, st, pages, "PRAGMA page_count", "") ||
-        !pen_db_value(db, st, unused, "PRAGMA freelist_count", ""))
+    if (!pen_db_value(&db->base, st, pages, "PRAGMA page_count", "") ||
+        !pen_db_value(&db->base, st, unused, "PRAGMA freelist_count", ""))
         return false;
     if (statvfs(db->path, &info) != 0)
         return pen_fail(st, PEN_STORAGE, "%s: its file system cannot be read", db->path);
@@ -351,24 +295,25 @@ static bool read_space(struct pen_db *db, int64_t *pages, int64_t *unused, int64
     return true;
 }
 
-bool pen_db_space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_status *st)
+static bool space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_status *st)
 {
     int64_t pages, unused;
-    if (!read_space(db, &pages, &unused, left, st))
+    if (!read_space(of(db), &pages, &unused, left, st))
         return false;
-    *used = (pages - unused) * PEN_SQLITE_PAGE;
+    if (used)
+        *used = (pages - unused) * PEN_SQLITE_PAGE;
     return true;
 }
 
-bool pen_db_give_reserve(struct pen_db *db)
+static bool give_reserve(struct pen_db *db)
 {
-    return unlink(db->reserve) == 0;
+    return unlink(of(db)->reserve) == 0;
 }
 
 /* Copies the log into the database and empties it, which also gives the free pages at the file's
  * end back. The copy stops nobody. Writers wait while the log is emptied, which waits for readers,
  * but no longer than PATIENCE_MS. */
-static bool empty_log(struct pen_db *db, struct pen_status *st)
+static bool empty_log(struct pen_sqlite *db, struct pen_status *st)
 {
     int rc = sqlite3_wal_checkpoint_v2(db->sqlite, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
     db->patience_ms = PATIENCE_MS;
@@ -378,7 +323,7 @@ static bool empty_log(struct pen_db *db, struct pen_status *st)
     return rc == SQLITE_OK || rc == SQLITE_BUSY || pen_sqlite_fail(db, rc, st);
 }
 
-static bool is_log_long(const struct pen_db *db)
+static bool is_log_long(const struct pen_sqlite *db)
 {
     char path[PEN_SQLITE_PATH_BYTES + 8];
     struct stat info;
@@ -386,9 +331,10 @@ static bool is_log_long(const struct pen_db *db)
     return stat(path, &info) == 0 && info.st_size > LOG_BYTES;
 }
 
-bool pen_db_maintain(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st)
+static bool maintain(struct pen_db *base, int64_t room, bool *more, struct pen_status *st)
 {
-    const int64_t most = bytes / PEN_SQLITE_PAGE;
+    struct pen_sqlite *db = of(base);
+    const int64_t most = room / PEN_SQLITE_PAGE;
     int64_t pages, unused, left = 0;
     char sql[64];
     *more = false;
@@ -397,9 +343,38 @@ bool pen_db_maintain(struct pen_db *db, int64_t bytes, bool *more, struct pen_st
     if (left >= PEN_RESERVE_FREE + PEN_RESERVE)
         pen_sqlite_make_reserve(db);
     sqlite3_snprintf(sizeof sql, sql, "PRAGMA incremental_vacuum(%lld)", (long long)most);
-    if (unused > 0 &&
-        (!pen_db_begin(db, PEN_DB_WRITE, st) || !pen_db_end(db, pen_sqlite_exec(db, sql, st), st)))
+    if (unused > 0 && (!pen_db_begin(base, PEN_DB_WRITE, st) ||
+                       !pen_db_end(base, pen_sqlite_exec(db, sql, st), st)))
         return false;
     *more = unused > most;
     return (unused == 0 || *more) && !is_log_long(db) ? true : empty_log(db, st);
 }
+
+static void close_file(struct pen_db *base)
+{
+    struct pen_sqlite *db = of(base);
+    for (int i = 0; i < STATEMENTS; i++)
+        sqlite3_finalize(db->statements[i].stmt);
+    sqlite3_finalize(db->rollback);
+    sqlite3_close(db->sqlite);
+    free(db);
+}
+
+const struct pen_engine pen_sqlite_engine = {.close = close_file,
+                                             .begin = begin,
+                                             .end = end,
+                                             .start = start,
+                                             .next = next,
+                                             .done = done,
+                                             .changed = changed,
+                                             .integer = integer,
+                                             .text = text,
+                                             .bytes = bytes,
+                                             .is_null = is_null,
+                                             .now = now,
+                                             .wait = wait_change,
+                                             .wake = wake,
+                                             .space = space,
+                                             .give_reserve = give_reserve,
+                                             .maintain = maintain,
+                                             .check = pen_sqlite_check_store};

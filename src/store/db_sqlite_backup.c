@@ -20,7 +20,7 @@ enum { PATH_BYTES = PEN_SQLITE_PATH_BYTES, STEP_PAGES = 1024 };
 static const char part_end[] = ".part-new";
 
 struct copy {
-    struct pen_db *from;
+    struct pen_sqlite *from;
     sqlite3 *to;
     int fd; /* of the unfinished copy, which it locks; -1: none */
     const atomic_bool *stop;
@@ -193,9 +193,9 @@ static bool name_copy(struct copy *copy, struct pen_status *st)
 static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_status *st)
 {
     int64_t tables;
-    const bool copied = pen_db_begin(copy->from, PEN_DB_READ, st) &&
-                        pen_db_end(copy->from,
-                                   pen_db_value(copy->from, st, &tables,
+    const bool copied = pen_db_begin(&copy->from->base, PEN_DB_READ, st) &&
+                        pen_db_end(&copy->from->base,
+                                   pen_db_value(&copy->from->base, st, &tables,
                                                 "SELECT count(*) FROM sqlite_schema", "") &&
                                        copy_pages(copy, st),
                                    st);
@@ -206,16 +206,17 @@ static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_st
     return sync_copy(copy, &out->bytes, st) && goes_on(copy, st) && name_copy(copy, st);
 }
 
-bool pen_db_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
-                   struct pen_status *st)
+bool pen_sqlite_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
+                       struct pen_status *st)
 {
     struct copy copy = {.fd = -1, .stop = out->stop, .name = file, .replace = replace};
     if (!check_name(url, file, replace, st))
         return false;
-    copy.from = pen_sqlite_open(url, false, st);
+    copy.from = pen_sqlite_open_file(url, false, st);
     const bool ok = copy.from && make_part(&copy, st) && make_backup(&copy, out, st);
     sqlite3_close(copy.to);
-    pen_db_close(copy.from);
+    if (copy.from)
+        pen_db_close(&copy.from->base);
     if (copy.path[0]) {
         unlink(copy.path);
         unlink(strcat(copy.path, "-journal")); /* of a disk that failed */

@@ -22,16 +22,15 @@ enum {
     BUSY_SLEEP_US = 1000      /* less than most transactions take */
 };
 
-static const struct {
-    const char *word, *text;
-} words[] = {{"{identity}", "INTEGER PRIMARY KEY AUTOINCREMENT"},
-             {"{bytes}", "BLOB"},
-             {"{table options}", "WITHOUT ROWID"}};
+static const struct pen_word words[] = {{"{identity}", "INTEGER PRIMARY KEY AUTOINCREMENT"},
+                                        {"{bytes}", "BLOB"},
+                                        {"{table options}", "WITHOUT ROWID"},
+                                        {NULL, NULL}};
 
 /* Waits for another writer in short sleeps, so that it is soon followed. */
 static int wait_busy(void *user, int count)
 {
-    struct pen_db *db = user;
+    struct pen_sqlite *db = user;
     const struct timespec pause = {.tv_nsec = BUSY_SLEEP_US * 1000};
     if (count == 0)
         db->busy_ns = pen_clock_ns();
@@ -51,20 +50,10 @@ static void sql_now(sqlite3_context *context, int count, sqlite3_value **values)
     sqlite3_result_int64(context, now_ms);
 }
 
-static bool add_schema(struct pen_db *db, struct pen_status *st)
+static bool add_schema(struct pen_sqlite *db, struct pen_status *st)
 {
     struct pen_buf text = {0};
-    const char *at = (const char *)pen_store_schema[0].data;
-    while (*at) {
-        size_t i = 0, n = sizeof words / sizeof *words;
-        while (i < n && strncmp(at, words[i].word, strlen(words[i].word)) != 0)
-            i++;
-        if (i < n)
-            pen_buf_puts(&text, words[i].text);
-        else
-            pen_buf_add(&text, at, 1);
-        at += i < n ? strlen(words[i].word) : 1;
-    }
+    pen_schema_write(words, &text);
     pen_buf_printf(&text, "PRAGMA application_id=%d; PRAGMA user_version=%d;", APPLICATION,
                    PEN_SCHEMA_VERSION);
     const bool ok = text.failed ? pen_fail(st, PEN_NO_MEMORY, "no memory for the store's tables")
@@ -73,11 +62,11 @@ static bool add_schema(struct pen_db *db, struct pen_status *st)
     return ok;
 }
 
-static bool check_version(struct pen_db *db, struct pen_status *st)
+static bool check_version(struct pen_sqlite *db, struct pen_status *st)
 {
     int64_t application, version;
-    if (!pen_db_value(db, st, &application, "PRAGMA application_id", "") ||
-        !pen_db_value(db, st, &version, "PRAGMA user_version", ""))
+    if (!pen_db_value(&db->base, st, &application, "PRAGMA application_id", "") ||
+        !pen_db_value(&db->base, st, &version, "PRAGMA user_version", ""))
         return false;
     if (application != APPLICATION)
         return pen_fail(st, PEN_STORAGE, "%s is not a Penumbra store", db->path);
@@ -88,17 +77,17 @@ static bool check_version(struct pen_db *db, struct pen_status *st)
 }
 
 /* The log comes last, so that the file alone is the store. */
-static bool make_tables(struct pen_db *db, struct pen_status *st)
+static bool make_tables(struct pen_sqlite *db, struct pen_status *st)
 {
     char sql[128];
     sqlite3_snprintf(sizeof sql, sql, "PRAGMA page_size=%d; PRAGMA auto_vacuum=INCREMENTAL",
                      PEN_SQLITE_PAGE);
-    return pen_sqlite_exec(db, sql, st) && pen_db_begin(db, PEN_DB_WRITE, st) &&
-           pen_db_end(db, add_schema(db, st), st) &&
+    return pen_sqlite_exec(db, sql, st) && pen_db_begin(&db->base, PEN_DB_WRITE, st) &&
+           pen_db_end(&db->base, add_schema(db, st), st) &&
            pen_sqlite_exec(db, "PRAGMA journal_mode=WAL", st);
 }
 
-static bool open_file(struct pen_db *db, int flags, struct pen_status *st)
+static bool open_file(struct pen_sqlite *db, int flags, struct pen_status *st)
 {
     int rc = sqlite3_open_v2(db->path, &db->sqlite,
                              flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, NULL);
@@ -124,19 +113,20 @@ static void name_reserve(const char *path, char reserve[PEN_SQLITE_PATH_BYTES])
     snprintf(reserve, PEN_SQLITE_PATH_BYTES, "%.*s-reserve", PEN_SQLITE_PATH_BYTES - 16, path);
 }
 
-static struct pen_db *open_path(const char *path, int flags, struct pen_status *st)
+static struct pen_sqlite *open_path(const char *path, int flags, struct pen_status *st)
 {
-    struct pen_db *db = calloc(1, sizeof *db);
+    struct pen_sqlite *db = calloc(1, sizeof *db);
     if (!db) {
         pen_fail(st, PEN_NO_MEMORY, "no memory for a store");
         return NULL;
     }
     snprintf(db->path, sizeof db->path, "%s", path);
     name_reserve(path, db->reserve);
+    db->base.engine = &pen_sqlite_engine;
     db->patience_ms = PEN_SQLITE_BUSY_MS;
     if (open_file(db, flags, st))
         return db;
-    pen_db_close(db);
+    pen_db_close(&db->base);
     return NULL;
 }
 
@@ -171,9 +161,10 @@ static bool make_store(const char *path, struct pen_status *st)
     if (fd < 0)
         return cannot_make(path, st);
     close(fd);
-    struct pen_db *db = open_path(part, SQLITE_OPEN_READWRITE, st);
+    struct pen_sqlite *db = open_path(part, SQLITE_OPEN_READWRITE, st);
     bool ok = db && make_tables(db, st);
-    pen_db_close(db);
+    if (db)
+        pen_db_close(&db->base);
     if (ok && link(part, path) != 0 && errno != EEXIST)
         ok = cannot_make(path, st);
     unlink(part);
@@ -196,18 +187,19 @@ bool pen_sqlite_sync_folder(const char *path)
     return ok;
 }
 
-static struct pen_db *open_checked(const char *path, bool writes, struct pen_status *st)
+static struct pen_sqlite *open_checked(const char *path, bool writes, struct pen_status *st)
 {
-    struct pen_db *db = open_path(path, writes ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY, st);
+    struct pen_sqlite *db =
+        open_path(path, writes ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY, st);
     if (!db || check_version(db, st))
         return db;
-    pen_db_close(db);
+    pen_db_close(&db->base);
     return NULL;
 }
 
 /* A store is never opened but by SQLite: closing a descriptor drops the locks of its process. On a
  * full disk the log's index takes the place of the reserve. */
-struct pen_db *pen_sqlite_open(const char *path, bool writes, struct pen_status *st)
+struct pen_sqlite *pen_sqlite_open_file(const char *path, bool writes, struct pen_status *st)
 {
     char reserve[PEN_SQLITE_PATH_BYTES];
     struct stat info;
@@ -222,40 +214,24 @@ struct pen_db *pen_sqlite_open(const char *path, bool writes, struct pen_status 
         pen_fail(st, PEN_STORAGE, "%s is not a file", path);
         return NULL;
     }
-    struct pen_db *db = open_checked(path, writes, st);
+    struct pen_sqlite *db = open_checked(path, writes, st);
     name_reserve(path, reserve);
     return !db && writes && st->code == PEN_STORAGE_FULL && unlink(reserve) == 0
                ? open_checked(path, writes, st)
                : db;
 }
 
-struct pen_db *pen_db_open(const char *url, bool make, struct pen_status *st)
+struct pen_db *pen_sqlite_open(const char *path, bool make, struct pen_status *st)
 {
-    if (strncmp(url, "postgres://", 11) == 0 || strncmp(url, "postgresql://", 13) == 0) {
-        pen_fail(st, PEN_UNSUPPORTED, "a store in PostgreSQL is not supported yet");
-        return NULL;
-    }
-    if (!*url || strlen(url) > PEN_SQLITE_PATH_BYTES - 16) {
-        pen_fail(st, PEN_USAGE, "the path of the store is %s", *url ? "too long" : "empty");
-        return NULL;
-    }
-    if (make && access(url, F_OK) != 0 && errno == ENOENT && !make_store(url, st))
-        return NULL;
-    return pen_sqlite_open(url, true, st);
+    struct pen_sqlite *db = NULL;
+    if (!*path || strlen(path) > PEN_SQLITE_PATH_BYTES - 16)
+        pen_fail(st, PEN_USAGE, "the path of the store is %s", *path ? "too long" : "empty");
+    else if (!make || access(path, F_OK) == 0 || errno != ENOENT || make_store(path, st))
+        db = pen_sqlite_open_file(path, true, st);
+    return db ? &db->base : NULL;
 }
 
-void pen_db_close(struct pen_db *db)
-{
-    if (!db)
-        return;
-    for (int i = 0; i < STATEMENTS; i++)
-        sqlite3_finalize(db->statements[i].stmt);
-    sqlite3_finalize(db->rollback);
-    sqlite3_close(db->sqlite);
-    free(db);
-}
-
-void pen_sqlite_make_reserve(struct pen_db *db)
+void pen_sqlite_make_reserve(struct pen_sqlite *db)
 {
     struct stat info;
     if (stat(db->reserve, &info) == 0 && info.st_size == PEN_RESERVE)
@@ -318,8 +294,10 @@ int pen_sqlite_check(sqlite3 *sqlite, int limit_ms, char text[256])
     return rc;
 }
 
-bool pen_db_check(struct pen_db *db, int limit_ms, bool *finished, struct pen_status *st)
+bool pen_sqlite_check_store(struct pen_db *base, int limit_ms, bool *finished,
+                            struct pen_status *st)
 {
+    struct pen_sqlite *db = (struct pen_sqlite *)base;
     char text[256];
     const int rc = pen_sqlite_check(db->sqlite, limit_ms, text);
     *finished = rc != SQLITE_INTERRUPT;
@@ -328,7 +306,7 @@ bool pen_db_check(struct pen_db *db, int limit_ms, bool *finished, struct pen_st
     pen_sqlite_fail(db, rc, st);
     if (rc == SQLITE_CORRUPT) {
         pen_fail(st, PEN_STORAGE, "%s is damaged: %s", db->path, text);
-        db->broken = *st;
+        db->base.broken = *st;
     }
     return false;
 }

@@ -102,7 +102,7 @@ static bool read_load(struct pen_store *store, struct load *load, struct pen_sta
 {
     *load = (struct load){0};
     if (!pen_meta_get(store, "keep_bytes", &load->keep, st) ||
-        !pen_db_space(store->db, &load->used, &load->left, st))
+        !pen_db_space(store->db, load->keep > 0 ? &load->used : NULL, &load->left, st))
         return false;
     if (load->keep == 0)
         return true;

@@ -15,7 +15,8 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "store/db.h"
+#include "store/internal/signals.h"
+#include "store/store.h"
 
 enum {
     SLOTS_MAX = 64,
@@ -69,9 +70,8 @@ static void take(void)
         atomic_fetch_add_explicit(&signals.changes, 1, memory_order_release);
 }
 
-void pen_db_wait(struct pen_db *db, uint32_t *seen, int timeout_ms)
+void pen_signals_wait(uint32_t *seen, int timeout_ms)
 {
-    (void)db;
     const int64_t until_ns = pen_clock_ns() + (int64_t)timeout_ms * 1000000;
     int64_t left_ms = timeout_ms;
     pthread_once(&once, open_own);
@@ -87,10 +87,9 @@ void pen_db_wait(struct pen_db *db, uint32_t *seen, int timeout_ms)
     *seen = pen_store_changes();
 }
 
-void pen_db_wake(struct pen_db *db)
+void pen_signals_raise(void)
 {
     static const uint64_t one = 1;
-    (void)db;
     pthread_once(&once, open_own);
     atomic_fetch_add_explicit(&signals.changes, 1, memory_order_release);
     if (!signals.is_shared)

@@ -29,11 +29,26 @@
 #include "store/jobs.h"
 #include "store/results.h"
 
-/* Opens a store. `url` is the path of its file; with `make`, the file and its folders are made if
- * they are not there. Owns: pen_store_close. Fails: PEN_NOT_FOUND (there is none), PEN_STORAGE (not
- * a Penumbra store, another schema version (the message names both), damaged, no permission),
- * PEN_UNSUPPORTED (a postgres:// URL), PEN_USAGE (no path, or too long), PEN_STORAGE_FULL,
- * PEN_UNAVAILABLE (busy), PEN_NO_MEMORY. */
+/* Whether a store's address is that of a PostgreSQL database: a URL of libpq, which begins with
+ * postgresql:// or postgres://. Any other is the path of a file. */
+bool pen_store_is_postgres(const char *url);
+
+/* Whether this build can use one. */
+bool pen_store_has_postgres(void);
+
+/* The address for logs and messages: without password and parameters. */
+enum { PEN_STORE_LABEL_BYTES = 256 };
+void pen_store_label(const char *url, char label[PEN_STORE_LABEL_BYTES]);
+
+/* Whether the address has a password. */
+bool pen_store_has_password(const char *url);
+
+/* Opens a store. `url` is the path of its file, or the address of a PostgreSQL database, which is
+ * there. With `make`, a file and its folders, or the tables, are made if they are not there. Owns:
+ * pen_store_close. Fails: PEN_NOT_FOUND (there is none), PEN_STORAGE (not a Penumbra store, another
+ * schema version (the message names both), damaged, no permission; a database that cannot be used,
+ * with what to do about it), PEN_UNSUPPORTED (a build without PostgreSQL), PEN_USAGE (no path, or
+ * too long), PEN_STORAGE_FULL, PEN_UNAVAILABLE (busy), PEN_NO_MEMORY. */
 struct pen_store *pen_store_open(const char *url, bool make, struct pen_status *st);
 void pen_store_close(struct pen_store *store);
 

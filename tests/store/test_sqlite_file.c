@@ -169,16 +169,6 @@ START_TEST(test_sqlite_file__damage_is_found_and_left)
 }
 END_TEST
 
-START_TEST(test_sqlite_file__postgres_is_known_and_not_supported_yet)
-{
-    struct pen_status st;
-    ck_assert_ptr_null(pen_store_open("postgres://farm/penumbra", true, &st));
-    ck_assert_int_eq(st.code, PEN_UNSUPPORTED);
-    ck_assert_ptr_null(pen_store_open("", true, &st));
-    ck_assert_int_eq(st.code, PEN_USAGE);
-}
-END_TEST
-
 START_TEST(test_sqlite_file__folder_that_cannot_be_made_is_an_error)
 {
     store_bed_open(&bed);
@@ -401,7 +391,6 @@ PEN_SUITE("store file",
           test_sqlite_file__other_files_are_refused_and_left,
           test_sqlite_file__another_schema_is_refused_with_both_versions_and_left,
           test_sqlite_file__damage_is_found_and_left,
-          test_sqlite_file__postgres_is_known_and_not_supported_yet,
           test_sqlite_file__folder_that_cannot_be_made_is_an_error,
           test_sqlite_file__log_stays_bounded_with_readers_all_the_time,
           test_sqlite_file__space_of_deleted_jobs_is_given_back,

@@ -71,7 +71,7 @@ static void read_statements(void)
     strcat(path, "/src/store/*.o");
     ck_assert_int_eq(glob(path, 0, NULL, &found), 0);
     for (size_t i = 0; i < found.gl_pathc; i++) {
-        if (!strstr(found.gl_pathv[i], "/db_sqlite"))
+        if (!strstr(found.gl_pathv[i], "/db_"))
             read_object(found.gl_pathv[i]);
     }
     globfree(&found);

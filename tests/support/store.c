@@ -22,14 +22,32 @@ struct pen_store *store_bed_handle(const struct store_bed *bed)
     return store;
 }
 
+/* Runs psql on the database of tests/support/postgres.sh. */
+__attribute__((format(printf, 1, 0))) static void run_sql(const char *format, const char *name)
+{
+    char sql[128], command[256];
+    snprintf(sql, sizeof sql, format, name);
+    snprintf(command, sizeof command, "psql -qXtd test -c '%s' 2>&1", sql);
+    ck_assert_msg(system(command) == 0, "%s failed", command);
+}
+
+/* Each bed of PostgreSQL has a schema of its own, named as its folder. */
 void store_bed_make(struct store_bed *bed)
 {
     const char *engine = getenv("PEN_STORE_ENGINE");
-    ck_assert_msg(!engine || strcmp(engine, "sqlite") == 0, "no engine is called %s", engine);
+    const bool postgres = engine && strcmp(engine, "postgres") == 0;
+    ck_assert_msg(!engine || postgres || strcmp(engine, "sqlite") == 0, "no engine is called %s",
+                  engine);
     *bed = (struct store_bed){0};
     snprintf(bed->folder, sizeof bed->folder, "/tmp/penumbra-test-XXXXXX");
     ck_assert_ptr_nonnull(mkdtemp(bed->folder));
     snprintf(bed->url, sizeof bed->url, "%s/penumbra.db", bed->folder);
+    if (!postgres)
+        return;
+    snprintf(bed->schema, sizeof bed->schema, "t%s", strrchr(bed->folder, '-') + 1);
+    run_sql("CREATE SCHEMA %s", bed->schema);
+    snprintf(bed->url, sizeof bed->url, "postgresql:///test?options=-csearch_path%%3D%s",
+             bed->schema);
 }
 
 void store_bed_open(struct store_bed *bed)
@@ -76,6 +94,8 @@ void store_bed_close(struct store_bed *bed)
 {
     check(bed->store);
     pen_store_close(bed->store);
+    if (bed->schema[0])
+        run_sql("SET client_min_messages = error; DROP SCHEMA %s CASCADE", bed->schema);
     remove_folder(bed->folder);
     *bed = (struct store_bed){0};
 }

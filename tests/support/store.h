@@ -9,6 +9,7 @@
 
 struct store_bed {
     char folder[64], url[96];
+    char schema[16]; /* of a PostgreSQL store; empty: of another */
     struct pen_store *store;
 };
 

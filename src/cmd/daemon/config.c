@@ -10,6 +10,7 @@
 
 #include "cmd/daemon/config_file.h"
 #include "cmd/report.h"
+#include "store/store.h"
 
 static const char *const roles[] = {"all", "api", "worker", NULL};
 static const char *const log_formats[] = {"text", "json", NULL};
@@ -35,7 +36,9 @@ static const struct pen_option options[] = {
      .env = "PENUMBRA_STORE",
      .help = "the database of jobs and pictures; $XDG_STATE_HOME/penumbra/penumbra.db by default, "
              "/var/lib/penumbra/penumbra.db under systemd. If there is none, it is made with its "
-             "folder, but not by --role api or worker"},
+             "folder, but not by --role api or worker. Or the address of a PostgreSQL database "
+             "that several machines share, postgresql://USER@HOST/DATABASE (deploy/FARM.md); its "
+             "password belongs into ~/.pgpass, PGPASSWORD or PENUMBRA_STORE"},
     {.name = "role",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct pen_config, role),
@@ -158,7 +161,8 @@ static const struct pen_option options[] = {
      .env = "PENUMBRA_KEEP_JOBS",
      .help =
          "keep the N jobs that ended last; 0, the default, keeps all. These three are limits of "
-         "the store: every start sets them, except that of a --role api or worker"},
+         "the store: every start sets them, except that of a --role worker, or of a --role api "
+         "with a file"},
     {.name = "tokens",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, access.tokens),
@@ -378,6 +382,16 @@ static bool check(struct pen_config *config, struct pen_status *st)
            ((config->store && *config->store) || make_default_store(config, st));
 }
 
+/* Other users see a command line. */
+static bool check_command_line(const struct pen_config *config, struct pen_status *st)
+{
+    return !config->store || !pen_store_has_password(config->store) ||
+           pen_fail(st, PEN_USAGE,
+                    "store: the address has a password, which other users can read on the command "
+                    "line: write the address into PENUMBRA_STORE or the configuration file, or the "
+                    "password into ~/.pgpass");
+}
+
 int pen_config_load(struct pen_config *config, int argc, char **argv)
 {
     static const char program[] = "penumbrad";
@@ -401,9 +415,11 @@ int pen_config_load(struct pen_config *config, int argc, char **argv)
     }
     if (parsed.version) {
         pen_report_version(program);
+        printf("stores: SQLite%s\n", pen_store_has_postgres() ? ", PostgreSQL" : "");
         return 0;
     }
-    if (!pen_options_from_env(&pen_command_daemon, config, &parsed, &st))
+    if (!check_command_line(config, &st) ||
+        !pen_options_from_env(&pen_command_daemon, config, &parsed, &st))
         return pen_report(program, NULL, &st);
     if (config->file && !pen_config_read_file(config, &parsed, &errors))
         return pen_report_errors(program, config->file, &errors);

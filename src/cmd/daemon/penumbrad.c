@@ -17,11 +17,12 @@
 
 static const char program[] = "penumbrad";
 
-/* Whether this supervisor both serves and renders. Only such a one makes a store, and sets what is
- * kept. */
-static bool is_whole(const struct pen_config *config)
+/* Whether this supervisor sets what is kept: one that both serves and renders, and each api of a
+ * farm. */
+static bool sets_retention(const struct pen_config *config)
 {
-    return pen_config_serves(config) && pen_config_renders(config);
+    return pen_config_serves(config) &&
+           (pen_config_renders(config) || pen_store_is_postgres(config->store));
 }
 
 /* How long the start looks for damage. */
@@ -72,12 +73,13 @@ static bool set_retention(const struct pen_config *config, struct pen_store *sto
  * missing, damaged or cannot be opened, instead of a log in which children fail again and again. */
 static bool prepare_store(const struct pen_config *config, struct pen_status *st)
 {
-    const bool whole = is_whole(config);
-    struct pen_store *store = pen_store_open(config->store, whole, st);
+    const bool sets = sets_retention(config);
+    struct pen_store *store =
+        pen_store_open(config->store, sets || pen_store_is_postgres(config->store), st);
     bool ok = store && check_store(store, st);
     if (ok)
         release_gone(store);
-    ok = ok && (!whole || set_retention(config, store, st));
+    ok = ok && (!sets || set_retention(config, store, st));
     pen_store_close(store);
     return ok;
 }
@@ -85,13 +87,15 @@ static bool prepare_store(const struct pen_config *config, struct pen_status *st
 /* Opens the listening socket, and says so. */
 static int start_listening(const struct pen_config *config, struct pen_status *st)
 {
+    char store[PEN_STORE_LABEL_BYTES];
+    pen_store_label(config->store, store);
     int port, fd = pen_address_listen(&config->address, &port, st);
     if (fd < 0)
         return fd;
     const char *scheme = config->access.tls_cert ? "https" : "http";
     printf("listening on %s://%s:%d\n", scheme, config->address.host, port);
     pen_log(PEN_LOG_INFO, "listening on %s://%s:%d, store %s", scheme, config->address.host, port,
-            config->store);
+            store);
     if (pen_access_is_open(&config->access, &config->address))
         pen_log(PEN_LOG_WARN, "plain-http: tokens and pictures travel unencrypted");
     return fd;
@@ -105,7 +109,8 @@ static int supervise(const struct pen_config *config, int argc, char **argv)
         return pen_report(program, NULL, &st);
     pen_signals_hold();
     if (!prepare_store(config, &st))
-        return pen_report(program, config->store, &st);
+        return pen_report(program, pen_store_is_postgres(config->store) ? NULL : config->store,
+                          &st);
     if (pen_config_serves(config) && (fd = start_listening(config, &st)) < 0)
         return pen_report(program, NULL, &st);
     int code = pen_report_finish(program, 0);

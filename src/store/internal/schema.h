@@ -8,6 +8,16 @@
 /* Grows with every change of schema.sql. A build opens stores of its own version alone. */
 enum { PEN_SCHEMA_VERSION = 18 };
 
+struct pen_buf;
+
+/* A word in braces in schema.sql, and what an engine has for it. */
+struct pen_word {
+    const char *word, *text;
+};
+
+/* Appends the tables, with an engine's words; the last one is NULL. */
+void pen_schema_write(const struct pen_word *words, struct pen_buf *out);
+
 extern const struct pen_embedded_file pen_store_schema[];
 
 #endif

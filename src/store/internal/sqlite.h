@@ -5,7 +5,8 @@
 
 #include <sqlite3.h>
 
-#include "store/db.h"
+#include "store/internal/engine.h"
+#include "store/internal/engines.h"
 
 enum {
     STATEMENTS = 512, /* slots of a table by address; about 150 are used */
@@ -16,37 +17,31 @@ enum {
     PEN_RESERVE_FREE = 64 << 20 /* which is made where so many are free beside it */
 };
 
-struct pen_rows {
-    struct pen_db *db;
+struct pen_sqlite_rows {
+    struct pen_rows base;
     const char *sql; /* NULL: the slot is free */
     sqlite3_stmt *stmt;
-    struct pen_status *st;
-    bool ok;
 };
 
-struct pen_db {
+struct pen_sqlite {
+    struct pen_db base;
     sqlite3 *sqlite;
     sqlite3_stmt *rollback; /* prepared, so that it needs no memory */
     char path[PEN_SQLITE_PATH_BYTES], reserve[PEN_SQLITE_PATH_BYTES];
-    struct pen_rows statements[STATEMENTS];
-    bool in; /* a transaction has begun */
-    enum pen_db_access access;
-    bool syncs;               /* synchronous=FULL */
-    struct pen_status failed; /* of the first call that failed in the transaction */
-    struct pen_db_trouble trouble;
-    struct pen_status broken;      /* the first I/O error or damage; code PEN_OK: there was none */
-    int64_t begun_ns, busy_ns;     /* of the transaction; of its wait for another one, */
-    int64_t patience_ms;           /* and how long that may be */
-    int64_t (*now_ms)(void *user); /* NULL: the wall clock */
-    void *now_user;
+    struct pen_sqlite_rows statements[STATEMENTS];
+    bool syncs;          /* synchronous=FULL */
+    int64_t busy_ns;     /* when a wait for another transaction began, */
+    int64_t patience_ms; /* and how long it may be */
 };
 
-/* Fills the status by SQLite's code, and notes it as the connection's trouble. Returns false. */
-bool pen_sqlite_fail(struct pen_db *db, int rc, struct pen_status *st);
-bool pen_sqlite_exec(struct pen_db *db, const char *sql, struct pen_status *st);
+extern const struct pen_engine pen_sqlite_engine;
 
-/* Opens a store, or only to read it. */
-struct pen_db *pen_sqlite_open(const char *path, bool writes, struct pen_status *st);
+/* Fills the status by SQLite's code, and notes it as the connection's trouble. Returns false. */
+bool pen_sqlite_fail(struct pen_sqlite *db, int rc, struct pen_status *st);
+bool pen_sqlite_exec(struct pen_sqlite *db, const char *sql, struct pen_status *st);
+
+/* Opens a store that is there, or only to read it. */
+struct pen_sqlite *pen_sqlite_open_file(const char *path, bool writes, struct pen_status *st);
 
 /* Makes a name in the path's folder durable. Fails: errno. */
 bool pen_sqlite_sync_folder(const char *path);
@@ -55,7 +50,10 @@ bool pen_sqlite_sync_folder(const char *path);
  * SQLITE_INTERRUPT (the time is up), or an error; `text` says what is damaged. */
 int pen_sqlite_check(sqlite3 *sqlite, int limit_ms, char text[256]);
 
+/* As pen_db_check. */
+bool pen_sqlite_check_store(struct pen_db *db, int limit_ms, bool *finished, struct pen_status *st);
+
 /* Makes the reserve file if it is not there; without it, cancels on a full disk fail. */
-void pen_sqlite_make_reserve(struct pen_db *db);
+void pen_sqlite_make_reserve(struct pen_sqlite *db);
 
 #endif

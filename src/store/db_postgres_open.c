@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: MIT */
+/* Opens a database of PostgreSQL: the connection, what the server must be like, the tables. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/buf.h"
+#include "base/log.h"
+#include "store/internal/engines.h"
+#include "store/internal/postgres.h"
+#include "store/internal/schema.h"
+
+enum { VERSION_MIN = 130000, LOCK = 0x50454e55 /* "PENU": of the process that makes the tables */ };
+
+/* A stopped process holds a lock for 10 s at most, and nobody waits longer than 5 s for one. */
+static const char settings[] = "SET idle_in_transaction_session_timeout = 10000; "
+                               "SET lock_timeout = 5000; SET statement_timeout = 60000; "
+                               "SET client_min_messages = error";
+
+static void copy_line(char *to, size_t size, const char *from)
+{
+    snprintf(to, size, "%.*s", (int)strcspn(from, "\n"), from);
+}
+
+PGconn *pen_postgres_connect(const char *url, char *text, size_t size)
+{
+    static const char *const names[] = {"fallback_application_name",
+                                        "connect_timeout",
+                                        "tcp_user_timeout",
+                                        "keepalives_idle",
+                                        "client_encoding",
+                                        "dbname",
+                                        NULL};
+    const char *const values[] = {"penumbrad", "5", "20000", "10", "UTF8", url, NULL};
+    PGconn *conn = PQconnectdbParams(names, values, 1);
+    PGresult *result = PQstatus(conn) == CONNECTION_OK ? PQexec(conn, settings) : NULL;
+    const bool ok = PQresultStatus(result) == PGRES_COMMAND_OK;
+    PQclear(result);
+    if (ok)
+        return conn;
+    copy_line(text, size, conn ? PQerrorMessage(conn) : "out of memory");
+    PQfinish(conn);
+    return NULL;
+}
+
+/* libpq tells why by text alone. */
+static bool fail_connect(const char *text, struct pen_status *st)
+{
+    static const struct {
+        const char *found, *found_too, *advice;
+    } advices[] = {
+        {"database", "does not exist", "make it: createdb -E UTF8 NAME"},
+        {"role", "does not exist", "make the user: createuser NAME"},
+        {"password", "", "write it into ~/.pgpass, PGPASSFILE or PGPASSWORD"},
+        {"no pg_hba.conf entry", "", "let the server's pg_hba.conf admit this user and host"},
+        {"translate host name", "", "check the host's name in the store's URL"},
+        {"", "", "check the host and the port in the store's URL, and that PostgreSQL runs there"}};
+    size_t i = 0;
+    while (!strstr(text, advices[i].found) || !strstr(text, advices[i].found_too))
+        i++;
+    return pen_fail(st, PEN_STORAGE, "cannot connect to the database: %s; %s", text,
+                    advices[i].advice);
+}
+
+static bool fail_sql(PGconn *conn, struct pen_status *st)
+{
+    char text[256];
+    copy_line(text, sizeof text, PQerrorMessage(conn));
+    return pen_fail(st, PEN_STORAGE, "the database: %s%s", text,
+                    strstr(text, "permission denied")
+                        ? "; let its owner GRANT CREATE ON SCHEMA public TO this user"
+                        : "");
+}
+
+/* Whether two connections share a server process, as behind a pooler in transaction mode. */
+static bool check_pooler(const char *url, PGconn *conn, int pid, struct pen_status *st)
+{
+    static const char sql[] = "SELECT pg_backend_pid()";
+    char text[256];
+    if (pid == PQbackendPID(conn))
+        return true;
+    PGconn *other = pen_postgres_connect(url, text, sizeof text);
+    if (!other)
+        return fail_connect(text, st);
+    PGresult *first = PQexec(conn, sql), *second = PQexec(other, sql);
+    const bool same = PQntuples(first) == 1 && PQntuples(second) == 1 &&
+                      strcmp(PQgetvalue(first, 0, 0), PQgetvalue(second, 0, 0)) == 0;
+    PQclear(first);
+    PQclear(second);
+    PQfinish(other);
+    return !same ||
+           pen_fail(st, PEN_STORAGE,
+                    "the database is behind a pooler in transaction mode: connect to PostgreSQL "
+                    "itself, or let the pooler use session mode");
+}
+
+/* Checks what the server is like. *tables: the store is there. */
+static bool check_server(const char *url, PGconn *conn, bool *tables, struct pen_status *st)
+{
+    PGresult *result =
+        PQexec(conn, "SELECT current_setting('server_version_num'), pg_is_in_recovery(), "
+                     "getdatabaseencoding(), current_setting('fsync'), "
+                     "current_setting('synchronous_commit'), to_regclass('meta') IS NOT NULL, "
+                     "pg_backend_pid(), current_setting('server_version')");
+    if (PQntuples(result) != 1) {
+        PQclear(result);
+        return fail_sql(conn, st);
+    }
+    const int version = atoi(PQgetvalue(result, 0, 0)), pid = atoi(PQgetvalue(result, 0, 6));
+    bool ok = true;
+    *tables = PQgetvalue(result, 0, 5)[0] == 't';
+    if (version < VERSION_MIN)
+        ok = pen_fail(st, PEN_STORAGE, "PostgreSQL %s is too old: the store needs version 13",
+                      PQgetvalue(result, 0, 7));
+    else if (PQgetvalue(result, 0, 1)[0] == 't')
+        ok = pen_fail(st, PEN_STORAGE,
+                      "the database is a standby, which only reads: connect to the primary, or add "
+                      "target_session_attrs=read-write to the URL");
+    else if (strcmp(PQgetvalue(result, 0, 2), "UTF8") != 0)
+        ok = pen_fail(st, PEN_STORAGE,
+                      "the database has the encoding %s, the store needs UTF8: make another one "
+                      "with createdb -E UTF8 -T template0 NAME",
+                      PQgetvalue(result, 0, 2));
+    else if (strcmp(PQgetvalue(result, 0, 3), "off") == 0 ||
+             strcmp(PQgetvalue(result, 0, 4), "off") == 0)
+        pen_log(PEN_LOG_WARN,
+                "the database has fsync or synchronous_commit off: a power failure may lose jobs");
+    PQclear(result);
+    return ok && check_pooler(url, conn, pid, st);
+}
+
+/* What one schema.sql lacks for PostgreSQL. Rows of `batch` and `job` change often, and values are
+ * compressed already. now_ms() is the server's clock; tests set another one. */
+static const char more_schema[] =
+    "ALTER TABLE batch SET (fillfactor = 70, autovacuum_vacuum_scale_factor = 0, "
+    "autovacuum_vacuum_threshold = 1000);"
+    "ALTER TABLE job SET (fillfactor = 70, autovacuum_vacuum_scale_factor = 0, "
+    "autovacuum_vacuum_threshold = 1000);"
+    "ALTER TABLE object SET (autovacuum_vacuum_scale_factor = 0, "
+    "autovacuum_vacuum_threshold = 1000);"
+    "ALTER TABLE part SET (autovacuum_vacuum_scale_factor = 0, "
+    "autovacuum_vacuum_threshold = 1000, toast.autovacuum_vacuum_scale_factor = 0, "
+    "toast.autovacuum_vacuum_threshold = 4000);"
+    "ALTER TABLE part ALTER COLUMN data SET STORAGE EXTERNAL;"
+    "CREATE FUNCTION now_ms() RETURNS BIGINT LANGUAGE SQL AS $$ SELECT coalesce("
+    "CAST(nullif(current_setting('penumbra.now_ms', true), '') AS BIGINT), "
+    "CAST(floor(extract(epoch FROM clock_timestamp()) * 1000) AS BIGINT)) $$;";
+
+static const struct pen_word words[] = {
+    {"{identity}", "BIGINT GENERATED BY DEFAULT AS IDENTITY PRIMARY KEY"},
+    {"{bytes}", "BYTEA"},
+    {"{table options}", ""},
+    {NULL, NULL}};
+
+/* Runs statements without parameters; *answer (may be NULL): whether the last one's first value is
+ * true. */
+static bool run(PGconn *conn, const char *sql, bool *answer, struct pen_status *st)
+{
+    PGresult *result = PQexec(conn, sql);
+    const ExecStatusType status = PQresultStatus(result);
+    const bool ok = status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK;
+    if (answer)
+        *answer = ok && PQntuples(result) == 1 && PQgetvalue(result, 0, 0)[0] == 't';
+    PQclear(result);
+    return ok || fail_sql(conn, st);
+}
+
+/* Makes the tables, unless another process has made them meanwhile. */
+static bool make_tables(PGconn *conn, struct pen_status *st)
+{
+    struct pen_buf text = {0};
+    bool there;
+    char lock[64];
+    snprintf(lock, sizeof lock, "BEGIN; SELECT pg_advisory_xact_lock(%d)", LOCK);
+    pen_schema_write(words, &text);
+    pen_buf_printf(&text,
+                   "%s INSERT INTO meta (name, value) VALUES ('schema_version', '%d'); COMMIT",
+                   more_schema, PEN_SCHEMA_VERSION);
+    bool ok = (!text.failed || pen_fail(st, PEN_NO_MEMORY, "no memory for the store's tables")) &&
+              run(conn, lock, NULL, st) &&
+              run(conn, "SELECT to_regclass('meta') IS NOT NULL", &there, st) &&
+              run(conn, there ? "COMMIT" : (const char *)text.data, NULL, st);
+    pen_buf_release(&text);
+    return ok;
+}
+
+static bool check_version(PGconn *conn, struct pen_status *st)
+{
+    PGresult *result = PQexec(conn, "SELECT value FROM meta WHERE name = 'schema_version'");
+    const int version = PQntuples(result) == 1 ? atoi(PQgetvalue(result, 0, 0)) : 0;
+    PQclear(result);
+    if (version == 0)
+        return pen_fail(st, PEN_STORAGE,
+                        "the database has tables of another program: make one "
+                        "for Penumbra alone, with createdb -E UTF8 NAME");
+    return version == PEN_SCHEMA_VERSION ||
+           pen_fail(st, PEN_STORAGE,
+                    "the database has a store of version %d; this build reads version %d alone",
+                    version, PEN_SCHEMA_VERSION);
+}
+
+static bool prepare(const char *url, PGconn *conn, bool make, struct pen_status *st)
+{
+    bool tables = false;
+    if (!check_server(url, conn, &tables, st))
+        return false;
+    if (!tables && !make)
+        return pen_fail(st, PEN_NOT_FOUND, "the database has no store yet");
+    return (tables || make_tables(conn, st)) && check_version(conn, st);
+}
+
+struct pen_db *pen_postgres_open(const char *url, bool make, struct pen_status *st)
+{
+    struct pen_postgres *pg = calloc(1, sizeof *pg);
+    char text[256];
+    if (!pg || !(pg->url = strdup(url))) {
+        free(pg);
+        pen_fail(st, PEN_NO_MEMORY, "no memory for a store");
+        return NULL;
+    }
+    pg->base.engine = &pen_postgres_engine;
+    pg->connection = 1;
+    pg->conn = pen_postgres_connect(url, text, sizeof text);
+    if (pg->conn ? prepare(url, pg->conn, make, st) && PQenterPipelineMode(pg->conn)
+                 : fail_connect(text, st))
+        return &pg->base;
+    pen_db_close(&pg->base);
+    return NULL;
+}
