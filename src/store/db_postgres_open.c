@@ -94,8 +94,9 @@ static bool check_pooler(const char *url, PGconn *conn, int pid, struct pen_stat
                     "itself, or let the pooler use session mode");
 }
 
-/* Checks what the server is like. *tables: the store is there. */
-static bool check_server(const char *url, PGconn *conn, bool *tables, struct pen_status *st)
+/* Checks what the server is like, and `warns` of what is risky. *tables: the store is there. */
+static bool check_server(const char *url, PGconn *conn, bool warns, bool *tables,
+                         struct pen_status *st)
 {
     PGresult *result =
         PQexec(conn, "SELECT current_setting('server_version_num'), pg_is_in_recovery(), "
@@ -121,8 +122,8 @@ static bool check_server(const char *url, PGconn *conn, bool *tables, struct pen
                       "the database has the encoding %s, the store needs UTF8: make another one "
                       "with createdb -E UTF8 -T template0 NAME",
                       PQgetvalue(result, 0, 2));
-    else if (strcmp(PQgetvalue(result, 0, 3), "off") == 0 ||
-             strcmp(PQgetvalue(result, 0, 4), "off") == 0)
+    else if (warns && (strcmp(PQgetvalue(result, 0, 3), "off") == 0 ||
+                       strcmp(PQgetvalue(result, 0, 4), "off") == 0))
         pen_log(PEN_LOG_WARN,
                 "the database has fsync or synchronous_commit off: a power failure may lose jobs");
     PQclear(result);
@@ -165,6 +166,10 @@ static bool run(PGconn *conn, const char *sql, bool *answer, struct pen_status *
     return ok || fail_sql(conn, st);
 }
 
+/* Reads a catalog, since to_regclass() may not see what others have just made. */
+static const char there_sql[] = "SELECT EXISTS (SELECT 1 FROM pg_tables WHERE tablename = 'meta' "
+                                "AND schemaname = current_schema())";
+
 /* Makes the tables, unless another process has made them meanwhile. */
 static bool make_tables(PGconn *conn, struct pen_status *st)
 {
@@ -177,8 +182,7 @@ static bool make_tables(PGconn *conn, struct pen_status *st)
                    "%s INSERT INTO meta (name, value) VALUES ('schema_version', '%d'); COMMIT",
                    more_schema, PEN_SCHEMA_VERSION);
     bool ok = (!text.failed || pen_fail(st, PEN_NO_MEMORY, "no memory for the store's tables")) &&
-              run(conn, lock, NULL, st) &&
-              run(conn, "SELECT to_regclass('meta') IS NOT NULL", &there, st) &&
+              run(conn, lock, NULL, st) && run(conn, there_sql, &there, st) &&
               run(conn, there ? "COMMIT" : (const char *)text.data, NULL, st);
     pen_buf_release(&text);
     return ok;
@@ -202,7 +206,7 @@ static bool check_version(PGconn *conn, struct pen_status *st)
 static bool prepare(const char *url, PGconn *conn, bool make, struct pen_status *st)
 {
     bool tables = false;
-    if (!check_server(url, conn, &tables, st))
+    if (!check_server(url, conn, make, &tables, st))
         return false;
     if (!tables && !make)
         return pen_fail(st, PEN_NOT_FOUND, "the database has no store yet");
