@@ -22,6 +22,13 @@ static void copy_line(char *to, size_t size, const char *from)
     snprintf(to, size, "%.*s", (int)strcspn(from, "\n"), from);
 }
 
+/* libpq would print it. */
+static void ignore_notice(void *unused, const char *text)
+{
+    (void)unused;
+    (void)text;
+}
+
 PGconn *pen_postgres_connect(const char *url, char *text, size_t size)
 {
     static const char *const names[] = {"fallback_application_name",
@@ -33,6 +40,7 @@ PGconn *pen_postgres_connect(const char *url, char *text, size_t size)
                                         NULL};
     const char *const values[] = {"penumbrad", "5", "20000", "10", "UTF8", url, NULL};
     PGconn *conn = PQconnectdbParams(names, values, 1);
+    PQsetNoticeProcessor(conn, ignore_notice, NULL);
     PGresult *result = PQstatus(conn) == CONNECTION_OK ? PQexec(conn, settings) : NULL;
     const bool ok = PQresultStatus(result) == PGRES_COMMAND_OK;
     PQclear(result);

@@ -17,7 +17,6 @@
 #include <inttypes.h>
 #include <pthread.h>
 #include <signal.h>
-#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,13 +27,14 @@
 #include "base/clock.h"
 #include "client.h"
 #include "daemon.h"
+#include "database.h"
 #include "jobs/jobs.h"
 #include "kinds.h"
 #include "support/store_rows.h"
 
 enum { LEASE_MS = 600, KEEP_MS = 20, ROUND_JOBS = 6, KEY_BYTES = 48 };
 enum { JOBS_END_MS = 120000, ACKNOWLEDGE_MS = 60000 };
-enum { HOUSEKEEPING_MS = 50, AGE_WAIT_MS = 60000, CLIENTS = 3, EARLIER_JOBS = 64 };
+enum { HOUSEKEEPING_MS = 50, CLIENTS = 3, EARLIER_JOBS = 64 };
 _Static_assert((int)ROUND_JOBS < (int)DAEMON_KEEP_JOBS, "a round's own jobs may be removed");
 
 struct job {
@@ -50,6 +50,7 @@ enum disturbance {
     STOP_WORKER,
     DRAIN,
     CANCEL,
+    DATABASE, /* of PostgreSQL alone */
     DISTURBANCES
 };
 
@@ -59,7 +60,7 @@ struct test {
     struct outcome wanted[KINDS];
     uint64_t random; /* of the main thread */
     int round;
-    int done[DISTURBANCES];
+    int done[DISTURBANCES], faults[DATABASE_FAULTS];
     int child_kills; /* since the supervisor's start: its pauses grow with each */
     int submitted, acknowledged, succeeded, cancelled, extra_killed, repeats;
     atomic_int checks, failures; /* of both threads */
@@ -190,10 +191,24 @@ static void cancel_some(struct test *t)
     t->done[CANCEL]++;
 }
 
+/* The test's own connection is lost, too. */
+static void disturb_database(struct test *t)
+{
+    const enum database_fault fault = (enum database_fault)draw(&t->random, DATABASE_FAULTS);
+    struct pen_status st;
+    int64_t now_ms;
+    database_disturb(fault);
+    t->faults[fault]++;
+    for (int i = 0; i < 100 && !pen_store_now(pen_jobs_store(t->jobs), &now_ms, &st); i++)
+        pause_ms(50);
+}
+
 static void disturb(struct test *t)
 {
     pause_ms((int)draw(&t->random, 200));
-    enum disturbance disturbance = (enum disturbance)draw(&t->random, DISTURBANCES);
+    enum disturbance disturbance = (enum disturbance)draw(&t->random, DATABASE);
+    if (database_url() && draw(&t->random, 2))
+        disturbance = DATABASE;
     if (t->child_kills >= 3)
         disturbance = draw(&t->random, 2) ? KILL_SUPERVISOR : DRAIN;
     switch (disturbance) {
@@ -218,6 +233,10 @@ static void disturb(struct test *t)
         break;
     case CANCEL:
         cancel_some(t);
+        break;
+    case DATABASE:
+        disturb_database(t);
+        t->done[disturbance]++;
         break;
     case DISTURBANCES:
         break;
@@ -322,15 +341,10 @@ static void check_removed(struct test *t, int i)
 }
 
 /* Makes all ended jobs a minute and more older. */
-static void age_jobs(struct test *t)
+static void age_jobs(const struct test *t)
 {
-    sqlite3 *db;
-    bool ok = sqlite3_open(t->daemon.store, &db) == SQLITE_OK &&
-              sqlite3_busy_timeout(db, AGE_WAIT_MS) == SQLITE_OK &&
-              sqlite3_exec(db, "UPDATE job SET finished_ms = finished_ms - 70000 WHERE state > 1",
-                           NULL, NULL, NULL) == SQLITE_OK;
-    check(t, ok, "jobs are made older", sqlite3_errmsg(db));
-    sqlite3_close(db);
+    store_change(t->daemon.store,
+                 "UPDATE job SET finished_ms = finished_ms - 70000 WHERE state > 1", NULL, 0);
 }
 
 static void check_earlier(struct test *t)
@@ -438,6 +452,9 @@ static int report(const struct test *t, int rounds, int64_t begin_ns)
            rounds, (double)(pen_clock_ns() - begin_ns) * 1e-9, kills, t->done[KILL_SUPERVISOR],
            t->done[KILL_API], t->done[KILL_WORKER], t->extra_killed, t->done[STOP_WORKER],
            t->done[DRAIN], t->done[CANCEL]);
+    for (int i = 0; database_url() && i < DATABASE_FAULTS; i++)
+        printf("%d %s%s", t->faults[i], database_fault_name((enum database_fault)i),
+               i + 1 < DATABASE_FAULTS ? ", " : "\n");
     printf("%d jobs submitted, %d acknowledged; of the stored ones %d succeeded, %d "
            "cancelled; %d submits repeated; %d jobs removed since newer ones had ended\n",
            t->submitted, t->acknowledged, t->succeeded, t->cancelled, t->repeats, t->removed);
@@ -457,7 +474,10 @@ static void set_up(struct test *t, const char *build, char folder[])
         exit(2);
     }
     snprintf(program, sizeof program, "%s/penumbrad", build);
-    snprintf(store, sizeof store, "%s/penumbra.db", folder);
+    if (database_url())
+        snprintf(store, sizeof store, "%s", database_url());
+    else
+        snprintf(store, sizeof store, "%s/penumbra.db", folder);
     snprintf(log, sizeof log, "%s/log", folder);
     snprintf(lease, sizeof lease, "%d", LEASE_MS);
     snprintf(keep, sizeof keep, "%d", KEEP_MS);
@@ -470,6 +490,8 @@ static void set_up(struct test *t, const char *build, char folder[])
     start(t);
     t->jobs = pen_jobs_open(store, &limits, &st);
     must(t->jobs != NULL, &st, store);
+    if (database_url())
+        database_break_commits();
 }
 
 /* Removes the folder, unless a check has failed. */

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* The PostgreSQL server of tests/support/postgres.sh, if the test runs under it. */
+#ifndef TESTS_CRASH_DATABASE_H
+#define TESTS_CRASH_DATABASE_H
+
+/* The URL of its database; NULL: the test has no such server. */
+const char *database_url(void);
+
+/* Lets one in a hundred transactions that change a batch lose its connection within COMMIT. */
+void database_break_commits(void);
+
+enum database_fault {
+    DATABASE_KILL,      /* the server is killed and started again */
+    DATABASE_AWAY,      /* it is stopped, and started after 5 s */
+    DATABASE_TERMINATE, /* it ends all connections */
+    DATABASE_DEAF,      /* it ends those that listen, several times: signals are lost */
+    DATABASE_FAULTS
+};
+const char *database_fault_name(enum database_fault fault);
+
+/* Causes a fault. The server works when the call returns. Fails: ends the process. */
+void database_disturb(enum database_fault fault);
+
+#endif
