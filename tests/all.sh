@@ -22,6 +22,7 @@ mutate    12 $make mutate MINUTES=10
 front      2 $make front
 soak      11 $make soak MINUTES=10
 crash      5 PEN_TIMED=1 $make crash ROUNDS=200
+postgres  15 $make postgres POSTGRES_ROUNDS=100
 effects    3 $make effects-proof
 promises  15 $make accuracy-promise audit-promise
 eta        5 $make eta-promise

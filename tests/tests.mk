@@ -129,6 +129,14 @@ $(CRASH_TEST): $(CRASH_OBJ) $(TEST_SUPPORT_LIB) $(BUILD)/libservice.a $(BUILD)/l
 crash: all $(CRASH_TEST)
 	$(CRASH_TEST) $(BUILD) $(ROUNDS) $(SEED)
 
+# The tests of the store that hold for every engine, and the crash test, on a PostgreSQL server of their own.
+POSTGRES_ROUNDS ?= 4
+.PHONY: postgres
+postgres: tests
+	PEN_STORE_ENGINE=postgres sh tests/support/postgres.sh sh tests/run.sh $(BUILD) \
+	    $(filter-out tests/store/test_sqlite%,$(wildcard tests/store/test_*.c))
+	sh tests/support/postgres.sh $(CRASH_TEST) $(BUILD) $(POSTGRES_ROUNDS) $(SEED)
+
 # Clients that hold connections without using them, send bad requests or large ones: some minutes.
 LOAD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/load/*.c)))
 LOAD_SHARED := $(filter-out $(LOAD:%=%.o),$(LOAD_OBJ))

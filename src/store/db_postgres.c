@@ -404,8 +404,9 @@ static void wait_change(struct pen_db *db, uint32_t *seen, int timeout_ms)
 
 static void wake(struct pen_db *db)
 {
+    (void)db;
     pen_signals_raise();
-    pen_postgres_notify(of(db)->url);
+    pen_postgres_notify();
 }
 
 const struct pen_engine pen_postgres_engine = {.close = close_connection,

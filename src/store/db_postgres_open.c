@@ -234,8 +234,11 @@ struct pen_db *pen_postgres_open(const char *url, bool make, struct pen_status *
     pg->connection = 1;
     pg->conn = pen_postgres_connect(url, text, sizeof text);
     if (pg->conn ? prepare(url, pg->conn, make, st) && PQenterPipelineMode(pg->conn)
-                 : fail_connect(text, st))
+                 : fail_connect(text, st)) {
+        if (!make) /* not a process that ends soon, or has children which listen */
+            pen_postgres_listen(url);
         return &pg->base;
+    }
     pen_db_close(&pg->base);
     return NULL;
 }

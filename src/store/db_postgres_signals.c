@@ -4,6 +4,7 @@
  * second. */
 #include <poll.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +23,7 @@ static pthread_once_t once = PTHREAD_ONCE_INIT;
 static struct {
     char *url;
     int kick; /* an eventfd that wakes the thread */
-    atomic_bool wanted;
+    atomic_bool runs, wanted;
 } notifier = {.kick = -1};
 
 /* Receives until the connection is lost. */
@@ -76,13 +77,20 @@ static void *run(void *unused)
     return unused;
 }
 
-/* The thread ends with the process. Without it, waits look by themselves. */
+/* The thread ends with the process. It takes no signals, which are the business of others. Without
+ * it, waits look by themselves. */
 static void start_thread(void)
 {
     pthread_t thread;
+    sigset_t all, before;
+    sigfillset(&all);
     notifier.kick = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-    if (notifier.kick >= 0 && notifier.url && pthread_create(&thread, NULL, run, NULL) == 0)
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    if (notifier.kick >= 0 && notifier.url && pthread_create(&thread, NULL, run, NULL) == 0) {
         pthread_detach(thread);
+        atomic_store(&notifier.runs, true);
+    }
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 void pen_postgres_listen(const char *url)
@@ -93,10 +101,11 @@ void pen_postgres_listen(const char *url)
     pthread_once(&once, start_thread);
 }
 
-void pen_postgres_notify(const char *url)
+void pen_postgres_notify(void)
 {
     static const uint64_t one = 1;
-    pen_postgres_listen(url);
+    if (!atomic_load(&notifier.runs))
+        return;
     atomic_store(&notifier.wanted, true);
     (void)!write(notifier.kick, &one, sizeof one);
 }

@@ -197,7 +197,7 @@ static void disturb_database(struct test *t)
     const enum database_fault fault = (enum database_fault)draw(&t->random, DATABASE_FAULTS);
     struct pen_status st;
     int64_t now_ms;
-    database_disturb(fault);
+    database_disturb(fault, t->daemon.pid);
     t->faults[fault]++;
     for (int i = 0; i < 100 && !pen_store_now(pen_jobs_store(t->jobs), &now_ms, &st); i++)
         pause_ms(50);

@@ -185,8 +185,7 @@ int daemon_processes(const struct daemon *daemon)
     return find(uses_our_store, daemon, &last);
 }
 
-/* Reaps zombies that this process has inherited from a killed supervisor, except `kept`. */
-static void reap_others(pid_t kept)
+void daemon_reap_others(pid_t kept)
 {
     siginfo_t info;
     for (;;) {
@@ -213,7 +212,7 @@ static bool both_gone(pid_t one, pid_t two, int ms)
 {
     int64_t until_ns = pen_clock_ns() + (int64_t)ms * 1000000;
     for (;;) {
-        reap_others(0);
+        daemon_reap_others(0);
         if (gone(one) && gone(two))
             return true;
         if (pen_clock_ns() > until_ns)

@@ -46,6 +46,9 @@ bool daemon_drain(struct daemon *daemon);
 /* The number of processes that run the daemon on this store, without zombies. */
 int daemon_processes(const struct daemon *daemon);
 
+/* Reaps zombies that this process has inherited from killed processes, except `kept`. */
+void daemon_reap_others(pid_t kept);
+
 void pause_ms(int ms);
 
 #endif

@@ -39,9 +39,10 @@ void database_break_commits(void)
 }
 
 /* Other processes of a killed server may still end. */
-static void start(void)
+static void start(pid_t kept)
 {
     for (int i = 0; i < START_TRIES; i++) {
+        daemon_reap_others(kept);
         if (system("cd / && $PENUMBRA_TEST_PG_CTL start >/dev/null 2>&1") == 0)
             return;
         pause_ms(250);
@@ -59,17 +60,17 @@ static void end_connections(const char *condition)
     must_run(command);
 }
 
-void database_disturb(enum database_fault fault)
+void database_disturb(enum database_fault fault, pid_t kept)
 {
     switch (fault) {
     case DATABASE_KILL:
         must_run("kill -KILL $(head -1 $PENUMBRA_TEST_POSTGRES_DATA/postmaster.pid)");
-        start();
+        start(kept);
         break;
     case DATABASE_AWAY:
         must_run("cd / && $PENUMBRA_TEST_PG_CTL -m fast stop >/dev/null");
         pause_ms(AWAY_MS);
-        start();
+        start(kept);
         break;
     case DATABASE_TERMINATE:
         end_connections("true");

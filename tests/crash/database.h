@@ -3,6 +3,8 @@
 #ifndef TESTS_CRASH_DATABASE_H
 #define TESTS_CRASH_DATABASE_H
 
+#include <sys/types.h>
+
 /* The URL of its database; NULL: the test has no such server. */
 const char *database_url(void);
 
@@ -18,7 +20,8 @@ enum database_fault {
 };
 const char *database_fault_name(enum database_fault fault);
 
-/* Causes a fault. The server works when the call returns. Fails: ends the process. */
-void database_disturb(enum database_fault fault);
+/* Causes a fault. The server works when the call returns. Reaps all children but `kept`: the new
+ * server must not find the process of the killed one. Fails: ends the process. */
+void database_disturb(enum database_fault fault, pid_t kept);
 
 #endif

@@ -49,7 +49,8 @@ PGconn *pen_postgres_connect(const char *url, char *text, size_t size);
  * runs. Its database is that of the first call. */
 void pen_postgres_listen(const char *url);
 
-/* Signals a change to other processes, soon: a process sends at most ten signals a second. */
-void pen_postgres_notify(const char *url);
+/* Lets that thread signal a change to other processes, soon: it sends at most ten signals a second.
+ * Without the thread, others look once a second. */
+void pen_postgres_notify(void);
 
 #endif
