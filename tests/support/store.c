@@ -92,7 +92,8 @@ static void remove_folder(const char *folder)
 
 void store_bed_close(struct store_bed *bed)
 {
-    check(bed->store);
+    if (!bed->schema[0])
+        check(bed->store);
     pen_store_close(bed->store);
     if (bed->schema[0])
         run_sql("SET client_min_messages = error; DROP SCHEMA %s CASCADE", bed->schema);
