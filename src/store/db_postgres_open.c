@@ -35,10 +35,12 @@ PGconn *pen_postgres_connect(const char *url, char *text, size_t size)
                                         "connect_timeout",
                                         "tcp_user_timeout",
                                         "keepalives_idle",
+                                        "keepalives_interval",
+                                        "keepalives_count",
                                         "client_encoding",
                                         "dbname",
                                         NULL};
-    const char *const values[] = {"penumbrad", "5", "20000", "10", "UTF8", url, NULL};
+    const char *const values[] = {"penumbrad", "5", "20000", "10", "5", "2", "UTF8", url, NULL};
     PGconn *conn = PQconnectdbParams(names, values, 1);
     PQsetNoticeProcessor(conn, ignore_notice, NULL);
     PGresult *result = PQstatus(conn) == CONNECTION_OK ? PQexec(conn, settings) : NULL;
