@@ -10,7 +10,7 @@
 #include "base/clock.h"
 #include "store/store.h"
 
-enum { CONNECTIONS = 16, SECONDS = 10, JOBS = 64, BATCHES = 1024, PIXELS = 8192 };
+enum { CONNECTIONS = 16, SECONDS = 10, JOBS = 64, BATCHES = 1024, PIXELS = 6272 };
 
 static const char *url;
 static atomic_bool stop;
