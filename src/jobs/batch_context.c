@@ -11,6 +11,7 @@
 void pen_batch_output_release(struct pen_batch_output *output)
 {
     pen_buf_release(&output->artefact);
+    free(output->rgb);
     free(output->stats);
     *output = (struct pen_batch_output){0};
 }

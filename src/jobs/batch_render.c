@@ -93,27 +93,6 @@ static bool end_picture(struct pen_batch_context *context, struct pen_batch_outp
     return true;
 }
 
-/* Renders, while the compressor's thread compresses the tiles that are finished. */
-static bool run_task(struct pen_batch_context *context, const struct pen_claim *claim,
-                     const struct pen_render_task *task, struct pen_render_stats *stats,
-                     struct pen_status *st)
-{
-    struct pen_tile_run run = {.settings = task->settings,
-                               .first = task->first_tile,
-                               .count = task->tile_count,
-                               .image = task->rgb};
-    if (!pen_pixel_compressor_begin(context->compressor, &run, st))
-        return false;
-    bool ok;
-    if (pen_settings_adaptive(task->settings))
-        ok = pen_batch_rounds(context, claim, task, stats, st);
-    else
-        ok = pen_render_run(context->pool, task, stats, st);
-    if (!ok)
-        pen_pixel_compressor_cancel(context->compressor);
-    return pen_batch_hook_done(context, ok, st);
-}
-
 /* Renders the first `count` tiles of the claim. */
 static bool run_tiles(struct pen_batch_context *context, const struct pen_claim *claim,
                       const struct pen_scene *scene, int count, struct pen_render_stats *stats,
@@ -147,7 +126,9 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
     }
     if (task.view < 0)
         return false;
-    return run_task(context, claim, &task, stats, st);
+    const bool ok = pen_settings_adaptive(s) ? pen_batch_rounds(context, claim, &task, stats, st)
+                                             : pen_render_run(context->pool, &task, stats, st);
+    return pen_batch_hook_done(context, ok, st);
 }
 
 /* Makes the result that of the first tiles alone, if not all were begun. Returns whether it is. */
@@ -162,20 +143,22 @@ static bool cut_result(struct pen_batch_context *context, const struct pen_claim
     pen_png_free(context->picture);
     context->picture = NULL;
     pen_buf_release(&output->artefact);
-    pen_pixel_compressor_cut(context->compressor, tiles);
     output->result.part_tiles = tiles;
     output->result.pixels = pen_tiles_pixels(&context->request.settings, claim->first_tile, tiles);
     return true;
 }
 
-/* Waits for the compressor and takes its result. */
-static bool take_compressed(struct pen_batch_context *context, struct pen_batch_output *output,
-                            struct pen_status *st)
+/* Copies the pixels of the claim's first tiles out of the image, in the order of the store. */
+static bool take_pixels(const struct pen_batch_context *context, const struct pen_claim *claim,
+                        int tiles, struct pen_batch_output *output, struct pen_status *st)
 {
-    int64_t begin_ns = pen_clock_ns();
-    bool ok = pen_pixel_compressor_end(context->compressor, &output->result.encoded, st);
-    context->store_ms += ms_since(begin_ns);
-    return ok;
+    const size_t values = 3 * (size_t)output->result.pixels;
+    output->result.rgb = output->rgb = pen_memory_large(values * sizeof *output->rgb);
+    if (!output->rgb)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the pixels of a batch");
+    pen_tiles_gather(&context->request.settings, claim->first_tile, tiles, context->image,
+                     output->rgb);
+    return true;
 }
 
 static bool find_precision(const struct pen_batch_context *context, const struct pen_claim *claim,
@@ -282,11 +265,8 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     if (find_precision(context, claim, scene, &precision))
         in.precision = &precision;
     const bool whole = claim->view_batches <= 1 && !part;
-    ok = ok && make_extras(context, claim, whole, &stats, &audit, &audited, st);
-    if (ok)
-        ok = take_compressed(context, output, st);
-    else
-        pen_pixel_compressor_cancel(context->compressor);
+    ok = ok && make_extras(context, claim, whole, &stats, &audit, &audited, st) &&
+         take_pixels(context, claim, tiles, output, st);
     in.audit = audited ? &audit : NULL;
     json_t *json = ok ? pen_stats_json(&in) : NULL;
     if (ok)

@@ -144,7 +144,6 @@ void pen_batch_tile_done(void *user, struct pen_rect rect)
     const int edge = context->request.settings.tile,
               columns = pen_tile_count(context->request.settings.width, 1, edge),
               tile = rect.y / edge * columns + rect.x / edge;
-    pen_pixel_compressor_tile_done(context->compressor, rect);
     pthread_mutex_lock(&w->lock);
     if (w->tile_done) {
         w->tile_done[tile - w->claim.first_tile] = 1;

@@ -318,8 +318,6 @@ static bool set_up(struct worker *w, struct pen_status *st)
         !(w->context.heart = pen_heartbeat_new(o, w->context.pool, w->lease_ms, st)))
         return false;
     pen_heartbeat_watch(w->context.heart, pen_batch_work_now, &w->context);
-    if (!(w->context.compressor = pen_pixel_compressor_new(st)))
-        return false;
     w->context.scenes = pen_scene_cache_new(o->scene_cap_bytes);
     if (!w->context.scenes)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");
@@ -331,7 +329,6 @@ static void tear_down(struct worker *w)
 {
     pen_housekeeper_free(w->housekeeper);
     pen_heartbeat_free(w->context.heart);
-    pen_pixel_compressor_free(w->context.compressor);
     pen_thread_pool_free(w->context.pool);
     pen_scene_cache_free(w->context.scenes);
     pen_batch_context_release(&w->context);

@@ -8,7 +8,6 @@
 #include "film/encode.h"
 #include "jobs/internal/heartbeat.h"
 #include "jobs/internal/jobs.h"
-#include "jobs/internal/pixel_compressor.h"
 #include "jobs/internal/scene_cache.h"
 #include "jobs/internal/stored_request.h"
 #include "jobs/internal/work.h"
@@ -21,7 +20,6 @@ struct pen_batch_context {
     struct pen_thread_pool *pool;
     struct pen_heartbeat *heart;
     struct pen_scene_cache *scenes;
-    struct pen_pixel_compressor *compressor;
     struct pen_trace *trace;              /* may be NULL */
     const struct pen_worker_fault *fault; /* NULL: none */
     atomic_bool exhausted;                /* atomic: relaxed; the fault has failed a pixel */
@@ -43,13 +41,13 @@ struct pen_batch_context {
     int64_t keep_ms, batch_ms; /* as in pen_worker_options */
     int max_seconds;           /* the same */
     double rays_per_s;         /* by the last batch that was rendered; 0: there was none */
-    double store_ms; /* time spent waiting for the store and for compression; not in the job's
-                        statistics yet */
+    double store_ms; /* time spent waiting for the store; not in the job's statistics yet */
 };
 
-/* A finished batch; its pixels stay in the context. Owns: release it. */
+/* A finished batch. Owns: release it. */
 struct pen_batch_output {
     struct pen_result result;
+    float *rgb;              /* owns the pixels of result.rgb */
     struct pen_buf artefact; /* owns the bytes of result.artefact */
     char *stats;             /* owns the text of result.stats */
 };

@@ -6,7 +6,7 @@
  *   tile_ms          the times of the batch's tiles. Of more than PEN_TILE_TIMES tiles, that many
  *                    of the sorted times, evenly spaced, the largest included
  *   store_before_ms  how long the worker has waited for the store since the batch of this job that
- *                    it did before: for the commit of that one, and to read and compress pixels */
+ *                    it did before: for the commit of that one, and to read pixels */
 #ifndef PEN_JOBS_INTERNAL_STATS_H
 #define PEN_JOBS_INTERNAL_STATS_H
 
