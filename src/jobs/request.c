@@ -7,7 +7,7 @@
 
 #include "io/builtin.h"
 #include "jobs/internal/json_member.h"
-#include "jobs/internal/request_errors.h"
+#include "jobs/internal/members.h"
 #include "render/audit.h"
 #include "render/layers.h"
 #include "study/bill.h"
@@ -22,10 +22,8 @@ enum { EXPLAIN_PRIORITY = 100 };
 
 static void fail_unknown_scene(const char *name, struct pen_errors *errors)
 {
-    const char *near = pen_builtin_nearest(name);
-    pen_request_fail(errors, PEN_NOT_FOUND, "", "scene",
-                     "there is no built-in scene \"%.60s\"%s%s%s", name,
-                     near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+    pen_request_fail(errors, PEN_NOT_FOUND, "", "scene", "there is no built-in scene \"%.60s\"%s",
+                     name, pen_did_you_mean(pen_builtin_nearest(name)).text);
 }
 
 /* Finds and parses the scene that "builtin:NAME" names. */
@@ -58,8 +56,8 @@ static void fail_neither(const struct pen_request *request, struct pen_errors *e
     {
         const char *near = pen_nearest_name(key, names);
         if (near) {
-            pen_request_fail(errors, PEN_INVALID, "", key, "unknown key; did you mean \"%s\"?",
-                             near);
+            pen_request_fail(errors, PEN_INVALID, "", key, "unknown key%s",
+                             pen_did_you_mean(near).text);
             return;
         }
     }
@@ -110,11 +108,10 @@ static int find_view(struct pen_request *request, const json_t *list, size_t i,
     const char *names[65] = {NULL};
     for (uint32_t v = 0; v < request->desc.view_count && v < 64; v++)
         names[v] = request->desc.views[v].name;
-    const char *near = name ? pen_nearest_name(name, names) : NULL;
     pen_request_fail(errors, PEN_INVALID, "/views", position,
-                     "must be the name of a view of the scene, such as \"%s\", found %s%s%s%s",
+                     "must be the name of a view of the scene, such as \"%s\", found %s%s",
                      names[0], pen_found(json_array_get(list, i)).text,
-                     near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+                     pen_did_you_mean(name ? pen_nearest_name(name, names) : NULL).text);
     return -1;
 }
 
@@ -354,8 +351,6 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
     find_scene(out, in, limits, errors);
     if (!out->bare && json_object_get(out->body, "scene"))
         pen_request_keys_read(out, errors);
-    if (!out->bare && out->kind == PEN_KIND_RENDER)
-        pen_request_budget_read(out, errors);
     if (out->explain && !json_object_get(out->body, "priority"))
         out->priority = out->analyze ? 0 : EXPLAIN_PRIORITY;
     if (out->priority > limits->priority)

@@ -66,7 +66,4 @@ double pen_request_layer_work(const struct pen_request *request);
  * `body` is an object. */
 void pen_request_keys_read(struct pen_request *request, struct pen_errors *errors);
 
-/* The key budget_seconds of a render; a study's belongs to its spec. */
-void pen_request_budget_read(struct pen_request *request, struct pen_errors *errors);
-
 #endif
