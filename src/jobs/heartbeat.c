@@ -82,17 +82,6 @@ static bool is_late(const struct pen_heartbeat *heart)
            claim->job_spent_us + spent_ns(heart) / 1000 >= claim->timeout_ms * 1000;
 }
 
-/* Fails the job in the store, unless the worker has done so. Returns whether the store has it as
- * failed. */
-static bool fail_late_job(struct pen_heartbeat *heart, const struct pen_claim *claim)
-{
-    struct pen_status st;
-    char *error = pen_failure_timeout_json(heart->store, claim, heart->options->trace);
-    bool ok = error && (pen_failure_store(heart->store, claim, error, &st) || st.code == PEN_STALE);
-    free(error);
-    return ok;
-}
-
 /* Whether render threads have been told to stop for so long that they count as stuck. While the
  * clock is stopped none work: the worker waits for the store, which may take long. Called with the
  * lock held. */
@@ -113,8 +102,11 @@ static void handle_ended_claim(struct pen_heartbeat *heart, const struct pen_cla
 {
     bool fail = heart->ended == PEN_CLAIM_TIMED_OUT && !heart->failed;
     if (fail) {
+        struct pen_status st;
         pthread_mutex_unlock(&heart->lock);
-        bool failed = fail_late_job(heart, claim);
+        const bool failed =
+            pen_failure_store(heart->store, claim, NULL, heart->options->trace, &st) ||
+            st.code == PEN_STALE; /* or the worker has failed it */
         pthread_mutex_lock(&heart->lock);
         if (heart->claims == claim_number)
             heart->failed = failed;

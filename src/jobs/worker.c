@@ -13,10 +13,7 @@
  * repeated, which does no harm. */
 #include "jobs/worker.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -91,18 +88,15 @@ static bool wait_to_retry(struct worker *w, const char *what, const struct pen_s
     return true;
 }
 
-/* Ends the job as failed; takes the error text. PEN_STALE means that the claim is no longer held:
- * the job has ended in another way. */
-static bool fail_job(struct worker *w, const struct pen_claim *claim, char *error,
+/* Ends the job as failed; `why` NULL: its time is up. PEN_STALE means that the claim is no longer
+ * held: the job has ended in another way. */
+static bool fail_job(struct worker *w, const struct pen_claim *claim, const struct pen_status *why,
                      struct pen_status *st)
 {
-    if (!error)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for an error");
     bool ok;
     do {
-        ok = pen_failure_store(w->store, claim, error, st) || st->code == PEN_STALE;
+        ok = pen_failure_store(w->store, claim, why, NULL, st) || st->code == PEN_STALE;
     } while (!ok && wait_to_retry(w, "failing a job", st));
-    free(error);
     return ok;
 }
 
@@ -140,14 +134,14 @@ static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen
         why->code == PEN_STALE)
         return true;
     if (ended == PEN_CLAIM_TIMED_OUT)
-        return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
+        return fail_job(w, claim, NULL, st);
     if (ended == PEN_CLAIM_STOPPED || why->code == PEN_UNAVAILABLE || why->code == PEN_STORAGE_FULL)
         return release(w, claim, st);
     if (why->code == PEN_STORAGE && pen_store_is_broken(w->store, NULL)) {
         *st = *why;
         return false;
     }
-    return fail_job(w, claim, pen_failure_status_json(w->store, claim, why), st);
+    return fail_job(w, claim, why, st);
 }
 
 /* Whether the job's time was up already when this claim was taken. The heartbeat notices it if the
@@ -180,9 +174,9 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
     struct pen_batch_output output;
     struct pen_status why;
     if (is_late(claim))
-        return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
+        return fail_job(w, claim, NULL, st);
     if (!pen_batch_expected(&w->context, claim, &why))
-        return fail_job(w, claim, pen_failure_status_json(w->store, claim, &why), st);
+        return fail_job(w, claim, &why, st);
     struct pen_log_about about = pen_claim_about(claim);
     if (claim->kind == PEN_BATCH_STUDY)
         pen_log_about(PEN_LOG_INFO, &about, "%lld runs", (long long)claim->pixels);
