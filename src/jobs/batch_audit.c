@@ -74,9 +74,11 @@ bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *
     const struct pen_settings *s = &context->request.settings;
     struct pen_audit_task task = {.settings = s,
                                   .rgb = film->rgb,
+                                  .pixels = context->request.audit_pixels,
+                                  .threshold = context->request.audit_threshold,
                                   .adaptive = context->adaptive,
                                   .cancel = pen_heartbeat_cancel_flag(context->heart)};
-    *done = pen_stored_request_audit(&context->request, &task.pixels, &task.threshold);
+    *done = context->request.audit;
     if (!*done)
         return true;
     task.scene = pen_scene_cache_get(context->scenes, context->store, claim,

@@ -44,8 +44,7 @@ static bool fail_expected(double seconds, const char *from, int max_seconds, str
 static bool is_long(const struct pen_batch_context *context)
 {
     const struct pen_stored_request *request = &context->request;
-    return !pen_settings_adaptive(&request->settings) &&
-           pen_stored_request_bound_rays(request) > LONG_RAYS;
+    return !pen_settings_adaptive(&request->settings) && request->bound_rays > LONG_RAYS;
 }
 
 static bool is_first(const struct pen_batch_context *context, const struct pen_claim *claim)
@@ -133,7 +132,7 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
                                            .cancel = pen_heartbeat_cancel_flag(context->heart),
                                            .pixel_begins = pen_batch_pixel_hook(context),
                                            .pixel_user = context};
-    const double budget_ms = 1000 * pen_stored_request_budget(&context->request),
+    const double budget_ms = 1000 * context->request.budget_s,
                  with_layers = 1 + pen_batch_layer_work(context);
     const bool first = is_first(context, claim), has_map = is_long(context);
     struct pen_estimate time_ms;
@@ -178,7 +177,7 @@ bool pen_batch_expected(struct pen_batch_context *context, const struct pen_clai
     if (context->max_seconds == 0 || claim->kind != PEN_BATCH_RENDER ||
         (spent_s < TELLING_S && spent_s <= most_s) ||
         !pen_batch_context_load(context, claim, &ignored) ||
-        pen_stored_request_budget(&context->request) > 0 || /* which is bounded itself */
+        context->request.budget_s > 0 || /* which is bounded itself */
         !pen_store_job(context->store, claim->job_id, &job, &ignored))
         return true;
     const double share = (double)job.work / PEN_WORK_ALL;

@@ -74,7 +74,7 @@ static bool render(struct explain *e, struct pen_status *st)
 {
     struct pen_batch_context *context = e->study.context;
     const struct pen_settings *settings = &context->request.settings;
-    if (!pen_stored_request_analyze(&context->request))
+    if (!context->request.analyze)
         return true;
     if (!pen_batch_allowed(context, &e->forecast.time_ms, 1, st))
         return false;

@@ -23,7 +23,7 @@
 
 static bool is_wanted(const struct pen_batch_context *context, enum pen_layer layer)
 {
-    return layer != PEN_LAYER_BEAUTY && pen_stored_request_layer(&context->request, layer);
+    return layer != PEN_LAYER_BEAUTY && (context->request.layers >> layer & 1);
 }
 
 double pen_batch_layer_work(const struct pen_batch_context *context)
@@ -31,8 +31,7 @@ double pen_batch_layer_work(const struct pen_batch_context *context)
     double work = 0;
     for (int layer = 0; layer < PEN_LAYER_COUNT; layer++)
         if (is_wanted(context, (enum pen_layer)layer))
-            work +=
-                pen_layer_work((enum pen_layer)layer, pen_stored_request_cost(&context->request));
+            work += pen_layer_work((enum pen_layer)layer, context->request.cost);
     return work;
 }
 
@@ -62,7 +61,7 @@ static bool render_tiles(struct pen_batch_context *context, const struct pen_cla
     const struct pen_settings *s = &context->request.settings;
     struct pen_layer_task task = {.settings = s,
                                   .layer = layer,
-                                  .cost = pen_stored_request_cost(&context->request),
+                                  .cost = context->request.cost,
                                   .rgb = film->rgb,
                                   .first_row = first_row,
                                   .cancel = pen_heartbeat_cancel_flag(context->heart),
@@ -317,7 +316,7 @@ static bool keep(struct after_rounds *a)
 static bool render_after_rounds(struct after_rounds *a, struct pen_status *st)
 {
     struct pen_batch_context *context = a->keeper.context;
-    const bool is_long = pen_layer_work(a->layer, pen_stored_request_cost(&context->request)) > 0;
+    const bool is_long = pen_layer_work(a->layer, context->request.cost) > 0;
     while (a->done < a->tiles) {
         struct pen_layer_tiles run = {.first = a->done,
                                       .count = a->tiles - a->done,

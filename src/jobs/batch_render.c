@@ -193,7 +193,7 @@ static void write_hex(const unsigned char *bytes, size_t count, char *out)
  * budget. */
 static int64_t time_for_rounds(const struct pen_batch_context *context)
 {
-    const double seconds = pen_stored_request_budget(&context->request);
+    const double seconds = context->request.budget_s;
     const struct pen_settings *s = &context->request.settings;
     const double left_ns = seconds * 1e9 - 500.0 * s->width * s->height;
     if (seconds <= 0)

@@ -68,7 +68,7 @@ bool pen_batch_keeper_is_overdue(const struct pen_keeper *keeper)
 {
     const struct pen_batch_context *context = keeper->context;
     return pen_batch_is_overdue(context, keeper->claim, context->begun_ns) &&
-           pen_stored_request_budget(&context->request) == 0;
+           context->request.budget_s == 0;
 }
 
 struct pen_keeper pen_batch_keeper(struct pen_batch_context *context, const struct pen_claim *claim)
@@ -103,8 +103,7 @@ static void tell(const struct rounds *r, const struct pen_render_stats *stats)
 {
     struct pen_batch_context *context = r->keeper.context;
     const double view = 1.0 / context->request.view_count, ms = stats->render_ms,
-                 budget_ms = 1000 * pen_stored_request_budget(&context->request) *
-                             (1 + pen_batch_layer_work(context)),
+                 budget_ms = 1000 * context->request.budget_s * (1 + pen_batch_layer_work(context)),
                  done = budget_ms > 0 ? ms / budget_ms : view * share_of(r, stats);
     struct pen_work work = {.done = done, .begun = INFINITY, .per_ms = 1 / budget_ms};
     if (budget_ms <= 0) {

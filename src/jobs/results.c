@@ -73,7 +73,7 @@ static bool resolve_layer(struct wanted *want, const char *name, struct pen_stat
                         "layer must be one of beauty, cost, samples, depth, normal, albedo; found "
                         "\"%.60s\"",
                         name);
-    return pen_stored_request_layer(&want->request, want->layer) ||
+    return (want->request.layers >> want->layer & 1) ||
            pen_fail(st, PEN_NOT_FOUND, "the layer \"%s\" was not requested", name);
 }
 
@@ -198,7 +198,7 @@ static bool encode(const struct wanted *want, const struct pen_film *film, struc
     const struct pen_settings *s = &want->request.settings;
     const char *format = pen_image_formats[want->format];
     const struct pen_layer_task task = {
-        .settings = s, .layer = want->layer, .cost = pen_stored_request_cost(&want->request)};
+        .settings = s, .layer = want->layer, .cost = want->request.cost};
     double white;
     return want->layer == PEN_LAYER_BEAUTY ? pen_view_encode(film, s, format, out, st)
                                            : pen_layer_encode(&task, film, format, out, &white, st);
