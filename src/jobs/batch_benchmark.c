@@ -80,11 +80,11 @@ static bool write_stats(struct benchmark *benchmark, struct pen_batch_output *ou
                                  row->runs[benchmark->result.repeats - 1].build_ms, output, st);
 }
 
-bool pen_batch_benchmark(struct pen_batch_context *context, const struct pen_claim *claim,
-                         struct pen_batch_output *output, struct pen_status *st)
+bool pen_batch_benchmark(struct pen_batch_context *context, struct pen_batch_output *output,
+                         struct pen_status *st)
 {
     struct benchmark benchmark = {.spec = {.matrix = NULL}};
-    bool ok = pen_study_begin(&benchmark.study, context, claim, st) && read_spec(&benchmark, st) &&
+    bool ok = pen_study_begin(&benchmark.study, context, st) && read_spec(&benchmark, st) &&
               run(&benchmark, st) && write_report(&benchmark, output, st) &&
               write_stats(&benchmark, output, st);
     pen_bench_result_release(&benchmark.bench, &benchmark.result);

@@ -11,7 +11,6 @@
 
 struct explain {
     struct pen_study study;
-    int64_t begun_ns;
     struct pen_scene *scene;
     double build_ms;
     struct pen_forecast forecast;
@@ -42,14 +41,14 @@ static bool forecast(struct explain *e, struct pen_status *st)
                                            .pixel_user = context};
     const bool ok = pen_forecast_make(context->pool, &task, &e->forecast, st);
     if (ok)
-        pen_study_progress(&e->study, 1, (int)e->study.claim->pixels);
+        pen_study_progress(&e->study, 1, (int)e->study.context->claim->pixels);
     return pen_batch_hook_done(context, ok, st);
 }
 
 static bool is_overdue(void *user)
 {
     const struct explain *e = user;
-    return pen_batch_is_overdue(e->study.context, e->study.claim, e->begun_ns);
+    return pen_batch_is_overdue(e->study.context);
 }
 
 static bool goes_on(void *user, const struct pen_adaptive *adaptive,
@@ -120,12 +119,12 @@ static bool write(struct explain *e, struct pen_batch_output *output, struct pen
                : pen_batch_write_stats(context, json_object(), output, st);
 }
 
-bool pen_batch_explain(struct pen_batch_context *context, const struct pen_claim *claim,
-                       struct pen_batch_output *output, struct pen_status *st)
+bool pen_batch_explain(struct pen_batch_context *context, struct pen_batch_output *output,
+                       struct pen_status *st)
 {
-    struct explain e = {.begun_ns = pen_clock_ns()};
-    const bool ok = pen_study_begin(&e.study, context, claim, st) && freeze(&e, st) &&
-                    forecast(&e, st) && render(&e, st) && write(&e, output, st);
+    struct explain e = {.scene = NULL};
+    const bool ok = pen_study_begin(&e.study, context, st) && freeze(&e, st) && forecast(&e, st) &&
+                    render(&e, st) && write(&e, output, st);
     pen_forecast_release(&e.forecast);
     free(e.stats.tile_ms);
     pen_film_free(e.film);

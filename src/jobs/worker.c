@@ -153,16 +153,15 @@ static bool is_late(const struct pen_claim *claim)
 
 /* Runs the batch. If memory runs out, the caches of earlier jobs are dropped, since this job is not
  * to blame for them, and the batch is tried once more. */
-static bool run_batch(struct worker *w, const struct pen_claim *claim,
-                      struct pen_batch_output *output, struct pen_status *why)
+static bool run_batch(struct worker *w, struct pen_batch_output *output, struct pen_status *why)
 {
-    if (pen_batch_run(&w->context, claim, output, why))
+    if (pen_batch_run(&w->context, output, why))
         return true;
     if (why->code != PEN_NO_MEMORY ||
         atomic_load_explicit(&w->context.exhausted, memory_order_relaxed))
         return false;
     pen_batch_context_drop_caches(&w->context);
-    return pen_batch_run(&w->context, claim, output, why);
+    return pen_batch_run(&w->context, output, why);
 }
 
 /* Handles a claim: runs the batch and commits the result; then *proven is true. *next becomes the
@@ -173,9 +172,10 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
 {
     struct pen_batch_output output;
     struct pen_status why;
+    w->context.claim = claim;
     if (is_late(claim))
         return fail_job(w, claim, NULL, st);
-    if (!pen_batch_expected(&w->context, claim, &why))
+    if (!pen_batch_expected(&w->context, &why))
         return fail_job(w, claim, &why, st);
     struct pen_log_about about = pen_claim_about(claim);
     if (claim->kind == PEN_BATCH_STUDY)
@@ -187,12 +187,12 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
         pen_log_about(PEN_LOG_DEBUG, &about, "the picture of view %d", claim->view);
     /* A stop does not wait for a study, which may take long. */
     pen_heartbeat_begin(w->context.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
-    bool done = run_batch(w, claim, &output, &why);
+    bool done = run_batch(w, &output, &why);
     pen_heartbeat_pause(w->context.heart);
     claim->spent_us = pen_heartbeat_spent_us(w->context.heart);
     if (done && claim->kind == PEN_BATCH_RENDER)
         claim->estimate_ms =
-            pen_batch_expected_ms(&w->context, claim, (double)output.result.work / PEN_WORK_ALL);
+            pen_batch_expected_ms(&w->context, (double)output.result.work / PEN_WORK_ALL);
     if (done && pen_heartbeat_is_late(w->context.heart)) {
         pen_batch_output_release(&output);
         done = pen_fail(&why, PEN_CANCELLED, "the time is up");

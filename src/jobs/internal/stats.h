@@ -19,9 +19,6 @@
 
 enum { PEN_TILE_TIMES = 2048 };
 
-/* tile_times.c: the member tile_ms. Owns: the caller. Fails: NULL when out of memory. */
-json_t *pen_tile_times(const double *ms, size_t count);
-
 /* stats_merge.c: the statistics of a job from those of all its committed batches. Owns: the caller.
  * Fails: as pen_store_stats; PEN_STORAGE (damaged statistics), PEN_NO_MEMORY. */
 json_t *pen_stats_of_job(struct pen_store *store, const struct pen_job_record *job,
