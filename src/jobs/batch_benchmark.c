@@ -67,7 +67,7 @@ static bool write_report(struct benchmark *benchmark, struct pen_batch_output *o
     bool ok = report ? pen_bench_report_write(report, "json", &output->artefact, st)
                      : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
     json_decref(report);
-    pen_study_set_report(output);
+    pen_batch_set_artefact(output, PEN_REPORT_LAYER, PEN_REPORT_FORMAT);
     return ok;
 }
 

@@ -15,6 +15,14 @@ void pen_batch_output_release(struct pen_batch_output *output)
     *output = (struct pen_batch_output){0};
 }
 
+void pen_batch_set_artefact(struct pen_batch_output *output, const char *layer, const char *format)
+{
+    output->result.layer = layer;
+    output->result.format = format;
+    output->result.artefact = output->artefact.data;
+    output->result.artefact_bytes = output->artefact.bytes;
+}
+
 bool pen_batch_context_load(struct pen_batch_context *context, struct pen_status *st)
 {
     struct pen_job_record job;

@@ -25,7 +25,7 @@ static bool freeze(struct explain *e, struct pen_status *st)
     e->scene = pen_scene_freeze(&e->study.desc,
                                 (enum pen_accelerator)context->request.settings.accelerator,
                                 pen_scene_cache_cap(context->scenes), st);
-    e->build_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+    e->build_ms = pen_ms_since(begun_ns);
     return e->scene != NULL;
 }
 
@@ -112,7 +112,7 @@ static bool write(struct explain *e, struct pen_batch_output *output, struct pen
     json_decref(json);
     if (!ok)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for an explanation");
-    pen_study_set_report(output);
+    pen_batch_set_artefact(output, PEN_REPORT_LAYER, PEN_REPORT_FORMAT);
     return rendered
                ? pen_study_write_stats(&e->study, &e->stats, pen_accel_get_stats(e->scene->accel),
                                        e->build_ms, output, st)

@@ -92,7 +92,7 @@ bool pen_batch_layers_make(struct pen_batch_context *context, bool bounded, int 
         *tiles = run.count;
         pauses = false;
     }
-    *ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+    *ms = pen_ms_since(begun_ns);
     return true;
 }
 

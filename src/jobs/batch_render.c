@@ -11,8 +11,8 @@
  * served, and a job that takes too long is found out. */
 #include "jobs/internal/batch.h"
 
+#include <sodium.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -22,11 +22,6 @@
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/stats.h"
 #include "jobs/internal/view_pixels.h"
-
-static double ms_since(int64_t begin_ns)
-{
-    return (double)(pen_clock_ns() - begin_ns) * 1e-6;
-}
 
 /* Grows the image, if necessary, to hold a view of the job. */
 static bool reserve_image(struct pen_batch_context *context, struct pen_status *st)
@@ -54,15 +49,6 @@ static struct pen_film film_of(const struct pen_batch_context *context)
                              .rgb = context->image};
 }
 
-/* Puts the encoded picture into the output's result. */
-static void set_picture(struct pen_batch_output *output)
-{
-    output->result.layer = "beauty";
-    output->result.format = "png";
-    output->result.artefact = output->artefact.data;
-    output->result.artefact_bytes = output->artefact.bytes;
-}
-
 /* Begins the picture of the batch's view, if all of its tiles are rendered. */
 static bool begin_picture(struct pen_batch_context *context, int tiles,
                           struct pen_batch_output *output, struct pen_status *st)
@@ -88,8 +74,8 @@ static bool end_picture(struct pen_batch_context *context, struct pen_batch_outp
         return true;
     if (!pen_png_end(context->picture, st))
         return false;
-    set_picture(output);
-    *encode_ms = ms_since(done_ns);
+    pen_batch_set_artefact(output, "beauty", "png");
+    *encode_ms = pen_ms_since(done_ns);
     return true;
 }
 
@@ -170,12 +156,6 @@ static void warn_of_missing(const struct pen_claim *claim, const struct pen_rend
         pen_log_about(PEN_LOG_WARN, &about, "view %d: %s", claim->view, text);
 }
 
-static void write_hex(const unsigned char *bytes, size_t count, char *out)
-{
-    for (size_t i = 0; i < count; i++)
-        snprintf(out + 2 * i, 3, "%02x", bytes[i]);
-}
-
 /* How long the rounds of a job with a budget may take, so that its commit comes in time:
  * compressing, encoding and storing take about half a microsecond for each pixel. 0 without a
  * budget. */
@@ -250,7 +230,8 @@ static bool render(struct pen_batch_context *context, struct pen_batch_output *o
                                  .accel = pen_accel_get_stats(scene->accel),
                                  .settings = s,
                                  .scene_sha256 = scene_sha256};
-    write_hex(claim->scene_sha256, sizeof claim->scene_sha256, scene_sha256);
+    sodium_bin2hex(scene_sha256, sizeof scene_sha256, claim->scene_sha256,
+                   sizeof claim->scene_sha256);
     if (pen_scene_precision(scene, view, s->width, s->height, &precision))
         in.precision = &precision;
     const bool whole = claim->view_batches <= 1 && !part;
@@ -285,15 +266,15 @@ static bool assemble(struct pen_batch_context *context, unsigned char *begins,
     int64_t begin_ns = pen_clock_ns();
     bool ok = pen_view_pixels_load(context->store, context->claim->job_id, context->claim->view, s,
                                    &film, NULL, begins, &filled, st);
-    context->store_ms += ms_since(begin_ns);
+    context->store_ms += pen_ms_since(begin_ns);
     if (ok && filled != (int64_t)s->width * s->height)
         ok = pen_fail(st, PEN_STORAGE, "job %s lacks pixels of view %d", context->claim->job_id,
                       context->claim->view);
     begin_ns = pen_clock_ns();
     if (!ok || !pen_view_encode(&film, s, "png", &output->artefact, st))
         return false;
-    set_picture(output);
-    const double encode_ms = ms_since(begin_ns);
+    pen_batch_set_artefact(output, "beauty", "png");
+    const double encode_ms = pen_ms_since(begin_ns);
     struct pen_audit audit;
     bool audited;
     if (!pen_batch_layers_assemble(context, begins, st) ||

@@ -224,6 +224,7 @@ static void init_locks(struct pen_heartbeat *heart)
 
 struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options,
                                         struct pen_thread_pool *pool, int64_t lease_ms,
+                                        pen_heartbeat_work_fn *work, void *user,
                                         struct pen_status *st)
 {
     struct pen_heartbeat *heart = calloc(1, sizeof *heart);
@@ -234,6 +235,8 @@ struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options
     heart->options = options;
     heart->pool = pool;
     heart->lease_ms = lease_ms;
+    heart->work = work;
+    heart->work_user = user;
     heart->store = pen_store_open(options->store_url, false, st);
     init_locks(heart);
     if (heart->store && pthread_create(&heart->thread, NULL, run, heart) == 0)
@@ -323,12 +326,6 @@ bool pen_heartbeat_is_late(struct pen_heartbeat *heart)
     bool late = heart->ended == PEN_CLAIM_TIMED_OUT;
     pthread_mutex_unlock(&heart->lock);
     return late;
-}
-
-void pen_heartbeat_watch(struct pen_heartbeat *heart, pen_heartbeat_work_fn *work, void *user)
-{
-    heart->work = work;
-    heart->work_user = user;
 }
 
 enum pen_claim_end pen_heartbeat_end(struct pen_heartbeat *heart)

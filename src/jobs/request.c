@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "io/builtin.h"
-#include "jobs/internal/json_member.h"
 #include "jobs/internal/members.h"
 #include "render/audit.h"
 #include "render/layers.h"
@@ -252,19 +251,10 @@ static bool is_within_limits(const struct pen_request *request, const struct pen
 /* The budget of a request, in seconds; NULL: it has none. */
 static double *budget_of(struct pen_request *request)
 {
-    switch (request->kind) {
-    case PEN_KIND_RENDER:
-        return &request->budget_seconds;
-    case PEN_KIND_BENCHMARK:
-        return &request->spec.budget_s;
-    case PEN_KIND_ACCURACY:
-        return &request->accuracy.budget_s;
-    case PEN_KIND_EFFECTS:
-    case PEN_KIND_EXPLAIN:
-    case PEN_KIND_COUNT:
-        break;
-    }
-    return NULL;
+    return request->kind == PEN_KIND_RENDER      ? &request->budget_seconds
+           : request->kind == PEN_KIND_BENCHMARK ? &request->spec.budget_s
+           : request->kind == PEN_KIND_ACCURACY  ? &request->accuracy.budget_s
+                                                 : NULL;
 }
 
 /* No budget is longer than the operator allows a job to take, with the layers and the audit that

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clock.h"
 #include "io/document.h"
+#include "jobs/internal/jobs.h"
 
 enum { ENTRIES = 16 };
 static const size_t bytes_max = (size_t)512 << 20;
@@ -76,11 +76,6 @@ static void evict_for(struct pen_scene_cache *cache, size_t bytes)
     }
 }
 
-static double ms_since(int64_t begin_ns)
-{
-    return (double)(pen_clock_ns() - begin_ns) * 1e-6;
-}
-
 /* Limits for a stored document. The api process has accepted it under its own limits, so only the
  * limits that protect the parser itself are left. */
 static struct pen_limits open_limits(void)
@@ -134,12 +129,12 @@ static struct pen_scene *load(const struct pen_scene_cache *cache, const struct 
         return NULL;
     }
     if (parse(text, arena, &desc, st)) {
-        times->parse_ms = ms_since(begin_ns);
+        times->parse_ms = pen_ms_since(begin_ns);
         begin_ns = pen_clock_ns();
         scene = pen_scene_freeze(&desc, accelerator, cache->cap_bytes, st);
         if (!scene && st->at[0])
             locate(text, st);
-        times->build_ms = ms_since(begin_ns);
+        times->build_ms = pen_ms_since(begin_ns);
     }
     pen_arena_free(arena);
     return scene;

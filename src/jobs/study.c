@@ -26,7 +26,7 @@ static bool read_scene(struct pen_study *study, struct pen_status *st)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for a scene");
     const bool ok = pen_scene_describe(context->store, study->context->claim->job_id, study->arena,
                                        &study->desc, st);
-    study->parse_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+    study->parse_ms = pen_ms_since(begun_ns);
     return ok;
 }
 
@@ -179,16 +179,8 @@ bool pen_study_store_report(struct pen_study *study, pen_study_write_fn *write, 
              (committed || pen_batch_store(study->context, PEN_REPORT_LAYER, format, &text, st));
         pen_buf_release(&text);
     }
-    pen_study_set_report(output);
+    pen_batch_set_artefact(output, PEN_REPORT_LAYER, PEN_REPORT_FORMAT);
     return ok;
-}
-
-void pen_study_set_report(struct pen_batch_output *output)
-{
-    output->result.layer = PEN_REPORT_LAYER;
-    output->result.format = PEN_REPORT_FORMAT;
-    output->result.artefact = output->artefact.data;
-    output->result.artefact_bytes = output->artefact.bytes;
 }
 
 bool pen_study_write_stats(const struct pen_study *study, const struct pen_render_stats *render,

@@ -119,7 +119,7 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
         ok = pen_store_commit(w->store, claim, &output->result, stopped(w) ? NULL : next, st);
     } while (!ok && wait_to_retry(w, "committing a batch", st));
     w->serial += next->found;
-    w->context.store_ms += (double)(pen_clock_ns() - begin_ns) * 1e-6;
+    w->context.store_ms += pen_ms_since(begin_ns);
     if (!ok && st->code == PEN_STALE)
         pen_log_about(PEN_LOG_INFO, &about, "the result was dropped: the claim is no longer held");
     return ok || st->code == PEN_STALE;
@@ -309,9 +309,9 @@ static bool set_up(struct worker *w, struct pen_status *st)
     w->context.fault = o->fault;
     w->store = w->context.store = pen_store_open(o->store_url, false, st);
     if (!w->store || !(w->context.pool = pen_thread_pool_new(o->threads, st)) ||
-        !(w->context.heart = pen_heartbeat_new(o, w->context.pool, w->lease_ms, st)))
+        !(w->context.heart = pen_heartbeat_new(o, w->context.pool, w->lease_ms, pen_batch_work_now,
+                                               &w->context, st)))
         return false;
-    pen_heartbeat_watch(w->context.heart, pen_batch_work_now, &w->context);
     w->context.scenes = pen_scene_cache_new(o->scene_cap_bytes);
     if (!w->context.scenes)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for the worker");

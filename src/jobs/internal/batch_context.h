@@ -55,6 +55,9 @@ struct pen_batch_output {
 };
 void pen_batch_output_release(struct pen_batch_output *output);
 
+/* Makes output->artefact the result's: it is stored with the commit. */
+void pen_batch_set_artefact(struct pen_batch_output *output, const char *layer, const char *format);
+
 /* Reads the request of the claim's job into context->request, unless it is there already: batches
  * of one job mostly follow each other. Fails: as pen_store_job and pen_stored_request_read. */
 bool pen_batch_context_load(struct pen_batch_context *context, struct pen_status *st);

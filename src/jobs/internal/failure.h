@@ -8,7 +8,7 @@
 #ifndef PEN_JOBS_INTERNAL_FAILURE_H
 #define PEN_JOBS_INTERNAL_FAILURE_H
 
-#include "jobs/worker_report.h"
+#include "jobs/worker.h"
 #include "store/store.h"
 
 /* Ends the claim's job as failed with such an error, and logs it; `why` NULL: the job took longer

@@ -61,4 +61,10 @@ bool pen_setting_listed(const json_t *list, const json_t *value);
 double pen_setting_lists_product(const json_t *lists);
 json_t *pen_setting_lists_combination(const json_t *lists, int number);
 
+/* json_member.c: the text of member `key` of an object, which must be well-formed JSON: a part of a
+ * document can then be stored as it was sent, without writing it again. *length becomes its length.
+ * NULL if the object has no such member, or if its key is written with escapes. Owns: the result
+ * points into `text`. */
+const char *pen_json_member(const char *text, size_t bytes, const char *key, size_t *length);
+
 #endif

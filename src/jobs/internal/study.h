@@ -53,9 +53,6 @@ typedef bool pen_study_write_fn(const void *user, const char *format, struct pen
 bool pen_study_store_report(struct pen_study *study, pen_study_write_fn *write, const void *user,
                             struct pen_batch_output *output, struct pen_status *st);
 
-/* Names output->artefact as the report that is stored with the commit. */
-void pen_study_set_report(struct pen_batch_output *output);
-
 /* The statistics of a render as those of the job. Fails: PEN_NO_MEMORY. */
 bool pen_study_write_stats(const struct pen_study *study, const struct pen_render_stats *render,
                            const struct pen_accel_stats *accel, double build_ms,
