@@ -39,7 +39,7 @@ static bool read_spec(struct accuracy *a, struct pen_status *st)
     a->task.desc = &a->study.desc;
     a->task.settings = &request->settings;
     a->task.view = a->study.views[0];
-    a->task.scene_cap_bytes = pen_scene_cache_cap(context->scenes);
+    a->task.scene_cap_bytes = context->options->scene_cap_bytes;
     a->task.limits = pen_limits_default();
     a->task.pool = context->pool;
     a->task.cancel = pen_heartbeat_cancel_flag(context->heart);

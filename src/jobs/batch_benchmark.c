@@ -38,7 +38,7 @@ static bool read_spec(struct benchmark *benchmark, struct pen_status *st)
     benchmark->bench.desc = &benchmark->study.desc;
     benchmark->bench.views = benchmark->study.views;
     benchmark->bench.view_count = request->view_count;
-    benchmark->bench.scene_cap_bytes = pen_scene_cache_cap(context->scenes);
+    benchmark->bench.scene_cap_bytes = context->options->scene_cap_bytes;
     benchmark->bench.pool = context->pool;
     benchmark->bench.cancel = pen_heartbeat_cancel_flag(context->heart);
     benchmark->bench.progress = pen_study_progress;

@@ -86,7 +86,7 @@ enum { SPLIT_MS = 3000 };
 
 void pen_batch_bound(struct pen_batch_context *context, double share)
 {
-    const int64_t ms = context->batch_ms > 0 ? context->batch_ms : SPLIT_MS;
+    const int64_t ms = context->options->batch_ms > 0 ? context->options->batch_ms : SPLIT_MS;
     context->split_ns = pen_clock_ns() + (int64_t)((double)ms * share * 1e6);
 }
 
@@ -101,7 +101,7 @@ enum { FORECAST_S = 8 };
 
 int64_t pen_batch_forecast_end(const struct pen_batch_context *context)
 {
-    const int64_t most = context->max_seconds;
+    const int64_t most = context->options->max_seconds;
     return pen_clock_ns() + (most > 0 && most < FORECAST_S ? most : FORECAST_S) * 1000000000;
 }
 
@@ -109,7 +109,7 @@ bool pen_batch_is_overdue(const struct pen_batch_context *context)
 {
     const double spent_s = (double)context->claim->job_spent_us * 1e-6 +
                            (double)(pen_clock_ns() - context->begun_ns) * 1e-9;
-    return context->max_seconds > 0 && spent_s > context->max_seconds;
+    return context->options->max_seconds > 0 && spent_s > context->options->max_seconds;
 }
 
 bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_status *st)
@@ -118,7 +118,7 @@ bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_
                     "the job is not done after the %d s that this daemon allows: take a larger "
                     "target_error, fewer pixels, samples or lights, or ask its operator for more "
                     "(--max-seconds)",
-                    context->max_seconds);
+                    context->options->max_seconds);
 }
 
 bool pen_batch_store(struct pen_batch_context *context, const char *layer, const char *format,
@@ -134,16 +134,16 @@ bool pen_batch_store(struct pen_batch_context *context, const char *layer, const
 static void trace_pixel(void *user, int thread, int x, int y)
 {
     struct pen_batch_context *context = user;
-    pen_trace_pixel(context->trace, thread, x, y);
+    pen_trace_pixel(context->options->trace, thread, x, y);
 }
 
 /* As trace_pixel, and calls the test's fault. */
 static void try_pixel(void *user, int thread, int x, int y)
 {
     struct pen_batch_context *context = user;
-    if (context->trace)
-        pen_trace_pixel(context->trace, thread, x, y);
-    if (!context->fault->pixel(context->fault->user, x, y)) {
+    if (context->options->trace)
+        pen_trace_pixel(context->options->trace, thread, x, y);
+    if (!context->options->fault->pixel(context->options->fault->user, x, y)) {
         atomic_store_explicit(&context->exhausted, true, memory_order_relaxed);
         pen_heartbeat_cancel(context->heart);
     }
@@ -153,15 +153,16 @@ pen_batch_pixel_fn *pen_batch_pixel_hook(struct pen_batch_context *context)
 {
     const char *name = json_string_value(json_object_get(context->request.json, "name"));
     atomic_store_explicit(&context->exhausted, false, memory_order_relaxed);
-    if (context->fault && context->fault->wanted(context->fault->user, name))
+    if (context->options->fault &&
+        context->options->fault->wanted(context->options->fault->user, name))
         return try_pixel;
-    return context->trace ? trace_pixel : NULL;
+    return context->options->trace ? trace_pixel : NULL;
 }
 
 bool pen_batch_hook_done(struct pen_batch_context *context, bool ok, struct pen_status *st)
 {
-    if (context->trace)
-        pen_trace_idle(context->trace);
+    if (context->options->trace)
+        pen_trace_idle(context->options->trace);
     if (!ok && atomic_load_explicit(&context->exhausted, memory_order_relaxed))
         return pen_fail(st, PEN_NO_MEMORY, "out of memory while rendering");
     return ok;

@@ -24,7 +24,7 @@ static bool make_bill(struct effects *e, struct pen_batch_output *output, struct
                                        .settings = &context->request.settings,
                                        .view = e->study.views[0],
                                        .repeats = context->request.repeats,
-                                       .scene_cap_bytes = pen_scene_cache_cap(context->scenes),
+                                       .scene_cap_bytes = context->options->scene_cap_bytes,
                                        .pool = context->pool,
                                        .cancel = pen_heartbeat_cancel_flag(context->heart),
                                        .progress = pen_study_progress,

@@ -63,7 +63,7 @@ static bool wants_forecast(const struct pen_batch_context *context)
 bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_estimate *time_ms,
                        double times, struct pen_status *st)
 {
-    const int most_s = context->max_seconds;
+    const int most_s = context->options->max_seconds;
     return most_s == 0 || times * time_ms->low <= 1000.0 * most_s ||
            fail_expected(times * time_ms->expected / 1000, "from some of its pixels", most_s, st);
 }
@@ -167,10 +167,11 @@ static double seconds_for(const struct pen_batch_context *context, double work)
 bool pen_batch_expected(struct pen_batch_context *context, struct pen_status *st)
 {
     const struct pen_claim *claim = context->claim;
-    const double spent_s = (double)claim->job_spent_us * 1e-6, most_s = context->max_seconds;
+    const double spent_s = (double)claim->job_spent_us * 1e-6,
+                 most_s = context->options->max_seconds;
     struct pen_job_record job;
     struct pen_status ignored;
-    if (context->max_seconds == 0 || claim->kind != PEN_BATCH_RENDER ||
+    if (context->options->max_seconds == 0 || claim->kind != PEN_BATCH_RENDER ||
         (spent_s < TELLING_S && spent_s <= most_s) || !pen_batch_context_load(context, &ignored) ||
         context->request.budget_s > 0 || /* which is bounded itself */
         !pen_store_job(context->store, claim->job_id, &job, &ignored))
@@ -182,5 +183,5 @@ bool pen_batch_expected(struct pen_batch_context *context, struct pen_status *st
     char from[80];
     snprintf(from, sizeof from, "of which %.3g %% are done after %.0f s", 100 * share, spent_s);
     return spent_s + rest_s <= most_s ||
-           fail_expected(spent_s + rest_s, from, context->max_seconds, st);
+           fail_expected(spent_s + rest_s, from, context->options->max_seconds, st);
 }

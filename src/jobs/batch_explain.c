@@ -24,7 +24,7 @@ static bool freeze(struct explain *e, struct pen_status *st)
     const int64_t begun_ns = pen_clock_ns();
     e->scene = pen_scene_freeze(&e->study.desc,
                                 (enum pen_accelerator)context->request.settings.accelerator,
-                                pen_scene_cache_cap(context->scenes), st);
+                                context->options->scene_cap_bytes, st);
     e->build_ms = pen_ms_since(begun_ns);
     return e->scene != NULL;
 }

@@ -235,13 +235,12 @@ bool pen_batch_layers_store(struct pen_batch_context *context, int tiles, struct
 }
 
 /* Puts the parts of a layer together; `begins` tells which tiles are the first ones of a batch.
- * Batches without a part are rendered: those of earlier versions have none. */
+ * Those of batches without a part are rendered. */
 static bool assemble(struct pen_batch_context *context, enum pen_layer layer,
                      const unsigned char *begins, struct pen_film *film, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     const int tiles = pen_tile_count(s->width, s->height, s->tile);
-    struct pen_layer_tiles missing = {.first = 0};
     for (int first = 0, end = 0; first < tiles; first = end) {
         bool found;
         do
@@ -250,12 +249,9 @@ static bool assemble(struct pen_batch_context *context, enum pen_layer layer,
         struct part_head head = {.tiles = (uint32_t)(end - first)};
         if (!read_part(context, layer, first, &head, film, &found, st))
             return false;
-        missing.count = found ? first - missing.first : end - missing.first;
-        if (missing.count > 0 && (found || end == tiles) &&
-            !render_tiles(context, layer, film, 0, &missing, st))
+        struct pen_layer_tiles missing = {.first = first, .count = end - first};
+        if (!found && !render_tiles(context, layer, film, 0, &missing, st))
             return false;
-        if (found)
-            missing.first = end;
     }
     return true;
 }

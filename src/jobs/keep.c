@@ -13,10 +13,10 @@ enum {
 struct pen_keeper pen_keeper_make(struct pen_batch_context *context, int64_t wait_ms,
                                   int64_t ask_ms)
 {
-    const bool given = context->keep_ms > 0;
+    const bool given = context->options->keep_ms > 0;
     const int64_t now_ns = pen_clock_ns();
     return (struct pen_keeper){.context = context,
-                               .wait_ms = given ? context->keep_ms : wait_ms,
+                               .wait_ms = given ? context->options->keep_ms : wait_ms,
                                .times = given ? 0 : KEEP_TIMES,
                                .ask_ms = ask_ms,
                                .tried_ns = now_ns};

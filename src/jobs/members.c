@@ -72,6 +72,13 @@ struct pen_found pen_names(const char *const *names)
     return list;
 }
 
+struct pen_found pen_position(size_t i)
+{
+    struct pen_found position;
+    snprintf(position.text, sizeof position.text, "%zu", i);
+    return position;
+}
+
 int pen_name_index(const char *word, const char *const *names)
 {
     for (int i = 0; word && names[i]; i++)
@@ -154,18 +161,6 @@ bool pen_keys_check(const json_t *object, const char *up, const char *const *nam
     return ok;
 }
 
-/* The place of entry i of a list: its number. */
-struct entry {
-    char text[24];
-};
-
-static struct entry entry_of(size_t i)
-{
-    struct entry entry;
-    snprintf(entry.text, sizeof entry.text, "%zu", i);
-    return entry;
-}
-
 /* Reads entry i of the list of the setting `key` into *settings. The place of an error is the
  * entry, or the list if there is no such setting. */
 static bool read_value(const char *up, const char *key, const json_t *value, size_t i,
@@ -175,7 +170,8 @@ static bool read_value(const char *up, const char *key, const json_t *value, siz
     bool ok = pen_settings_read_member(key, value, up, settings, &found);
     for (size_t e = 0; e < found.count; e++)
         pen_request_fail(errors, found.item[e].code, found.item[e].at,
-                         pen_settings_has(key) ? entry_of(i).text : NULL, "%s", found.item[e].msg);
+                         pen_settings_has(key) ? pen_position(i).text : NULL, "%s",
+                         found.item[e].msg);
     return ok;
 }
 
@@ -202,7 +198,7 @@ static bool check_list(const char *up, const char *key, const json_t *list,
         for (size_t k = 0; k < i; k++) {
             if (!json_equal(json_array_get(list, k), value))
                 continue;
-            pen_request_fail(errors, PEN_INVALID, at, entry_of(i).text, "%s is there twice",
+            pen_request_fail(errors, PEN_INVALID, at, pen_position(i).text, "%s is there twice",
                              pen_found(value).text);
             ok = false;
         }

@@ -98,8 +98,6 @@ static int find_view(struct pen_request *request, const json_t *list, size_t i,
                      struct pen_errors *errors)
 {
     const char *name = json_string_value(json_array_get(list, i));
-    char position[24];
-    snprintf(position, sizeof position, "%zu", i);
     for (uint32_t v = 0; name && v < request->desc.view_count; v++) {
         if (strcmp(request->desc.views[v].name, name) == 0)
             return (int)v;
@@ -107,7 +105,7 @@ static int find_view(struct pen_request *request, const json_t *list, size_t i,
     const char *names[65] = {NULL};
     for (uint32_t v = 0; v < request->desc.view_count && v < 64; v++)
         names[v] = request->desc.views[v].name;
-    pen_request_fail(errors, PEN_INVALID, "/views", position,
+    pen_request_fail(errors, PEN_INVALID, "/views", pen_position(i).text,
                      "must be the name of a view of the scene, such as \"%s\", found %s%s",
                      names[0], pen_found(json_array_get(list, i)).text,
                      pen_did_you_mean(name ? pen_nearest_name(name, names) : NULL).text);
@@ -140,13 +138,11 @@ static void read_views(struct pen_request *request, const json_t *list, struct p
  * single view, the first. */
 static bool choose_views(struct pen_request *request, struct pen_errors *errors)
 {
-    struct pen_status st;
     uint32_t count = request->desc.view_count;
     const json_t *list = request->bare ? NULL : json_object_get(request->body, "views");
     request->views = pen_arena_alloc(request->arena, count, sizeof *request->views);
     if (!request->views) {
-        pen_fail(&st, PEN_NO_MEMORY, "no memory for %u views", count);
-        pen_errors_add(errors, &st);
+        pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for %u views", count);
         return false;
     }
     if (list) {

@@ -154,12 +154,11 @@ static void read_layers(struct pen_request *request, struct pen_errors *errors)
                          (int)PEN_LAYER_COUNT, pen_found(list).text);
     for (size_t i = 0; i < count && count <= PEN_LAYER_COUNT; i++) {
         const json_t *name = json_array_get(list, i);
-        char position[24];
-        snprintf(position, sizeof position, "%zu", i);
-        const bool known = pen_word_read(name, "/layers", position, pen_layer_names, errors) >= 0;
+        const struct pen_found at = pen_position(i);
+        const bool known = pen_word_read(name, "/layers", at.text, pen_layer_names, errors) >= 0;
         for (size_t k = 0; known && k < i; k++)
             if (json_equal(json_array_get(list, k), name))
-                pen_request_fail(errors, PEN_INVALID, "/layers", position, "%s is there twice",
+                pen_request_fail(errors, PEN_INVALID, "/layers", at.text, "%s is there twice",
                                  pen_found(name).text);
     }
     request->layers = errors->count == 0 ? list : NULL;

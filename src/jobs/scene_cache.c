@@ -35,11 +35,6 @@ struct pen_scene_cache *pen_scene_cache_new(size_t cap_bytes)
     return cache;
 }
 
-size_t pen_scene_cache_cap(const struct pen_scene_cache *cache)
-{
-    return cache->cap_bytes;
-}
-
 static void drop_last(struct pen_scene_cache *cache)
 {
     pen_scene_free(cache->entry[--cache->count].scene);
@@ -100,13 +95,6 @@ static bool parse(const struct pen_buf *text, struct pen_arena *arena, struct pe
     return false;
 }
 
-/* Gives an error its place in the text: line and column if the scene is in XML. */
-static void locate(const struct pen_buf *text, struct pen_status *st)
-{
-    struct pen_limits limits = open_limits();
-    pen_text_locate((const char *)text->data, text->bytes, &limits, st);
-}
-
 bool pen_scene_describe(struct pen_store *store, const char *job_id, struct pen_arena *arena,
                         struct pen_scene_desc *desc, struct pen_status *st)
 {
@@ -120,6 +108,7 @@ static struct pen_scene *load(const struct pen_scene_cache *cache, const struct 
                               enum pen_accelerator accelerator, struct pen_scene_times *times,
                               struct pen_status *st)
 {
+    const struct pen_limits limits = open_limits();
     struct pen_scene_desc desc;
     struct pen_scene *scene = NULL;
     int64_t begin_ns = pen_clock_ns();
@@ -133,7 +122,7 @@ static struct pen_scene *load(const struct pen_scene_cache *cache, const struct 
         begin_ns = pen_clock_ns();
         scene = pen_scene_freeze(&desc, accelerator, cache->cap_bytes, st);
         if (!scene && st->at[0])
-            locate(text, st);
+            pen_text_locate((const char *)text->data, text->bytes, &limits, st);
         times->build_ms = pen_ms_since(begin_ns);
     }
     pen_arena_free(arena);

@@ -21,7 +21,7 @@ static bool read_scene(struct pen_study *study, struct pen_status *st)
 {
     struct pen_batch_context *context = study->context;
     const int64_t begun_ns = pen_clock_ns();
-    study->arena = pen_arena_new(pen_scene_cache_cap(context->scenes));
+    study->arena = pen_arena_new(context->options->scene_cap_bytes);
     if (!study->arena)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for a scene");
     const bool ok = pen_scene_describe(context->store, study->context->claim->job_id, study->arena,

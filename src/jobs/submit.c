@@ -17,6 +17,7 @@
 #include "jobs/internal/ids.h"
 #include "jobs/internal/job_json.h"
 #include "jobs/internal/jobs.h"
+#include "jobs/internal/members.h"
 #include "jobs/internal/request.h"
 #include "jobs/internal/stored_request.h"
 #include "render/layers.h"
@@ -297,12 +298,10 @@ static bool store_job(struct pen_jobs *jobs, const struct prepared *job, struct 
 
 static bool check_key(const char *key, struct pen_errors *errors)
 {
-    struct pen_status st;
     if (!key || (key[0] && pen_utf8_count(key) <= KEY_CHARACTERS_MAX))
         return true;
-    pen_fail(&st, PEN_USAGE, "Idempotency-Key must have 1 to %d characters",
-             (int)KEY_CHARACTERS_MAX);
-    pen_errors_add(errors, &st);
+    pen_request_fail(errors, PEN_USAGE, "", NULL, "Idempotency-Key must have 1 to %d characters",
+                     (int)KEY_CHARACTERS_MAX);
     return false;
 }
 
@@ -361,11 +360,8 @@ bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, j
             pen_document_locate(&request.document, &warnings.item[i]);
         *answer = json_pack("{s:b, s:o}", "valid", 1, "warnings", warnings_json(&warnings));
         ok = *answer != NULL;
-        if (!ok) {
-            struct pen_status st;
-            pen_fail(&st, PEN_NO_MEMORY, "no memory for an answer");
-            pen_errors_add(errors, &st);
-        }
+        if (!ok)
+            pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for an answer");
     }
     pen_request_release(&request);
     return ok;

@@ -171,7 +171,7 @@ static void add_places(const struct pen_batch_context *context, struct pen_work 
     int seen[PEN_TRACE_THREADS];
     for (int i = 0; i < PEN_TRACE_THREADS && i < pen_thread_pool_size(context->pool); i++) {
         const uint64_t pixel =
-            atomic_load_explicit(&context->trace->place[i].pixel, memory_order_relaxed);
+            atomic_load_explicit(&context->options->trace->place[i].pixel, memory_order_relaxed);
         const int x = (int)(uint32_t)(pixel - 1), y = (int)((pixel - 1) >> 32),
                   tile =
                       pixel ? y / s->tile * pen_tile_count(s->width, 1, s->tile) + x / s->tile : -1,
@@ -192,7 +192,7 @@ double pen_batch_work_now(void *user, double spent_ms, double *per_ms)
     pthread_mutex_lock(&w->lock);
     struct pen_work now = w->known;
     if (w->tile_done) {
-        if (context->trace)
+        if (context->options->trace)
             add_places(context, &now);
         if (now.done != w->last_done) {
             w->last_done = now.done;

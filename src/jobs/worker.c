@@ -13,7 +13,7 @@
  * repeated, which does no harm. */
 #include "jobs/worker.h"
 
-#include <time.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -54,12 +54,6 @@ static bool stopped(const struct worker *w)
     return atomic_load_explicit(w->stop, memory_order_relaxed);
 }
 
-static void pause_ms(int ms)
-{
-    struct timespec time = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000L};
-    nanosleep(&time, NULL);
-}
-
 /* Whether the same call may succeed later. */
 static bool is_temporary(const struct pen_status *st)
 {
@@ -84,7 +78,7 @@ static bool wait_to_retry(struct worker *w, const char *what, const struct pen_s
     if (!is_temporary(st) || stopped(w) || w->memory_tries > MEMORY_TRIES)
         return false;
     log_failure(w, what, st);
-    pause_ms(RETRY_MS);
+    usleep(RETRY_MS * 1000);
     return true;
 }
 
@@ -144,13 +138,6 @@ static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen
     return fail_job(w, claim, why, st);
 }
 
-/* Whether the job's time was up already when this claim was taken. The heartbeat notices it if the
- * time is up later. */
-static bool is_late(const struct pen_claim *claim)
-{
-    return claim->timeout_ms && claim->job_spent_us >= claim->timeout_ms * 1000;
-}
-
 /* Runs the batch. If memory runs out, the caches of earlier jobs are dropped, since this job is not
  * to blame for them, and the batch is tried once more. */
 static bool run_batch(struct worker *w, struct pen_batch_output *output, struct pen_status *why)
@@ -171,10 +158,8 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
                          bool *proven, struct pen_status *st)
 {
     struct pen_batch_output output;
-    struct pen_status why;
+    struct pen_status why = {.code = PEN_CANCELLED};
     w->context.claim = claim;
-    if (is_late(claim))
-        return fail_job(w, claim, NULL, st);
     if (!pen_batch_expected(&w->context, &why))
         return fail_job(w, claim, &why, st);
     struct pen_log_about about = pen_claim_about(claim);
@@ -187,7 +172,7 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
         pen_log_about(PEN_LOG_DEBUG, &about, "the picture of view %d", claim->view);
     /* A stop does not wait for a study, which may take long. */
     pen_heartbeat_begin(w->context.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
-    bool done = run_batch(w, &output, &why);
+    bool done = !pen_heartbeat_is_late(w->context.heart) && run_batch(w, &output, &why);
     pen_heartbeat_pause(w->context.heart);
     claim->spent_us = pen_heartbeat_spent_us(w->context.heart);
     if (done && claim->kind == PEN_BATCH_RENDER)
@@ -210,7 +195,7 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
 static bool work_on(struct worker *w, struct pen_claim *claim, struct pen_next *next,
                     struct pen_status *st)
 {
-    struct pen_trace *trace = w->context.trace;
+    struct pen_trace *trace = w->options->trace;
     bool proven = false;
     if (trace)
         pen_trace_batch(trace, claim->job_id);
@@ -302,11 +287,6 @@ static bool set_up(struct worker *w, struct pen_status *st)
 {
     const struct pen_worker_options *o = w->options;
     w->lease_ms = o->lease_ms > 0 ? o->lease_ms : LEASE_MS;
-    w->context.trace = o->trace;
-    w->context.keep_ms = o->keep_ms;
-    w->context.batch_ms = o->batch_ms;
-    w->context.max_seconds = o->max_seconds;
-    w->context.fault = o->fault;
     w->store = w->context.store = pen_store_open(o->store_url, false, st);
     if (!w->store || !(w->context.pool = pen_thread_pool_new(o->threads, st)) ||
         !(w->context.heart = pen_heartbeat_new(o, w->context.pool, w->lease_ms, pen_batch_work_now,
@@ -332,8 +312,10 @@ static void tear_down(struct worker *w)
 bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
                     struct pen_status *st)
 {
-    struct worker w = {
-        .options = options, .stop = stop, .context.work.lock = PTHREAD_MUTEX_INITIALIZER};
+    struct worker w = {.options = options,
+                       .stop = stop,
+                       .context.options = options,
+                       .context.work.lock = PTHREAD_MUTEX_INITIALIZER};
     bool ok = set_up(&w, st) && run(&w, st);
     struct pen_status ignored;
     if (w.store)

@@ -17,15 +17,14 @@
 #include "render/render.h"
 
 struct pen_batch_context {
+    const struct pen_worker_options *options;
     struct pen_store *store;
     const struct pen_claim *claim; /* that is worked on */
     struct pen_thread_pool *pool;
     struct pen_heartbeat *heart;
     struct pen_scene_cache *scenes;
-    struct pen_trace *trace;              /* may be NULL */
-    const struct pen_worker_fault *fault; /* NULL: none */
-    atomic_bool exhausted;                /* atomic: relaxed; the fault has failed a pixel */
-    char job_id[PEN_ID_BYTES];            /* the job of `request`, "" if there is none */
+    atomic_bool exhausted;     /* atomic: relaxed; the fault has failed a pixel */
+    char job_id[PEN_ID_BYTES]; /* the job of `request`, "" if there is none */
     struct pen_stored_request request;
     bool fresh; /* no pixel of the job was done when `request` was read, and its
                    time not estimated */
@@ -39,11 +38,9 @@ struct pen_batch_context {
     bool rounds_kept;               /* the store has what the last of that view's rounds has left */
     struct pen_film *layer[PEN_LAYER_COUNT]; /* without a target error: of the rows of tiles that
                                                 the batch is in; else NULL */
-    int64_t split_ns;          /* when its tiles end, by pen_clock_ns, if not in rounds */
-    int64_t keep_ms, batch_ms; /* as in pen_worker_options */
-    int max_seconds;           /* the same */
-    double rays_per_s;         /* by the last batch that was rendered; 0: there was none */
-    double store_ms; /* time spent waiting for the store; not in the job's statistics yet */
+    int64_t split_ns;  /* when its tiles end, by pen_clock_ns, if not in rounds */
+    double rays_per_s; /* by the last batch that was rendered; 0: there was none */
+    double store_ms;   /* time spent waiting for the store; not in the job's statistics yet */
 };
 
 /* A finished batch. Owns: release it. */

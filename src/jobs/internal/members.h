@@ -17,14 +17,15 @@ void pen_request_fail(struct pen_errors *errors, enum pen_code code, const char 
                       const char *key, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
-/* Parts of messages: a value that was found; "; did you mean "x"?", or nothing for NULL; and
- * "a, b, c" of names, which end with NULL. */
+/* Parts of messages: a value that was found; "; did you mean "x"?", or nothing for NULL; "a, b, c"
+ * of names, which end with NULL; and the key of entry i of a list. */
 struct pen_found {
     char text[256];
 };
 struct pen_found pen_found(const json_t *value);
 struct pen_found pen_did_you_mean(const char *name);
 struct pen_found pen_names(const char *const *names);
+struct pen_found pen_position(size_t i);
 
 /* The index of a word in names[], which ends with NULL; -1: it is not there, or no word. */
 int pen_name_index(const char *word, const char *const *names);
