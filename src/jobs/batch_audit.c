@@ -50,14 +50,14 @@ static bool run(struct pen_batch_context *context, struct pen_audit_task *task,
                 const struct pen_render_stats *stats, struct pen_audit *audit,
                 struct pen_status *st)
 {
-    struct pen_keeper keeper = pen_batch_keeper(context);
+    struct pen_keeper keeper = pen_keeper_make(context, PEN_KEEP_MS, PEN_ASK_MS);
     struct pen_audit_progress progress = read_kept(context, task->seed);
     task->pause = pen_batch_keeper_pauses;
     task->pause_user = &keeper;
     do {
         if (!pen_audit_continue(context->pool, task, &progress, audit, st))
             return false;
-        if (progress.left > 0 && pen_batch_keeper_is_overdue(&keeper))
+        if (progress.left > 0 && pen_batch_is_overdue(context))
             return pen_batch_fail_overdue(context, st);
         if (progress.left > 0 && !keep(&keeper, stats, task->seed, &progress))
             return pen_fail(st, PEN_UNAVAILABLE, "interrupted after %llu pixels of an audit",

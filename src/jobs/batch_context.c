@@ -109,7 +109,8 @@ bool pen_batch_is_overdue(const struct pen_batch_context *context)
 {
     const double spent_s = (double)context->claim->job_spent_us * 1e-6 +
                            (double)(pen_clock_ns() - context->begun_ns) * 1e-9;
-    return context->options->max_seconds > 0 && spent_s > context->options->max_seconds;
+    return context->options->max_seconds > 0 && spent_s > context->options->max_seconds &&
+           context->request.budget_s == 0;
 }
 
 bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_status *st)
@@ -131,19 +132,13 @@ bool pen_batch_store(struct pen_batch_context *context, const char *layer, const
     return ok;
 }
 
-static void trace_pixel(void *user, int thread, int x, int y)
+static void begin_pixel(void *user, int thread, int x, int y)
 {
     struct pen_batch_context *context = user;
-    pen_trace_pixel(context->options->trace, thread, x, y);
-}
-
-/* As trace_pixel, and calls the test's fault. */
-static void try_pixel(void *user, int thread, int x, int y)
-{
-    struct pen_batch_context *context = user;
+    const struct pen_worker_fault *fault = context->options->fault;
     if (context->options->trace)
         pen_trace_pixel(context->options->trace, thread, x, y);
-    if (!context->options->fault->pixel(context->options->fault->user, x, y)) {
+    if (context->faulty && !fault->pixel(fault->user, x, y)) {
         atomic_store_explicit(&context->exhausted, true, memory_order_relaxed);
         pen_heartbeat_cancel(context->heart);
     }
@@ -151,12 +146,11 @@ static void try_pixel(void *user, int thread, int x, int y)
 
 pen_batch_pixel_fn *pen_batch_pixel_hook(struct pen_batch_context *context)
 {
+    const struct pen_worker_fault *fault = context->options->fault;
     const char *name = json_string_value(json_object_get(context->request.json, "name"));
     atomic_store_explicit(&context->exhausted, false, memory_order_relaxed);
-    if (context->options->fault &&
-        context->options->fault->wanted(context->options->fault->user, name))
-        return try_pixel;
-    return context->options->trace ? trace_pixel : NULL;
+    context->faulty = fault && fault->wanted(fault->user, name);
+    return context->faulty || context->options->trace ? begin_pixel : NULL;
 }
 
 bool pen_batch_hook_done(struct pen_batch_context *context, bool ok, struct pen_status *st)

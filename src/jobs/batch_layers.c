@@ -317,7 +317,7 @@ static bool render_after_rounds(struct after_rounds *a, struct pen_status *st)
         if (!render_tiles(context, a->layer, a->film, 0, &run, st))
             return false;
         a->done += run.count;
-        if (a->done < a->tiles && pen_batch_keeper_is_overdue(&a->keeper))
+        if (a->done < a->tiles && pen_batch_is_overdue(context))
             return pen_batch_fail_overdue(context, st);
         if (a->done < a->tiles && !keep(a))
             return pen_fail(st, PEN_UNAVAILABLE, "interrupted after %d tiles of a layer", a->done);
@@ -336,7 +336,7 @@ bool pen_batch_layers_after_rounds(struct pen_batch_context *context,
         if (!is_wanted(context, (enum pen_layer)i))
             continue;
         const uint32_t hash = (uint32_t)pen_film_hash(&picture);
-        struct after_rounds a = {.keeper = pen_batch_keeper(context),
+        struct after_rounds a = {.keeper = pen_keeper_make(context, PEN_KEEP_MS, PEN_ASK_MS),
                                  .layer = (enum pen_layer)i,
                                  .picture = hash,
                                  .film = pen_film_new(s->width, s->height, st),

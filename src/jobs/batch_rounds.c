@@ -30,8 +30,6 @@
 #include "render/adaptive_state.h"
 #include "study/host.h"
 
-enum { KEEP_MS = 10000, ASK_MS = 500 };
-
 static const char *build_of(const json_t *host)
 {
     const char *build = json_string_value(json_object_get(host, "build"));
@@ -64,21 +62,10 @@ bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_ren
     return !gives_way;
 }
 
-bool pen_batch_keeper_is_overdue(const struct pen_keeper *keeper)
-{
-    const struct pen_batch_context *context = keeper->context;
-    return pen_batch_is_overdue(context) && context->request.budget_s == 0;
-}
-
-struct pen_keeper pen_batch_keeper(struct pen_batch_context *context)
-{
-    return pen_keeper_make(context, KEEP_MS, ASK_MS);
-}
-
 bool pen_batch_keeper_pauses(void *user)
 {
     struct pen_keeper *keeper = user;
-    return pen_batch_keeper_is_overdue(keeper) || pen_keeper_is_due(keeper);
+    return pen_batch_is_overdue(keeper->context) || pen_keeper_is_due(keeper);
 }
 
 /* The share of the view that is done; its layers follow. */
@@ -116,7 +103,7 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
     struct pen_buf state = {0};
     bool gives_way;
     (void)adaptive; /* the context's */
-    if (pen_batch_keeper_is_overdue(keeper))
+    if (pen_batch_is_overdue(context))
         return false;
     tell(context, stats);
     if (!pen_keeper_is_due(keeper))
@@ -157,7 +144,7 @@ static bool read_kept(struct pen_batch_context *context, float *rgb,
 bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_render_task *task,
                       struct pen_render_stats *stats, struct pen_status *st)
 {
-    struct pen_keeper keeper = pen_batch_keeper(context);
+    struct pen_keeper keeper = pen_keeper_make(context, PEN_KEEP_MS, PEN_ASK_MS);
     struct pen_render_stats earlier = {0};
     struct pen_render_task rounds = *task;
     context->adaptive = pen_adaptive_new(task->settings, st);
@@ -174,7 +161,7 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_render
         rounds.deadline_ns =
             context->begun_ns + context->budget_ns - (int64_t)(earlier.render_ms * 1e6);
     bool ok = pen_render_rounds(context->pool, &rounds, context->adaptive, stats, st);
-    if (!ok && st->code == PEN_UNAVAILABLE && pen_batch_keeper_is_overdue(&keeper))
+    if (!ok && st->code == PEN_UNAVAILABLE && pen_batch_is_overdue(context))
         ok = pen_batch_fail_overdue(context, st);
     free(earlier.tile_ms);
     return ok;

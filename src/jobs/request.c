@@ -175,24 +175,9 @@ static void limits_place(const struct pen_request *request, char *at, size_t byt
                  json_object_get(request->scene, "render") ? "/render" : "");
 }
 
-const char *pen_request_cost(const struct pen_request *request)
-{
-    const char *time = pen_cost_names[PEN_COST_TIME];
-    for (size_t i = 0; i < json_array_size(request->layers); i++)
-        if (strcmp(json_string_value(json_array_get(request->layers, i)),
-                   pen_layer_name(PEN_LAYER_COST)) == 0)
-            return request->cost ? request->cost : time;
-    return NULL;
-}
-
 double pen_request_layer_work(const struct pen_request *request)
 {
-    const char *cost = pen_request_cost(request);
-    if (!cost)
-        return 0;
-    return pen_layer_work(PEN_LAYER_COST, strcmp(cost, pen_cost_names[PEN_COST_TESTS]) == 0
-                                              ? PEN_COST_TESTS
-                                              : PEN_COST_TIME);
+    return request->cost_layer ? pen_layer_work(PEN_LAYER_COST, request->cost) : 0;
 }
 
 /* How many times as long as the pixels of a view its audit takes: with a target error about, if

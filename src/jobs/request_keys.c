@@ -10,7 +10,6 @@
 #include "jobs/internal/members.h"
 #include "jobs/internal/request.h"
 #include "render/audit.h"
-#include "render/layers.h"
 
 /* Sets of kinds, one bit each. */
 enum {
@@ -155,8 +154,9 @@ static void read_layers(struct pen_request *request, struct pen_errors *errors)
     for (size_t i = 0; i < count && count <= PEN_LAYER_COUNT; i++) {
         const json_t *name = json_array_get(list, i);
         const struct pen_found at = pen_position(i);
-        const bool known = pen_word_read(name, "/layers", at.text, pen_layer_names, errors) >= 0;
-        for (size_t k = 0; known && k < i; k++)
+        const int layer = pen_word_read(name, "/layers", at.text, pen_layer_names, errors);
+        request->cost_layer |= layer == PEN_LAYER_COST;
+        for (size_t k = 0; layer >= 0 && k < i; k++)
             if (json_equal(json_array_get(list, k), name))
                 pen_request_fail(errors, PEN_INVALID, "/layers", at.text, "%s is there twice",
                                  pen_found(name).text);
@@ -168,7 +168,7 @@ static void read_cost(struct pen_request *request, struct pen_errors *errors)
 {
     const json_t *value = json_object_get(request->body, "cost");
     const int cost = value ? pen_word_read(value, "", "cost", pen_cost_names, errors) : -1;
-    request->cost = cost >= 0 ? pen_cost_names[cost] : NULL;
+    request->cost = cost >= 0 ? (enum pen_cost)cost : PEN_COST_TIME;
 }
 
 static void read_audit(struct pen_request *request, struct pen_errors *errors)

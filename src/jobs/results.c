@@ -10,6 +10,7 @@
 #include "film/picture.h"
 #include "jobs/internal/ids.h"
 #include "jobs/internal/jobs.h"
+#include "jobs/internal/members.h"
 #include "jobs/internal/stats.h"
 #include "jobs/internal/stored_request.h"
 #include "jobs/internal/view_pixels.h"
@@ -79,11 +80,9 @@ static bool resolve_layer(struct wanted *want, const char *name, struct pen_stat
 
 static bool resolve_format(struct wanted *want, const char *format, struct pen_status *st)
 {
-    for (want->format = 0; want->format < FORMAT_COUNT; want->format++) {
-        if (!format || strcmp(format, pen_image_formats[want->format]) == 0)
-            return true;
-    }
-    return pen_fail(st, PEN_USAGE, "format must be one of png, png16, pfm; found \"%.60s\"",
+    want->format = format ? pen_name_index(format, pen_image_formats) : FORMAT_PNG;
+    return want->format >= 0 ||
+           pen_fail(st, PEN_USAGE, "format must be one of png, png16, pfm; found \"%.60s\"",
                     format);
 }
 

@@ -36,10 +36,9 @@ static json_t *views_json(const struct pen_request *request)
 /* Adds the members that only some jobs have; takes the reference. */
 static json_t *with_more(const struct pen_request *request, json_t *json)
 {
-    const char *cost = pen_request_cost(request);
     const int tile = pen_batch_tile(request);
-    if (cost)
-        json = pen_json_with(json, "cost", json_string(cost));
+    if (request->cost_layer)
+        json = pen_json_with(json, "cost", json_string(pen_cost_names[request->cost]));
     if (request->audit_pixels > 0)
         json = pen_json_with(json, "audit",
                              json_pack("{s:i, s:f}", "pixels", request->audit_pixels, "threshold",

@@ -191,20 +191,6 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
     return ok;
 }
 
-/* As handle_claim, and notes in the trace what is worked on. */
-static bool work_on(struct worker *w, struct pen_claim *claim, struct pen_next *next,
-                    struct pen_status *st)
-{
-    struct pen_trace *trace = w->options->trace;
-    bool proven = false;
-    if (trace)
-        pen_trace_batch(trace, claim->job_id);
-    const bool ok = handle_claim(w, claim, next, &proven, st);
-    if (trace)
-        pen_trace_batch_ended(trace, proven);
-    return ok;
-}
-
 /* Updates this worker's row in the list of workers. Where a failure may pass, the next update
  * follows later. */
 static bool update_row(struct worker *w, int64_t now_ns, struct pen_status *st)
@@ -265,6 +251,7 @@ static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_st
 static bool run(struct worker *w, struct pen_status *st)
 {
     struct pen_next next = {.worker = w->options->id, .lease_ms = w->lease_ms};
+    struct pen_trace *trace = w->options->trace;
     pen_store_count(PEN_COUNT_WORKER_STARTS, 1);
     w->worked_ns = pen_clock_ns();
     while (!stopped(w) && !idled(w)) {
@@ -272,8 +259,14 @@ static bool run(struct worker *w, struct pen_status *st)
             return false;
         while (next.found && !stopped(w)) {
             struct pen_claim claim = next.claim;
+            bool proven = false;
             next.found = false;
-            if (!work_on(w, &claim, &next, st) || !maintain(w, st))
+            if (trace)
+                pen_trace_batch(trace, claim.job_id);
+            const bool ok = handle_claim(w, &claim, &next, &proven, st);
+            if (trace)
+                pen_trace_batch_ended(trace, proven);
+            if (!ok || !maintain(w, st))
                 return false;
             w->worked_ns = pen_clock_ns();
         }

@@ -61,14 +61,10 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_render
 bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_render_stats *stats,
                                  int64_t done, const struct pen_kept_part *part, int64_t begun_ns);
 
-/* batch_rounds.c: the keeper of rounds and of what follows the pixels; and whether to stop there,
- * since it is due or the job is overdue: `pause` of a task, whose user is the keeper. */
-struct pen_keeper pen_batch_keeper(struct pen_batch_context *context);
+/* batch_rounds.c: whether to stop there, since the keeper is due or the job is overdue: `pause` of
+ * a task, whose user is the keeper, which has these times. */
+enum { PEN_KEEP_MS = 10000, PEN_ASK_MS = 500 };
 bool pen_batch_keeper_pauses(void *keeper);
-
-/* batch_rounds.c: whether the job of a keeper's batch has taken longer than the operator allows. A
- * job with a budget is bounded already, also what follows its rounds, when it is submitted. */
-bool pen_batch_keeper_is_overdue(const struct pen_keeper *keeper);
 
 /* batch_audit.c: audits the picture of the claim's view, which the film has, if the job asks for
  * that; then *done is true. `stats` are those of the view's rounds, or of other renders. Fails: as

@@ -23,6 +23,7 @@ struct pen_batch_context {
     struct pen_thread_pool *pool;
     struct pen_heartbeat *heart;
     struct pen_scene_cache *scenes;
+    bool faulty;               /* the test's fault is called before each pixel */
     atomic_bool exhausted;     /* atomic: relaxed; the fault has failed a pixel */
     char job_id[PEN_ID_BYTES]; /* the job of `request`, "" if there is none */
     struct pen_stored_request request;
@@ -84,7 +85,8 @@ void pen_batch_bound(struct pen_batch_context *context, double share);
 bool pen_batch_is_long(void *context);
 
 /* Whether the claim's job has taken longer than the operator allows, and the failure that says so,
- * PEN_TOO_LARGE. */
+ * PEN_TOO_LARGE. A job with a budget is bounded already, also what follows its rounds, when it is
+ * submitted. */
 bool pen_batch_is_overdue(const struct pen_batch_context *context);
 bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_status *st);
 
