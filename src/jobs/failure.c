@@ -36,16 +36,12 @@ static void add_quoted(struct pen_buf *out, const char *text)
     pen_buf_puts(out, "'");
 }
 
-/* Appends the value of a setting as the command line takes it: strings without quotes. */
+/* Appends the value of a setting as the command line takes it: words without quotes. */
 static void add_value(struct pen_buf *out, const json_t *value)
 {
     char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
-    size_t length = text ? strlen(text) : 0;
-    bool string = json_is_string(value) && length >= 2;
-    pen_buf_printf(out, "%.*s", (int)(string ? length - 2 : length),
-                   string ? text + 1
-                   : text ? text
-                          : "");
+    const char *word = json_string_value(value);
+    pen_buf_puts(out, word ? word : text ? text : "");
     free(text);
 }
 

@@ -181,19 +181,6 @@ static void check_claim(struct pen_heartbeat *heart)
     }
 }
 
-/* Waits until the next check, or, with `sleep`, until the next claim. */
-static void pause_thread(struct pen_heartbeat *heart, bool sleep)
-{
-    if (sleep) {
-        heart->asleep = true;
-        pthread_cond_wait(&heart->change, &heart->lock);
-        heart->asleep = false;
-        return;
-    }
-    struct timespec until = pen_clock_after_ms(CHECK_MS);
-    pthread_cond_timedwait(&heart->change, &heart->lock, &until);
-}
-
 static void *run(void *user)
 {
     struct pen_heartbeat *heart = user;
@@ -205,8 +192,15 @@ static void *run(void *user)
         last_claim = heart->claims;
         if (seen_before)
             check_claim(heart);
-        if (!heart->quit)
-            pause_thread(heart, idle && !heart->active);
+        if (heart->quit)
+            break;
+        const struct timespec until = pen_clock_after_ms(CHECK_MS);
+        heart->asleep = idle && !heart->active;
+        if (heart->asleep)
+            pthread_cond_wait(&heart->change, &heart->lock);
+        else
+            pthread_cond_timedwait(&heart->change, &heart->lock, &until);
+        heart->asleep = false;
     }
     pthread_mutex_unlock(&heart->lock);
     return NULL;
