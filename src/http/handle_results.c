@@ -98,7 +98,7 @@ enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *job
 {
     struct pen_buf text = {0};
     struct pen_status st;
-    if (!pen_jobs_scene(jobs, request->job_id, &text, &st))
+    if (!pen_store_scene(pen_jobs_store(jobs), request->job_id, &text, &st))
         return answer_status(request, jobs, &st);
     const bool xml = pen_text_is_xml((const char *)text.data, text.bytes);
     return answer_hashed(request, pen_http_blob_take(&text),

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "jobs/accuracy_spec.h"
 
-#include <stdio.h>
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "io/json_build.h"
 #include "io/settings_json.h"
-#include "jobs/internal/request_errors.h"
-#include "jobs/internal/setting_lists.h"
+#include "jobs/internal/members.h"
 
 /* The settings that a ladder may have. */
 static const char *const ladder_keys[] = {"samples_per_pixel", "light_samples", "light_pattern",
@@ -18,22 +17,6 @@ static const char target_key[] = "target_error";
 
 enum { DEFAULT_SEEDS = 5 };
 static const double default_budget_s = 60, default_flip = 0.02;
-
-static bool is_one_of(const char *key, const char *const *names)
-{
-    for (; *names; names++)
-        if (strcmp(key, *names) == 0)
-            return true;
-    return false;
-}
-
-/* "a, b and c" of the ladder's keys. */
-static void list_keys(char *text, size_t bytes)
-{
-    size_t used = 0;
-    for (int i = 0; ladder_keys[i]; i++)
-        used += (size_t)snprintf(text + used, bytes - used, "%s%s", i ? ", " : "", ladder_keys[i]);
-}
 
 /* The ladder of a study that has none: each kind of samples that the scene calls for, with those of
  * the pixel's area, since edges are in each picture. Through a lens, lens_samples are these. Where
@@ -67,12 +50,11 @@ static bool check_ladder(const struct pen_accuracy_spec *spec, struct pen_errors
     }
     json_object_foreach(spec->ladder, key, list)
     {
-        char keys[160];
-        if (!pen_settings_has(key) || is_one_of(key, ladder_keys))
+        if (!pen_settings_has(key) || pen_name_index(key, ladder_keys) >= 0)
             continue;
-        list_keys(keys, sizeof keys);
         pen_request_fail(errors, PEN_INVALID, "/ladder", key,
-                         "must be a setting on which accuracy depends: %s", keys);
+                         "must be a setting on which accuracy depends: %s",
+                         pen_names(ladder_keys).text);
         ok = false;
     }
     if (!spec->product || json_object_size(spec->ladder) < 2 ||
@@ -80,18 +62,6 @@ static bool check_ladder(const struct pen_accuracy_spec *spec, struct pen_errors
         return ok;
     pen_request_fail(errors, PEN_INVALID, "/ladder", target_key,
                      "must not be part of a product: it takes the place of numbers of samples");
-    return false;
-}
-
-static bool read_product(const json_t *members, struct pen_accuracy_spec *spec,
-                         struct pen_errors *errors)
-{
-    const json_t *value = json_object_get(members, "product");
-    spec->product = json_is_true(value);
-    if (!value || json_is_boolean(value))
-        return true;
-    pen_request_fail(errors, PEN_INVALID, "", "product", "must be true or false, found %s",
-                     pen_found(value).text);
     return false;
 }
 
@@ -107,10 +77,11 @@ static bool read_reference(const json_t *members, struct pen_accuracy_spec *spec
     bool ok = pen_settings_read(value, "/reference", &scratch, errors);
     json_object_foreach(value, key, setting)
     {
-        if (!pen_settings_has(key) || (is_one_of(key, ladder_keys) && strcmp(key, target_key) != 0))
+        const bool is_target = strcmp(key, target_key) == 0;
+        if (!pen_settings_has(key) || (!is_target && pen_name_index(key, ladder_keys) >= 0))
             continue;
         pen_request_fail(errors, PEN_INVALID, "/reference", key,
-                         strcmp(key, target_key) == 0
+                         is_target
                              ? "must not be there: a reference has fixed numbers of samples"
                              : "must not be there: it is the same in all pictures of the study");
         ok = false;
@@ -119,44 +90,11 @@ static bool read_reference(const json_t *members, struct pen_accuracy_spec *spec
     return ok;
 }
 
-static bool read_metric(const json_t *value, struct pen_accuracy_spec *spec,
-                        struct pen_errors *errors)
-{
-    const char *name = json_string_value(value);
-    int m = 0;
-    while (name && m < PEN_METRIC_COUNT && strcmp(name, pen_accuracy_metrics[m]) != 0)
-        m++;
-    if (name && m < PEN_METRIC_COUNT) {
-        spec->metric = (enum pen_accuracy_metric)m;
-        return true;
-    }
-    pen_request_fail(errors, PEN_INVALID, "/target", "metric",
-                     "must be one of rmse, relative_mse, psnr, ssim, flip, max_error, found %s",
-                     pen_found(value).text);
-    return false;
-}
-
-static bool read_target_value(const json_t *value, struct pen_accuracy_spec *spec,
-                              struct pen_errors *errors)
-{
-    const double number = json_number_value(value);
-    if (json_is_number(value) && number > 0) {
-        spec->target = number;
-        return true;
-    }
-    pen_request_fail(errors, PEN_INVALID, "/target", "value", "must be a number above 0, found %s",
-                     pen_found(value).text);
-    return false;
-}
-
-static const char *const members_of_target[] = {"metric", "value", NULL};
-
 static bool read_target(const json_t *members, struct pen_accuracy_spec *spec,
                         struct pen_errors *errors)
 {
-    json_t *target = json_object_get(members, "target"), *value;
-    const char *key;
-    bool ok = true;
+    static const char *const names[] = {"metric", "value", NULL};
+    const json_t *target = json_object_get(members, "target");
     if (!target)
         return true;
     if (!json_is_object(target)) {
@@ -165,24 +103,21 @@ static bool read_target(const json_t *members, struct pen_accuracy_spec *spec,
                          pen_found(target).text);
         return false;
     }
-    json_object_foreach(target, key, value)
-    {
-        if (is_one_of(key, members_of_target))
+    bool ok = pen_keys_check(target, "/target", names, errors);
+    for (int i = 0; names[i]; i++) {
+        if (json_object_get(target, names[i]))
             continue;
-        pen_request_fail(errors, PEN_INVALID, "/target", key,
-                         "unknown key; the keys here are metric, value");
-        ok = false;
-    }
-    for (int i = 0; members_of_target[i]; i++) {
-        if (json_object_get(target, members_of_target[i]))
-            continue;
-        pen_request_fail(errors, PEN_INVALID, "/target", members_of_target[i], "is missing");
+        pen_request_fail(errors, PEN_INVALID, "/target", names[i], "is missing");
         ok = false;
     }
     if (!ok)
         return false;
-    ok = read_metric(json_object_get(target, "metric"), spec, errors);
-    return read_target_value(json_object_get(target, "value"), spec, errors) && ok;
+    const int metric = pen_word_read(json_object_get(target, "metric"), "/target", "metric",
+                                     pen_accuracy_metrics, errors);
+    spec->metric = metric >= 0 ? (enum pen_accuracy_metric)metric : spec->metric;
+    return pen_number_read(target, "/target", "value", PEN_ABOVE_0, DBL_MAX, "above 0",
+                           &spec->target, errors) &&
+           metric >= 0;
 }
 
 /* The values that the ladder's settings have in `base`. */
@@ -212,31 +147,13 @@ static bool add_row(struct pen_accuracy_spec *spec, const struct pen_settings *b
     return pen_settings_read(varied, "", &row->settings, &none);
 }
 
-static bool is_equal(const json_t *a, const json_t *b)
-{
-    return json_is_number(a) && json_is_number(b) ? json_number_value(a) == json_number_value(b)
-                                                  : json_equal(a, b);
-}
-
-static bool is_listed(const json_t *list, const json_t *value)
-{
-    size_t i;
-    json_t *item;
-    json_array_foreach(list, i, item)
-    {
-        if (is_equal(item, value))
-            return true;
-    }
-    return false;
-}
-
 /* Whether the settings as they are stand among the ladder's rows, where only one setting varies. */
 static bool has_base(const struct pen_accuracy_spec *spec, const json_t *values)
 {
     void *only = json_object_iter(spec->ladder);
     return json_object_size(spec->ladder) == 1 &&
-           is_listed(json_object_iter_value(only),
-                     json_object_get(values, json_object_iter_key(only)));
+           pen_setting_listed(json_object_iter_value(only),
+                              json_object_get(values, json_object_iter_key(only)));
 }
 
 /* The settings as they are, and one change at a time. */
@@ -251,7 +168,7 @@ static bool add_single_rows(struct pen_accuracy_spec *spec, const struct pen_set
     {
         json_array_foreach(list, i, value)
         {
-            if (!ok || (!listed && is_equal(value, json_object_get(values, key))))
+            if (!ok || (!listed && pen_value_equal(value, json_object_get(values, key))))
                 continue;
             json_t *varied = json_copy(values);
             ok = varied && json_object_set(varied, key, value) == 0;
@@ -266,19 +183,8 @@ static bool add_product_rows(struct pen_accuracy_spec *spec, const struct pen_se
                              int rows)
 {
     bool ok = true;
-    for (int number = 0; ok && number < rows; number++) {
-        const char *key;
-        json_t *list, *varied = json_object();
-        int left = rows, rest = number;
-        json_object_foreach(spec->ladder, key, list)
-        {
-            left /= (int)json_array_size(list);
-            varied = pen_json_with(varied, key,
-                                   json_incref(json_array_get(list, (size_t)(rest / left))));
-            rest %= left;
-        }
-        ok = add_row(spec, base, varied);
-    }
+    for (int i = 0; ok && i < rows; i++)
+        ok = add_row(spec, base, pen_setting_lists_combination(spec->ladder, i));
     return ok;
 }
 
@@ -287,13 +193,12 @@ static double count_rows(const struct pen_accuracy_spec *spec)
 {
     const char *key;
     json_t *list;
-    double sum = 1, product = 1;
+    double sum = 1;
     json_object_foreach(spec->ladder, key, list)
     {
         sum += (double)json_array_size(list);
-        product *= (double)json_array_size(list);
     }
-    return spec->product ? product : sum;
+    return spec->product ? pen_setting_lists_product(spec->ladder) : sum;
 }
 
 static bool make_rows(struct pen_accuracy_spec *spec, const struct pen_settings *base,
@@ -325,12 +230,12 @@ bool pen_accuracy_spec_read(const json_t *members, const struct pen_scene_desc *
                                        .target = default_flip,
                                        .seeds = DEFAULT_SEEDS,
                                        .budget_s = default_budget_s};
-    bool ok = read_product(members, spec, errors);
+    bool ok = pen_boolean_read(members, "product", &spec->product, errors);
     ok &= read_reference(members, spec, errors);
     ok &= read_target(members, spec, errors);
-    ok &= pen_count_read(members, "seeds", 1, PEN_ACCURACY_SEEDS_MAX, &spec->seeds, errors);
-    ok &= pen_number_read(members, "budget_seconds", false, PEN_ACCURACY_BUDGET_MAX_S,
-                          &spec->budget_s, errors);
+    ok &= pen_integer_read(members, "", "seeds", 1, PEN_ACCURACY_SEEDS_MAX, &spec->seeds, errors);
+    ok &= pen_number_read(members, "", "budget_seconds", PEN_ABOVE_0, PEN_ACCURACY_BUDGET_MAX_S,
+                          "above 0 and at most 86400", &spec->budget_s, errors);
     if (!ladder && !desc)
         return false;
     spec->ladder = ladder ? json_incref(ladder) : default_ladder(desc, base);

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* An accuracy study in the worker. Its pictures are in the pages only, so all formats of the report
- * are stored. */
+/* An accuracy study in the worker. */
 #include <math.h>
 #include <string.h>
 
 #include "jobs/accuracy_spec.h"
 #include "jobs/internal/study.h"
-
-/* Those beside JSON, which is stored with the commit. */
-static const char *const stored_formats[] = {"html", "csv", "md", NULL};
 
 struct accuracy {
     struct pen_study study; /* the first member: progress and keep take it for the study */
@@ -25,7 +21,8 @@ static void forecast(void *user, const struct pen_accuracy_forecast *forecast)
     struct pen_status ignored;
     const double ms = fmin(forecast->expected_ms, a->task.budget_ms);
     a->study.context->work.expected_ms = ms;
-    pen_store_estimate(a->study.context->store, a->study.claim, (int64_t)ceil(ms), NULL, &ignored);
+    pen_store_estimate(a->study.context->store, a->study.context->claim, (int64_t)ceil(ms), NULL,
+                       &ignored);
 }
 
 static bool read_spec(struct accuracy *a, struct pen_status *st)
@@ -42,7 +39,7 @@ static bool read_spec(struct accuracy *a, struct pen_status *st)
     a->task.desc = &a->study.desc;
     a->task.settings = &request->settings;
     a->task.view = a->study.views[0];
-    a->task.scene_cap_bytes = pen_scene_cache_cap(context->scenes);
+    a->task.scene_cap_bytes = context->options->scene_cap_bytes;
     a->task.limits = pen_limits_default();
     a->task.pool = context->pool;
     a->task.cancel = pen_heartbeat_cancel_flag(context->heart);
@@ -56,35 +53,27 @@ static bool read_spec(struct accuracy *a, struct pen_status *st)
     return true;
 }
 
-static bool store_format(const struct accuracy *a, const char *format, struct pen_status *st)
+static bool write_format(const void *user, const char *format, struct pen_buf *out,
+                         struct pen_status *st)
 {
-    struct pen_buf text = {0};
-    const bool page = strcmp(format, "html") == 0;
-    const bool ok =
-        (page ? pen_accuracy_write_html(&a->accuracy, a->report, &text, st)
-              : pen_accuracy_write(a->report, format, &text, st)) &&
-        pen_batch_store(a->study.context, a->study.claim, PEN_REPORT_LAYER, format, &text, st);
-    pen_buf_release(&text);
-    return ok;
+    const struct accuracy *a = user;
+    return strcmp(format, "html") == 0 ? pen_accuracy_write_html(&a->accuracy, a->report, out, st)
+                                       : pen_accuracy_write(a->report, format, out, st);
 }
 
 static bool write_report(struct accuracy *a, struct pen_batch_output *output, struct pen_status *st)
 {
     const char *name = a->study.desc.name;
     a->report = pen_accuracy_json(&a->accuracy, name ? name : "");
-    bool ok = a->report || pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
-    for (int i = 0; ok && stored_formats[i]; i++)
-        ok = store_format(a, stored_formats[i], st);
-    ok = ok && pen_accuracy_write(a->report, PEN_REPORT_FORMAT, &output->artefact, st);
-    pen_study_set_report(output);
-    return ok;
+    return a->report ? pen_study_store_report(&a->study, write_format, a, output, st)
+                     : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
 }
 
-bool pen_batch_accuracy(struct pen_batch_context *context, const struct pen_claim *claim,
-                        struct pen_batch_output *output, struct pen_status *st)
+bool pen_batch_accuracy(struct pen_batch_context *context, struct pen_batch_output *output,
+                        struct pen_status *st)
 {
     struct accuracy a = {.spec = {.ladder = NULL}};
-    const bool ok = pen_study_begin(&a.study, context, claim, st) && read_spec(&a, st) &&
+    const bool ok = pen_study_begin(&a.study, context, st) && read_spec(&a, st) &&
                     pen_batch_hook_done(context, pen_accuracy_make(&a.task, &a.accuracy, st), st) &&
                     write_report(&a, output, st) &&
                     pen_study_write_stats(&a.study, &a.accuracy.stats, &a.accuracy.accel,

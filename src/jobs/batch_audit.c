@@ -22,13 +22,13 @@ struct kept_audit {
 };
 
 /* What an earlier worker has kept of an audit with this seed; else nothing. */
-static struct pen_audit_progress read_kept(struct pen_batch_context *context,
-                                           const struct pen_claim *claim, uint64_t seed)
+static struct pen_audit_progress read_kept(struct pen_batch_context *context, uint64_t seed)
 {
     struct kept_audit kept = {.seed = 0};
     struct pen_buf part = {0};
     struct pen_status ignored;
-    if (pen_store_kept(context->store, claim, PART, &part, &ignored) && part.bytes == sizeof kept)
+    if (pen_store_kept(context->store, context->claim, PART, &part, &ignored) &&
+        part.bytes == sizeof kept)
         memcpy(&kept, part.data, sizeof kept);
     pen_buf_release(&part);
     return kept.seed == seed ? kept.progress : (struct pen_audit_progress){0};
@@ -39,25 +39,25 @@ static bool keep(struct pen_keeper *keeper, const struct pen_render_stats *stats
 {
     const struct kept_audit kept = {.seed = seed, .progress = *progress};
     const struct pen_kept_part part = {.name = PART, .data = &kept, .bytes = sizeof kept};
-    const struct pen_claim *claim = keeper->claim;
+    const struct pen_claim *claim = keeper->context->claim;
     /* Of a view that is one batch, which has told nothing of its pixels since its rounds. */
     const int64_t done =
         claim->kind == PEN_BATCH_RENDER ? (int64_t)(0.99 * (double)claim->pixels) : -1;
     return pen_batch_keep_after_rounds(keeper, stats, done, &part, pen_clock_ns());
 }
 
-static bool run(struct pen_batch_context *context, const struct pen_claim *claim,
-                struct pen_audit_task *task, const struct pen_render_stats *stats,
-                struct pen_audit *audit, struct pen_status *st)
+static bool run(struct pen_batch_context *context, struct pen_audit_task *task,
+                const struct pen_render_stats *stats, struct pen_audit *audit,
+                struct pen_status *st)
 {
-    struct pen_keeper keeper = pen_batch_keeper(context, claim);
-    struct pen_audit_progress progress = read_kept(context, claim, task->seed);
+    struct pen_keeper keeper = pen_keeper_make(context, PEN_KEEP_MS, PEN_ASK_MS);
+    struct pen_audit_progress progress = read_kept(context, task->seed);
     task->pause = pen_batch_keeper_pauses;
     task->pause_user = &keeper;
     do {
         if (!pen_audit_continue(context->pool, task, &progress, audit, st))
             return false;
-        if (progress.left > 0 && pen_batch_keeper_is_overdue(&keeper))
+        if (progress.left > 0 && pen_batch_is_overdue(context))
             return pen_batch_fail_overdue(context, st);
         if (progress.left > 0 && !keep(&keeper, stats, task->seed, &progress))
             return pen_fail(st, PEN_UNAVAILABLE, "interrupted after %llu pixels of an audit",
@@ -66,24 +66,21 @@ static bool run(struct pen_batch_context *context, const struct pen_claim *claim
     return true;
 }
 
-bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *claim,
-                     const struct pen_film *film, const struct pen_render_stats *stats,
-                     struct pen_audit *audit, bool *done, struct pen_status *st)
+bool pen_batch_audit(struct pen_batch_context *context, const struct pen_film *film,
+                     const struct pen_render_stats *stats, struct pen_audit *audit, bool *done,
+                     struct pen_status *st)
 {
     struct pen_scene_times times;
-    const struct pen_settings *s = &context->request.settings;
-    struct pen_audit_task task = {.settings = s,
+    struct pen_audit_task task = {.settings = &context->request.settings,
                                   .rgb = film->rgb,
+                                  .pixels = context->request.audit_pixels,
+                                  .threshold = context->request.audit_threshold,
                                   .adaptive = context->adaptive,
                                   .cancel = pen_heartbeat_cancel_flag(context->heart)};
-    *done = pen_stored_request_audit(&context->request, &task.pixels, &task.threshold);
+    *done = context->request.audit;
     if (!*done)
         return true;
-    task.scene = pen_scene_cache_get(context->scenes, context->store, claim,
-                                     (enum pen_accelerator)s->accelerator, &times, st);
-    if (!task.scene)
-        return false;
-    task.view = pen_batch_view(context, claim, task.scene, st);
+    task.scene = pen_batch_scene(context, &task.view, &times, st);
     task.seed = pen_audit_seed(film);
-    return task.view >= 0 && run(context, claim, &task, stats, audit, st);
+    return task.scene && run(context, &task, stats, audit, st);
 }

@@ -38,7 +38,7 @@ static bool read_spec(struct benchmark *benchmark, struct pen_status *st)
     benchmark->bench.desc = &benchmark->study.desc;
     benchmark->bench.views = benchmark->study.views;
     benchmark->bench.view_count = request->view_count;
-    benchmark->bench.scene_cap_bytes = pen_scene_cache_cap(context->scenes);
+    benchmark->bench.scene_cap_bytes = context->options->scene_cap_bytes;
     benchmark->bench.pool = context->pool;
     benchmark->bench.cancel = pen_heartbeat_cancel_flag(context->heart);
     benchmark->bench.progress = pen_study_progress;
@@ -67,7 +67,7 @@ static bool write_report(struct benchmark *benchmark, struct pen_batch_output *o
     bool ok = report ? pen_bench_report_write(report, "json", &output->artefact, st)
                      : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
     json_decref(report);
-    pen_study_set_report(output);
+    pen_batch_set_artefact(output, PEN_REPORT_LAYER, PEN_REPORT_FORMAT);
     return ok;
 }
 
@@ -80,11 +80,11 @@ static bool write_stats(struct benchmark *benchmark, struct pen_batch_output *ou
                                  row->runs[benchmark->result.repeats - 1].build_ms, output, st);
 }
 
-bool pen_batch_benchmark(struct pen_batch_context *context, const struct pen_claim *claim,
-                         struct pen_batch_output *output, struct pen_status *st)
+bool pen_batch_benchmark(struct pen_batch_context *context, struct pen_batch_output *output,
+                         struct pen_status *st)
 {
     struct benchmark benchmark = {.spec = {.matrix = NULL}};
-    bool ok = pen_study_begin(&benchmark.study, context, claim, st) && read_spec(&benchmark, st) &&
+    bool ok = pen_study_begin(&benchmark.study, context, st) && read_spec(&benchmark, st) &&
               run(&benchmark, st) && write_report(&benchmark, output, st) &&
               write_stats(&benchmark, output, st);
     pen_bench_result_release(&benchmark.bench, &benchmark.result);

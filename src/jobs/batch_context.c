@@ -6,25 +6,32 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "io/figures.h"
 
 void pen_batch_output_release(struct pen_batch_output *output)
 {
     pen_buf_release(&output->artefact);
+    free(output->rgb);
     free(output->stats);
     *output = (struct pen_batch_output){0};
 }
 
-bool pen_batch_context_load(struct pen_batch_context *context, const struct pen_claim *claim,
-                            struct pen_status *st)
+void pen_batch_set_artefact(struct pen_batch_output *output, const char *layer, const char *format)
+{
+    output->result.layer = layer;
+    output->result.format = format;
+    output->result.artefact = output->artefact.data;
+    output->result.artefact_bytes = output->artefact.bytes;
+}
+
+bool pen_batch_context_load(struct pen_batch_context *context, struct pen_status *st)
 {
     struct pen_job_record job;
-    if (strcmp(context->job_id, claim->job_id) == 0)
+    if (strcmp(context->job_id, context->claim->job_id) == 0)
         return true;
     context->job_id[0] = '\0';
     context->store_ms = 0;
     pen_stored_request_release(&context->request);
-    if (!pen_store_job(context->store, claim->job_id, &job, st))
+    if (!pen_store_job(context->store, context->claim->job_id, &job, st))
         return false;
     bool ok = pen_stored_request_read(job.request, &context->request, st);
     context->fresh = job.done_pixels == 0 && job.estimate_ms == 0;
@@ -35,7 +42,7 @@ bool pen_batch_context_load(struct pen_batch_context *context, const struct pen_
                                               .height = context->request.settings.height};
     pen_job_record_release(&job);
     if (ok)
-        memcpy(context->job_id, claim->job_id, sizeof context->job_id);
+        memcpy(context->job_id, context->claim->job_id, sizeof context->job_id);
     return ok;
 }
 
@@ -54,14 +61,24 @@ void pen_batch_context_release(struct pen_batch_context *context)
     free(context->image);
 }
 
-int pen_batch_view(const struct pen_batch_context *context, const struct pen_claim *claim,
-                   const struct pen_scene *scene, struct pen_status *st)
+int pen_batch_view(const struct pen_batch_context *context, int view, const struct pen_scene *scene,
+                   struct pen_status *st)
 {
-    const char *name = pen_stored_request_view(&context->request, claim->view);
-    const int view = name ? pen_scene_find_view(scene, name) : -1;
-    if (view < 0)
-        pen_fail(st, PEN_INTERNAL, "the scene has no view %d", claim->view);
-    return view;
+    const char *name = pen_stored_request_view(&context->request, view);
+    const int found = name ? pen_scene_find_view(scene, name) : -1;
+    if (found < 0)
+        pen_fail(st, PEN_INTERNAL, "the scene has no view %d", view);
+    return found;
+}
+
+const struct pen_scene *pen_batch_scene(struct pen_batch_context *context, int *view,
+                                        struct pen_scene_times *times, struct pen_status *st)
+{
+    const struct pen_scene *scene =
+        pen_scene_cache_get(context->scenes, context->store, context->claim,
+                            (enum pen_accelerator)context->request.settings.accelerator, times, st);
+    *view = scene ? pen_batch_view(context, context->claim->view, scene, st) : -1;
+    return *view >= 0 ? scene : NULL;
 }
 
 /* Four times what a batch is meant to take. */
@@ -69,7 +86,7 @@ enum { SPLIT_MS = 3000 };
 
 void pen_batch_bound(struct pen_batch_context *context, double share)
 {
-    const int64_t ms = context->batch_ms > 0 ? context->batch_ms : SPLIT_MS;
+    const int64_t ms = context->options->batch_ms > 0 ? context->options->batch_ms : SPLIT_MS;
     context->split_ns = pen_clock_ns() + (int64_t)((double)ms * share * 1e6);
 }
 
@@ -84,16 +101,16 @@ enum { FORECAST_S = 8 };
 
 int64_t pen_batch_forecast_end(const struct pen_batch_context *context)
 {
-    const int64_t most = context->max_seconds;
+    const int64_t most = context->options->max_seconds;
     return pen_clock_ns() + (most > 0 && most < FORECAST_S ? most : FORECAST_S) * 1000000000;
 }
 
-bool pen_batch_is_overdue(const struct pen_batch_context *context, const struct pen_claim *claim,
-                          int64_t begun_ns)
+bool pen_batch_is_overdue(const struct pen_batch_context *context)
 {
-    const double spent_s =
-        (double)claim->job_spent_us * 1e-6 + (double)(pen_clock_ns() - begun_ns) * 1e-9;
-    return context->max_seconds > 0 && spent_s > context->max_seconds;
+    const double spent_s = (double)context->claim->job_spent_us * 1e-6 +
+                           (double)(pen_clock_ns() - context->begun_ns) * 1e-9;
+    return context->options->max_seconds > 0 && spent_s > context->options->max_seconds &&
+           context->request.budget_s == 0;
 }
 
 bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_status *st)
@@ -102,45 +119,26 @@ bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_
                     "the job is not done after the %d s that this daemon allows: take a larger "
                     "target_error, fewer pixels, samples or lights, or ask its operator for more "
                     "(--max-seconds)",
-                    context->max_seconds);
+                    context->options->max_seconds);
 }
 
-bool pen_batch_store(struct pen_batch_context *context, const struct pen_claim *claim,
-                     const char *layer, const char *format, const struct pen_buf *data,
-                     struct pen_status *st)
+bool pen_batch_store(struct pen_batch_context *context, const char *layer, const char *format,
+                     const struct pen_buf *data, struct pen_status *st)
 {
     pen_heartbeat_pause(context->heart);
-    const bool ok =
-        pen_store_artefact_put(context->store, claim, layer, format, data->data, data->bytes, st);
+    const bool ok = pen_store_artefact_put(context->store, context->claim, layer, format,
+                                           data->data, data->bytes, st);
     pen_heartbeat_resume(context->heart);
     return ok;
 }
 
-bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,
-                           struct pen_batch_output *output, struct pen_status *st)
-{
-    stats = pen_json_with(stats, "store_before_ms", pen_figure(context->store_ms));
-    context->store_ms = 0;
-    output->stats = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
-    json_decref(stats);
-    output->result.stats = output->stats;
-    output->result.handed_ns = pen_clock_ns();
-    return output->stats || pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
-}
-
-static void trace_pixel(void *user, int thread, int x, int y)
+static void begin_pixel(void *user, int thread, int x, int y)
 {
     struct pen_batch_context *context = user;
-    pen_trace_pixel(context->trace, thread, x, y);
-}
-
-/* As trace_pixel, and calls the test's fault. */
-static void try_pixel(void *user, int thread, int x, int y)
-{
-    struct pen_batch_context *context = user;
-    if (context->trace)
-        pen_trace_pixel(context->trace, thread, x, y);
-    if (!context->fault->pixel(context->fault->user, x, y)) {
+    const struct pen_worker_fault *fault = context->options->fault;
+    if (context->options->trace)
+        pen_trace_pixel(context->options->trace, thread, x, y);
+    if (context->faulty && !fault->pixel(fault->user, x, y)) {
         atomic_store_explicit(&context->exhausted, true, memory_order_relaxed);
         pen_heartbeat_cancel(context->heart);
     }
@@ -148,17 +146,17 @@ static void try_pixel(void *user, int thread, int x, int y)
 
 pen_batch_pixel_fn *pen_batch_pixel_hook(struct pen_batch_context *context)
 {
+    const struct pen_worker_fault *fault = context->options->fault;
     const char *name = json_string_value(json_object_get(context->request.json, "name"));
     atomic_store_explicit(&context->exhausted, false, memory_order_relaxed);
-    if (context->fault && context->fault->wanted(context->fault->user, name))
-        return try_pixel;
-    return context->trace ? trace_pixel : NULL;
+    context->faulty = fault && fault->wanted(fault->user, name);
+    return context->faulty || context->options->trace ? begin_pixel : NULL;
 }
 
 bool pen_batch_hook_done(struct pen_batch_context *context, bool ok, struct pen_status *st)
 {
-    if (context->trace)
-        pen_trace_idle(context->trace);
+    if (context->options->trace)
+        pen_trace_idle(context->options->trace);
     if (!ok && atomic_load_explicit(&context->exhausted, memory_order_relaxed))
         return pen_fail(st, PEN_NO_MEMORY, "out of memory while rendering");
     return ok;

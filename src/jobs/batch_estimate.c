@@ -44,12 +44,12 @@ static bool fail_expected(double seconds, const char *from, int max_seconds, str
 static bool is_long(const struct pen_batch_context *context)
 {
     const struct pen_stored_request *request = &context->request;
-    return !pen_settings_adaptive(&request->settings) &&
-           pen_stored_request_bound_rays(request) > LONG_RAYS;
+    return !pen_settings_adaptive(&request->settings) && request->bound_rays > LONG_RAYS;
 }
 
-static bool is_first(const struct pen_batch_context *context, const struct pen_claim *claim)
+static bool is_first(const struct pen_batch_context *context)
 {
+    const struct pen_claim *claim = context->claim;
     return context->fresh && claim->attempt == 1 && claim->view == 0 && claim->first_tile == 0;
 }
 
@@ -63,7 +63,7 @@ static bool wants_forecast(const struct pen_batch_context *context)
 bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen_estimate *time_ms,
                        double times, struct pen_status *st)
 {
-    const int most_s = context->max_seconds;
+    const int most_s = context->options->max_seconds;
     return most_s == 0 || times * time_ms->low <= 1000.0 * most_s ||
            fail_expected(times * time_ms->expected / 1000, "from some of its pixels", most_s, st);
 }
@@ -75,10 +75,8 @@ static bool make_map(struct pen_batch_context *context, const struct pen_forecas
     const int views = context->request.view_count;
     int *view = malloc((size_t)views * sizeof *view);
     bool ok = view || pen_fail(st, PEN_NO_MEMORY, "no memory for %d views", views);
-    for (int i = 0; ok && i < views; i++) {
-        const struct pen_claim of_view = {.view = i};
-        ok = (view[i] = pen_batch_view(context, &of_view, task->scene, st)) >= 0;
-    }
+    for (int i = 0; ok && i < views; i++)
+        ok = (view[i] = pen_batch_view(context, i, task->scene, st)) >= 0;
     ok = ok && pen_cost_map_make(context->pool, task, view, views, &context->work.map, st);
     *time_ms = context->work.map.time_ms;
     free(view);
@@ -100,50 +98,48 @@ static bool make_forecast(struct pen_batch_context *context, const struct pen_fo
 }
 
 /* Stores what is expected, and the map. A failure is ignored. */
-static void store_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
-                           double ms)
+static void store_estimate(struct pen_batch_context *context, double ms)
 {
     struct pen_buf map = {0};
     struct pen_status ignored;
     const bool any = context->work.map.cell && pen_cost_map_save(&context->work.map, &map);
     context->work.expected_ms = ms;
-    pen_store_estimate(context->store, claim, (int64_t)ceil(ms), any ? &map : NULL, &ignored);
+    pen_store_estimate(context->store, context->claim, (int64_t)ceil(ms), any ? &map : NULL,
+                       &ignored);
     pen_buf_release(&map);
 }
 
 /* Reads the map that another worker has made. Until it is there, all pixels count the same. */
-static void load_map(struct pen_batch_context *context, const struct pen_claim *claim)
+static void load_map(struct pen_batch_context *context)
 {
     struct pen_buf map = {0};
     struct pen_status ignored;
     if (!context->work.map.cell && is_long(context) &&
-        pen_store_cost_map(context->store, claim->job_id, &map, &ignored))
+        pen_store_cost_map(context->store, context->claim->job_id, &map, &ignored))
         pen_cost_map_load(map.data, map.bytes, &context->work.map);
     pen_buf_release(&map);
 }
 
-bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
-                        const struct pen_scene *scene, struct pen_status *st)
+bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_scene *scene, int view,
+                        struct pen_status *st)
 {
     const struct pen_forecast_task task = {.scene = scene,
-                                           .view = pen_batch_view(context, claim, scene, st),
+                                           .view = view,
                                            .settings = &context->request.settings,
                                            .quick = true,
                                            .deadline_ns = pen_batch_forecast_end(context),
                                            .cancel = pen_heartbeat_cancel_flag(context->heart),
                                            .pixel_begins = pen_batch_pixel_hook(context),
                                            .pixel_user = context};
-    const double budget_ms = 1000 * pen_stored_request_budget(&context->request),
+    const double budget_ms = 1000 * context->request.budget_s,
                  with_layers = 1 + pen_batch_layer_work(context);
-    const bool first = is_first(context, claim), has_map = is_long(context);
+    const bool first = is_first(context), has_map = is_long(context);
     struct pen_estimate time_ms;
-    if (task.view < 0)
-        return false;
     if (context->fresh && budget_ms > 0)
-        store_estimate(context, claim, budget_ms * with_layers);
+        store_estimate(context, budget_ms * with_layers);
     context->fresh = false;
     if (!first || budget_ms > 0 || !(has_map || wants_forecast(context))) {
-        load_map(context, claim);
+        load_map(context);
         return true;
     }
     const bool made = has_map ? make_map(context, &task, &time_ms, st)
@@ -151,42 +147,41 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_clai
     if (!pen_batch_hook_done(context, made, st))
         return false;
     const double all_ms = time_ms.expected * with_layers;
-    const struct pen_log_about about = pen_claim_about(claim);
+    const struct pen_log_about about = pen_claim_about(context->claim);
     pen_log_about(PEN_LOG_DEBUG, &about, "expected to take %.1f s", all_ms / 1000);
     if (!pen_batch_allowed(context, &time_ms, with_layers, st))
         return false;
-    store_estimate(context, claim, all_ms);
+    store_estimate(context, all_ms);
     return true;
 }
 
 /* How long so much of the job's work takes at this worker's pace; 0 as long as it is not known. */
-static double seconds_for(const struct pen_batch_context *context, const struct pen_claim *claim,
-                          double work)
+static double seconds_for(const struct pen_batch_context *context, double work)
 {
-    const struct pen_batch_pace *pace = pen_batch_pace_of(context, claim);
+    const struct pen_batch_pace *pace = pen_batch_pace_of(context);
     return pace && pace->ms >= 1000.0 * TELLING_S && pace->work > 0
                ? work * pace->ms / 1000 / pace->work
                : 0;
 }
 
-bool pen_batch_expected(struct pen_batch_context *context, const struct pen_claim *claim,
-                        struct pen_status *st)
+bool pen_batch_expected(struct pen_batch_context *context, struct pen_status *st)
 {
-    const double spent_s = (double)claim->job_spent_us * 1e-6, most_s = context->max_seconds;
+    const struct pen_claim *claim = context->claim;
+    const double spent_s = (double)claim->job_spent_us * 1e-6,
+                 most_s = context->options->max_seconds;
     struct pen_job_record job;
     struct pen_status ignored;
-    if (context->max_seconds == 0 || claim->kind != PEN_BATCH_RENDER ||
-        (spent_s < TELLING_S && spent_s <= most_s) ||
-        !pen_batch_context_load(context, claim, &ignored) ||
-        pen_stored_request_budget(&context->request) > 0 || /* which is bounded itself */
+    if (context->options->max_seconds == 0 || claim->kind != PEN_BATCH_RENDER ||
+        (spent_s < TELLING_S && spent_s <= most_s) || !pen_batch_context_load(context, &ignored) ||
+        context->request.budget_s > 0 || /* which is bounded itself */
         !pen_store_job(context->store, claim->job_id, &job, &ignored))
         return true;
     const double share = (double)job.work / PEN_WORK_ALL;
     const bool told = !is_long(context) || share >= TELLING_SHARE;
-    const double rest_s = told ? seconds_for(context, claim, 1 - share) : 0;
+    const double rest_s = told ? seconds_for(context, 1 - share) : 0;
     pen_job_record_release(&job);
     char from[80];
     snprintf(from, sizeof from, "of which %.3g %% are done after %.0f s", 100 * share, spent_s);
     return spent_s + rest_s <= most_s ||
-           fail_expected(spent_s + rest_s, from, context->max_seconds, st);
+           fail_expected(spent_s + rest_s, from, context->options->max_seconds, st);
 }

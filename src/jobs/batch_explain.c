@@ -11,7 +11,6 @@
 
 struct explain {
     struct pen_study study;
-    int64_t begun_ns;
     struct pen_scene *scene;
     double build_ms;
     struct pen_forecast forecast;
@@ -25,8 +24,8 @@ static bool freeze(struct explain *e, struct pen_status *st)
     const int64_t begun_ns = pen_clock_ns();
     e->scene = pen_scene_freeze(&e->study.desc,
                                 (enum pen_accelerator)context->request.settings.accelerator,
-                                pen_scene_cache_cap(context->scenes), st);
-    e->build_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+                                context->options->scene_cap_bytes, st);
+    e->build_ms = pen_ms_since(begun_ns);
     return e->scene != NULL;
 }
 
@@ -42,14 +41,14 @@ static bool forecast(struct explain *e, struct pen_status *st)
                                            .pixel_user = context};
     const bool ok = pen_forecast_make(context->pool, &task, &e->forecast, st);
     if (ok)
-        pen_study_progress(&e->study, 1, (int)e->study.claim->pixels);
+        pen_study_progress(&e->study, 1, (int)e->study.context->claim->pixels);
     return pen_batch_hook_done(context, ok, st);
 }
 
 static bool is_overdue(void *user)
 {
     const struct explain *e = user;
-    return pen_batch_is_overdue(e->study.context, e->study.claim, e->begun_ns);
+    return pen_batch_is_overdue(e->study.context);
 }
 
 static bool goes_on(void *user, const struct pen_adaptive *adaptive,
@@ -74,7 +73,7 @@ static bool render(struct explain *e, struct pen_status *st)
 {
     struct pen_batch_context *context = e->study.context;
     const struct pen_settings *settings = &context->request.settings;
-    if (!pen_stored_request_analyze(&context->request))
+    if (!context->request.analyze)
         return true;
     if (!pen_batch_allowed(context, &e->forecast.time_ms, 1, st))
         return false;
@@ -113,19 +112,19 @@ static bool write(struct explain *e, struct pen_batch_output *output, struct pen
     json_decref(json);
     if (!ok)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for an explanation");
-    pen_study_set_report(output);
+    pen_batch_set_artefact(output, PEN_REPORT_LAYER, PEN_REPORT_FORMAT);
     return rendered
                ? pen_study_write_stats(&e->study, &e->stats, pen_accel_get_stats(e->scene->accel),
                                        e->build_ms, output, st)
                : pen_batch_write_stats(context, json_object(), output, st);
 }
 
-bool pen_batch_explain(struct pen_batch_context *context, const struct pen_claim *claim,
-                       struct pen_batch_output *output, struct pen_status *st)
+bool pen_batch_explain(struct pen_batch_context *context, struct pen_batch_output *output,
+                       struct pen_status *st)
 {
-    struct explain e = {.begun_ns = pen_clock_ns()};
-    const bool ok = pen_study_begin(&e.study, context, claim, st) && freeze(&e, st) &&
-                    forecast(&e, st) && render(&e, st) && write(&e, output, st);
+    struct explain e = {.scene = NULL};
+    const bool ok = pen_study_begin(&e.study, context, st) && freeze(&e, st) && forecast(&e, st) &&
+                    render(&e, st) && write(&e, output, st);
     pen_forecast_release(&e.forecast);
     free(e.stats.tile_ms);
     pen_film_free(e.film);

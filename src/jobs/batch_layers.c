@@ -23,7 +23,7 @@
 
 static bool is_wanted(const struct pen_batch_context *context, enum pen_layer layer)
 {
-    return layer != PEN_LAYER_BEAUTY && pen_stored_request_layer(&context->request, layer);
+    return layer != PEN_LAYER_BEAUTY && (context->request.layers >> layer & 1);
 }
 
 double pen_batch_layer_work(const struct pen_batch_context *context)
@@ -31,8 +31,7 @@ double pen_batch_layer_work(const struct pen_batch_context *context)
     double work = 0;
     for (int layer = 0; layer < PEN_LAYER_COUNT; layer++)
         if (is_wanted(context, (enum pen_layer)layer))
-            work +=
-                pen_layer_work((enum pen_layer)layer, pen_stored_request_cost(&context->request));
+            work += pen_layer_work((enum pen_layer)layer, context->request.cost);
     return work;
 }
 
@@ -54,28 +53,24 @@ static struct strip strip_of(const struct pen_settings *s, int first, int count)
 }
 
 /* Makes tiles of a layer in a film that begins with this row of the view. */
-static bool render_tiles(struct pen_batch_context *context, const struct pen_claim *claim,
-                         enum pen_layer layer, struct pen_film *film, int first_row,
-                         struct pen_layer_tiles *tiles, struct pen_status *st)
+static bool render_tiles(struct pen_batch_context *context, enum pen_layer layer,
+                         struct pen_film *film, int first_row, struct pen_layer_tiles *tiles,
+                         struct pen_status *st)
 {
     struct pen_scene_times times;
-    const struct pen_settings *s = &context->request.settings;
-    struct pen_layer_task task = {.settings = s,
+    struct pen_layer_task task = {.settings = &context->request.settings,
                                   .layer = layer,
-                                  .cost = pen_stored_request_cost(&context->request),
+                                  .cost = context->request.cost,
                                   .rgb = film->rgb,
                                   .first_row = first_row,
                                   .cancel = pen_heartbeat_cancel_flag(context->heart),
                                   .adaptive = context->adaptive};
-    task.scene = pen_scene_cache_get(context->scenes, context->store, claim,
-                                     (enum pen_accelerator)s->accelerator, &times, st);
-    if (!task.scene || (task.view = pen_batch_view(context, claim, task.scene, st)) < 0)
-        return false;
-    return pen_layer_render_tiles(context->pool, &task, tiles, st);
+    task.scene = pen_batch_scene(context, &task.view, &times, st);
+    return task.scene && pen_layer_render_tiles(context->pool, &task, tiles, st);
 }
 
-bool pen_batch_layers_make(struct pen_batch_context *context, const struct pen_claim *claim,
-                           bool bounded, int *tiles, double *ms, struct pen_status *st)
+bool pen_batch_layers_make(struct pen_batch_context *context, bool bounded, int *tiles, double *ms,
+                           struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     const int64_t begun_ns = pen_clock_ns();
@@ -84,19 +79,20 @@ bool pen_batch_layers_make(struct pen_batch_context *context, const struct pen_c
         const enum pen_layer layer = (enum pen_layer)i;
         if (!is_wanted(context, layer))
             continue;
-        const struct strip strip = strip_of(s, claim->first_tile, claim->tile_count);
-        struct pen_layer_tiles run = {.first = claim->first_tile,
+        const struct strip strip =
+            strip_of(s, context->claim->first_tile, context->claim->tile_count);
+        struct pen_layer_tiles run = {.first = context->claim->first_tile,
                                       .count = *tiles,
                                       .pause = pauses ? pen_batch_is_long : NULL,
                                       .pause_user = context};
         context->layer[i] = pen_film_new(s->width, strip.settings.height, st);
         if (!context->layer[i] ||
-            !render_tiles(context, claim, layer, context->layer[i], strip.first_row, &run, st))
+            !render_tiles(context, layer, context->layer[i], strip.first_row, &run, st))
             return false;
         *tiles = run.count;
         pauses = false;
     }
-    *ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+    *ms = pen_ms_since(begun_ns);
     return true;
 }
 
@@ -108,12 +104,12 @@ void pen_batch_layers_end(struct pen_batch_context *context)
     }
 }
 
-static bool store_file(struct pen_batch_context *context, const struct pen_claim *claim,
-                       enum pen_layer layer, const struct pen_film *film, struct pen_status *st)
+static bool store_file(struct pen_batch_context *context, enum pen_layer layer,
+                       const struct pen_film *film, struct pen_status *st)
 {
     struct pen_buf file = {0};
     const bool ok = pen_pfm_write(film, &file, st) &&
-                    pen_batch_store(context, claim, pen_layer_name(layer), "pfm", &file, st);
+                    pen_batch_store(context, pen_layer_name(layer), "pfm", &file, st);
     pen_buf_release(&file);
     return ok;
 }
@@ -192,81 +188,76 @@ static bool place_part(const struct pen_settings *s, enum pen_layer layer,
 }
 
 /* Reads a part as place_part does. *found = false: there is none that can be used. */
-static bool read_part(struct pen_batch_context *context, const struct pen_claim *claim,
-                      enum pen_layer layer, int first, struct part_head *head,
-                      struct pen_film *film, bool *found, struct pen_status *st)
+static bool read_part(struct pen_batch_context *context, enum pen_layer layer, int first,
+                      struct part_head *head, struct pen_film *film, bool *found,
+                      struct pen_status *st)
 {
     struct pen_buf part = {0};
-    *found = pen_store_kept(context->store, claim, name_of(layer, first).text, &part, st) &&
-             place_part(&context->request.settings, layer, &part, first, head, film, st);
+    *found =
+        pen_store_kept(context->store, context->claim, name_of(layer, first).text, &part, st) &&
+        place_part(&context->request.settings, layer, &part, first, head, film, st);
     pen_buf_release(&part);
     return *found || st->code == PEN_NOT_FOUND;
 }
 
 /* Keeps a part, unless the store has no space for it. */
-static bool keep_part(struct pen_batch_context *context, const struct pen_claim *claim,
-                      enum pen_layer layer, int tiles, struct pen_status *st)
+static bool keep_part(struct pen_batch_context *context, enum pen_layer layer, int tiles,
+                      struct pen_status *st)
 {
     struct pen_buf bytes = {0};
-    const struct strip strip =
-        strip_of(&context->request.settings, claim->first_tile, claim->tile_count);
-    const struct part_name name = name_of(layer, claim->first_tile);
+    const struct strip strip = strip_of(&context->request.settings, context->claim->first_tile,
+                                        context->claim->tile_count);
+    const struct part_name name = name_of(layer, context->claim->first_tile);
     const struct part_head head = {.tiles = (uint32_t)tiles};
     bool ok = write_part(&strip, layer, context->layer[layer], &head, &bytes, st);
     if (ok) {
         const struct pen_kept_part part = {
             .name = name.text, .data = bytes.data, .bytes = bytes.bytes};
         pen_heartbeat_pause(context->heart);
-        ok = pen_store_keep_part(context->store, claim, &part, st);
+        ok = pen_store_keep_part(context->store, context->claim, &part, st);
         pen_heartbeat_resume(context->heart);
     }
     pen_buf_release(&bytes);
     return ok || st->code == PEN_STORAGE_FULL;
 }
 
-bool pen_batch_layers_store(struct pen_batch_context *context, const struct pen_claim *claim,
-                            int tiles, struct pen_status *st)
+bool pen_batch_layers_store(struct pen_batch_context *context, int tiles, struct pen_status *st)
 {
-    const bool whole = claim->view_batches <= 1 && tiles == claim->tile_count;
+    const bool whole = context->claim->view_batches <= 1 && tiles == context->claim->tile_count;
     bool ok = true;
     for (int i = 0; ok && i < PEN_LAYER_COUNT; i++) {
         const enum pen_layer layer = (enum pen_layer)i;
         if (context->layer[i])
-            ok = whole ? store_file(context, claim, layer, context->layer[i], st)
-                       : keep_part(context, claim, layer, tiles, st);
+            ok = whole ? store_file(context, layer, context->layer[i], st)
+                       : keep_part(context, layer, tiles, st);
     }
     return ok;
 }
 
 /* Puts the parts of a layer together; `begins` tells which tiles are the first ones of a batch.
- * Batches without a part are rendered: those of earlier versions have none. */
-static bool assemble(struct pen_batch_context *context, const struct pen_claim *claim,
-                     enum pen_layer layer, const unsigned char *begins, struct pen_film *film,
-                     struct pen_status *st)
+ * Those of batches without a part are rendered. */
+static bool assemble(struct pen_batch_context *context, enum pen_layer layer,
+                     const unsigned char *begins, struct pen_film *film, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     const int tiles = pen_tile_count(s->width, s->height, s->tile);
-    struct pen_layer_tiles missing = {.first = 0};
     for (int first = 0, end = 0; first < tiles; first = end) {
         bool found;
         do
             end++;
         while (end < tiles && !begins[end]);
         struct part_head head = {.tiles = (uint32_t)(end - first)};
-        if (!read_part(context, claim, layer, first, &head, film, &found, st))
+        if (!read_part(context, layer, first, &head, film, &found, st))
             return false;
-        missing.count = found ? first - missing.first : end - missing.first;
-        if (missing.count > 0 && (found || end == tiles) &&
-            !render_tiles(context, claim, layer, film, 0, &missing, st))
+        struct pen_layer_tiles missing = {.first = first, .count = end - first};
+        if (!found && !render_tiles(context, layer, film, 0, &missing, st))
             return false;
-        if (found)
-            missing.first = end;
     }
     return true;
 }
 
-bool pen_batch_layers_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
-                               const unsigned char *begins, struct pen_status *st)
+bool pen_batch_layers_assemble(struct pen_batch_context *context, const unsigned char *begins,
+                               struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     bool ok = true;
@@ -275,8 +266,8 @@ bool pen_batch_layers_assemble(struct pen_batch_context *context, const struct p
         if (!is_wanted(context, layer))
             continue;
         struct pen_film *film = pen_film_new(s->width, s->height, st);
-        ok = film && assemble(context, claim, layer, begins, film, st) &&
-             store_file(context, claim, layer, film, st);
+        ok = film && assemble(context, layer, begins, film, st) &&
+             store_file(context, layer, film, st);
         pen_film_free(film);
     }
     return ok;
@@ -306,7 +297,7 @@ static bool keep(struct after_rounds *a)
     const bool ok = write_part(&whole, a->layer, a->film, &head, &bytes, &ignored);
     const struct pen_kept_part part = {
         .name = name.text, .data = bytes.data, .bytes = ok ? bytes.bytes : 0};
-    const double done = (1 + work * share) / (1 + work) * (double)a->keeper.claim->pixels;
+    const double done = (1 + work * share) / (1 + work) * (double)a->keeper.context->claim->pixels;
     const bool goes_on =
         pen_batch_keep_after_rounds(&a->keeper, a->stats, (int64_t)done, &part, begun_ns);
     pen_buf_release(&bytes);
@@ -317,16 +308,16 @@ static bool keep(struct after_rounds *a)
 static bool render_after_rounds(struct after_rounds *a, struct pen_status *st)
 {
     struct pen_batch_context *context = a->keeper.context;
-    const bool is_long = pen_layer_work(a->layer, pen_stored_request_cost(&context->request)) > 0;
+    const bool is_long = pen_layer_work(a->layer, context->request.cost) > 0;
     while (a->done < a->tiles) {
         struct pen_layer_tiles run = {.first = a->done,
                                       .count = a->tiles - a->done,
                                       .pause = is_long ? pen_batch_keeper_pauses : NULL,
                                       .pause_user = &a->keeper};
-        if (!render_tiles(context, a->keeper.claim, a->layer, a->film, 0, &run, st))
+        if (!render_tiles(context, a->layer, a->film, 0, &run, st))
             return false;
         a->done += run.count;
-        if (a->done < a->tiles && pen_batch_keeper_is_overdue(&a->keeper))
+        if (a->done < a->tiles && pen_batch_is_overdue(context))
             return pen_batch_fail_overdue(context, st);
         if (a->done < a->tiles && !keep(a))
             return pen_fail(st, PEN_UNAVAILABLE, "interrupted after %d tiles of a layer", a->done);
@@ -334,7 +325,7 @@ static bool render_after_rounds(struct after_rounds *a, struct pen_status *st)
     return true;
 }
 
-bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
+bool pen_batch_layers_after_rounds(struct pen_batch_context *context,
                                    const struct pen_render_stats *stats, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
@@ -345,7 +336,7 @@ bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const stru
         if (!is_wanted(context, (enum pen_layer)i))
             continue;
         const uint32_t hash = (uint32_t)pen_film_hash(&picture);
-        struct after_rounds a = {.keeper = pen_batch_keeper(context, claim),
+        struct after_rounds a = {.keeper = pen_keeper_make(context, PEN_KEEP_MS, PEN_ASK_MS),
                                  .layer = (enum pen_layer)i,
                                  .picture = hash,
                                  .film = pen_film_new(s->width, s->height, st),
@@ -353,10 +344,9 @@ bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const stru
                                  .tiles = pen_tile_count(s->width, s->height, s->tile)};
         struct part_head head = {.picture = hash};
         bool found = false;
-        ok = a.film &&
-             (!resumes || read_part(context, claim, a.layer, 0, &head, a.film, &found, st));
+        ok = a.film && (!resumes || read_part(context, a.layer, 0, &head, a.film, &found, st));
         a.done = found ? (int)head.tiles : 0;
-        ok = ok && render_after_rounds(&a, st) && store_file(context, claim, a.layer, a.film, st);
+        ok = ok && render_after_rounds(&a, st) && store_file(context, a.layer, a.film, st);
         pen_film_free(a.film);
     }
     return ok;

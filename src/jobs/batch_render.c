@@ -11,8 +11,8 @@
  * served, and a job that takes too long is found out. */
 #include "jobs/internal/batch.h"
 
+#include <sodium.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -22,11 +22,6 @@
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/stats.h"
 #include "jobs/internal/view_pixels.h"
-
-static double ms_since(int64_t begin_ns)
-{
-    return (double)(pen_clock_ns() - begin_ns) * 1e-6;
-}
 
 /* Grows the image, if necessary, to hold a view of the job. */
 static bool reserve_image(struct pen_batch_context *context, struct pen_status *st)
@@ -54,21 +49,12 @@ static struct pen_film film_of(const struct pen_batch_context *context)
                              .rgb = context->image};
 }
 
-/* Puts the encoded picture into the output's result. */
-static void set_picture(struct pen_batch_output *output)
-{
-    output->result.layer = "beauty";
-    output->result.format = "png";
-    output->result.artefact = output->artefact.data;
-    output->result.artefact_bytes = output->artefact.bytes;
-}
-
 /* Begins the picture of the batch's view, if all of its tiles are rendered. */
-static bool begin_picture(struct pen_batch_context *context, const struct pen_claim *claim,
-                          int tiles, struct pen_batch_output *output, struct pen_status *st)
+static bool begin_picture(struct pen_batch_context *context, int tiles,
+                          struct pen_batch_output *output, struct pen_status *st)
 {
     struct pen_film film = film_of(context);
-    if (claim->view_batches > 1 || tiles < claim->tile_count)
+    if (context->claim->view_batches > 1 || tiles < context->claim->tile_count)
         return true;
     context->picture = pen_view_png_begin(&film, &context->request.settings, &output->artefact, st);
     return context->picture != NULL;
@@ -88,42 +74,20 @@ static bool end_picture(struct pen_batch_context *context, struct pen_batch_outp
         return true;
     if (!pen_png_end(context->picture, st))
         return false;
-    set_picture(output);
-    *encode_ms = ms_since(done_ns);
+    pen_batch_set_artefact(output, "beauty", "png");
+    *encode_ms = pen_ms_since(done_ns);
     return true;
 }
 
-/* Renders, while the compressor's thread compresses the tiles that are finished. */
-static bool run_task(struct pen_batch_context *context, const struct pen_claim *claim,
-                     const struct pen_render_task *task, struct pen_render_stats *stats,
-                     struct pen_status *st)
-{
-    struct pen_tile_run run = {.settings = task->settings,
-                               .first = task->first_tile,
-                               .count = task->tile_count,
-                               .image = task->rgb};
-    if (!pen_pixel_compressor_begin(context->compressor, &run, st))
-        return false;
-    bool ok;
-    if (pen_settings_adaptive(task->settings))
-        ok = pen_batch_rounds(context, claim, task, stats, st);
-    else
-        ok = pen_render_run(context->pool, task, stats, st);
-    if (!ok)
-        pen_pixel_compressor_cancel(context->compressor);
-    return pen_batch_hook_done(context, ok, st);
-}
-
 /* Renders the first `count` tiles of the claim. */
-static bool run_tiles(struct pen_batch_context *context, const struct pen_claim *claim,
-                      const struct pen_scene *scene, int count, struct pen_render_stats *stats,
-                      struct pen_status *st)
+static bool run_tiles(struct pen_batch_context *context, const struct pen_scene *scene, int view,
+                      int count, struct pen_render_stats *stats, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     struct pen_render_task task = {.scene = scene,
-                                   .view = pen_batch_view(context, claim, scene, st),
+                                   .view = view,
                                    .settings = s,
-                                   .first_tile = claim->first_tile,
+                                   .first_tile = context->claim->first_tile,
                                    .tile_count = count,
                                    .rgb = context->image,
                                    .cancel = pen_heartbeat_cancel_flag(context->heart),
@@ -134,57 +98,50 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_claim 
                                    .pixel_begins = pen_batch_pixel_hook(context),
                                    .pixel_user = context,
                                    /* After a crash, the next tells at which pixel it happens. */
-                                   .pixel_by_pixel = claim->attempt > 1,
+                                   .pixel_by_pixel = context->claim->attempt > 1,
                                    .keep_tile_ms = true};
     if (!pen_settings_adaptive(s)) {
         /* After a crash the layers follow. */
-        const bool last = claim->attempt <= 1;
+        const bool last = context->claim->attempt <= 1;
         pen_batch_bound(context, last ? 1 : 1 / (1 + pen_batch_layer_work(context)));
         task.pause = pen_batch_is_long;
         task.pause_user = context;
-        pen_batch_work_begin(context, claim, count,
-                             last ? PEN_WORK_PIXELS_LAST : PEN_WORK_PIXELS_FIRST);
+        pen_batch_work_begin(context, count, last ? PEN_WORK_PIXELS_LAST : PEN_WORK_PIXELS_FIRST);
     }
-    if (task.view < 0)
-        return false;
-    return run_task(context, claim, &task, stats, st);
+    const bool ok = pen_settings_adaptive(s) ? pen_batch_rounds(context, &task, stats, st)
+                                             : pen_render_run(context->pool, &task, stats, st);
+    return pen_batch_hook_done(context, ok, st);
 }
 
 /* Makes the result that of the first tiles alone, if not all were begun. Returns whether it is. */
-static bool cut_result(struct pen_batch_context *context, const struct pen_claim *claim,
-                       const struct pen_render_stats *stats, struct pen_batch_output *output)
+static bool cut_result(struct pen_batch_context *context, const struct pen_render_stats *stats,
+                       struct pen_batch_output *output)
 {
     const int tiles = (int)stats->tile_count;
-    output->result.pixels = claim->pixels;
-    output->result.work = (int64_t)(PEN_WORK_ALL * pen_batch_work_of(context, claim, tiles));
-    if (tiles >= claim->tile_count)
+    output->result.pixels = context->claim->pixels;
+    output->result.work = (int64_t)(PEN_WORK_ALL * pen_batch_work_of(context, tiles));
+    if (tiles >= context->claim->tile_count)
         return false;
     pen_png_free(context->picture);
     context->picture = NULL;
     pen_buf_release(&output->artefact);
-    pen_pixel_compressor_cut(context->compressor, tiles);
     output->result.part_tiles = tiles;
-    output->result.pixels = pen_tiles_pixels(&context->request.settings, claim->first_tile, tiles);
+    output->result.pixels =
+        pen_tiles_pixels(&context->request.settings, context->claim->first_tile, tiles);
     return true;
 }
 
-/* Waits for the compressor and takes its result. */
-static bool take_compressed(struct pen_batch_context *context, struct pen_batch_output *output,
-                            struct pen_status *st)
+/* Copies the pixels of the claim's first tiles out of the image, in the order of the store. */
+static bool take_pixels(const struct pen_batch_context *context, int tiles,
+                        struct pen_batch_output *output, struct pen_status *st)
 {
-    int64_t begin_ns = pen_clock_ns();
-    bool ok = pen_pixel_compressor_end(context->compressor, &output->result.encoded, st);
-    context->store_ms += ms_since(begin_ns);
-    return ok;
-}
-
-static bool find_precision(const struct pen_batch_context *context, const struct pen_claim *claim,
-                           const struct pen_scene *scene, struct pen_scene_precision *precision)
-{
-    const struct pen_settings *s = &context->request.settings;
-    struct pen_status ignored;
-    return pen_scene_precision(scene, pen_batch_view(context, claim, scene, &ignored), s->width,
-                               s->height, precision);
+    const size_t values = 3 * (size_t)output->result.pixels;
+    output->result.rgb = output->rgb = pen_memory_large(values * sizeof *output->rgb);
+    if (!output->rgb)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for the pixels of a batch");
+    pen_tiles_gather(&context->request.settings, context->claim->first_tile, tiles, context->image,
+                     output->rgb);
+    return true;
 }
 
 /* Logs that samples of the batch are not in the picture, or that objects may not be; the job's
@@ -199,18 +156,12 @@ static void warn_of_missing(const struct pen_claim *claim, const struct pen_rend
         pen_log_about(PEN_LOG_WARN, &about, "view %d: %s", claim->view, text);
 }
 
-static void write_hex(const unsigned char *bytes, size_t count, char *out)
-{
-    for (size_t i = 0; i < count; i++)
-        snprintf(out + 2 * i, 3, "%02x", bytes[i]);
-}
-
 /* How long the rounds of a job with a budget may take, so that its commit comes in time:
  * compressing, encoding and storing take about half a microsecond for each pixel. 0 without a
  * budget. */
 static int64_t time_for_rounds(const struct pen_batch_context *context)
 {
-    const double seconds = pen_stored_request_budget(&context->request);
+    const double seconds = context->request.budget_s;
     const struct pen_settings *s = &context->request.settings;
     const double left_ns = seconds * 1e9 - 500.0 * s->width * s->height;
     if (seconds <= 0)
@@ -220,22 +171,23 @@ static int64_t time_for_rounds(const struct pen_batch_context *context)
 
 /* Stores the layers of the tiles that are rendered and, if they are the whole view, makes what else
  * the job may ask for. */
-static bool make_extras(struct pen_batch_context *context, const struct pen_claim *claim,
-                        bool whole, const struct pen_render_stats *stats, struct pen_audit *audit,
+static bool make_extras(struct pen_batch_context *context, bool whole,
+                        const struct pen_render_stats *stats, struct pen_audit *audit,
                         bool *audited, struct pen_status *st)
 {
     const struct pen_film film = film_of(context);
     const bool rounds = context->adaptive != NULL;
-    if (rounds ? !pen_batch_layers_after_rounds(context, claim, stats, st)
-               : !pen_batch_layers_store(context, claim, (int)stats->tile_count, st))
+    if (rounds ? !pen_batch_layers_after_rounds(context, stats, st)
+               : !pen_batch_layers_store(context, (int)stats->tile_count, st))
         return false;
-    return !whole || pen_batch_audit(context, claim, &film, stats, audit, audited, st);
+    return !whole || pen_batch_audit(context, &film, stats, audit, audited, st);
 }
 
-static bool render(struct pen_batch_context *context, const struct pen_claim *claim,
-                   struct pen_batch_output *output, struct pen_status *st)
+static bool render(struct pen_batch_context *context, struct pen_batch_output *output,
+                   struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
+    const struct pen_claim *claim = context->claim;
     char scene_sha256[2 * sizeof claim->scene_sha256 + 1];
     struct pen_scene_times times;
     struct pen_render_stats stats;
@@ -246,24 +198,24 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
     int tiles = claim->tile_count;
     /* After a crash the pixels come first, which tell at which of them it happens. */
     const bool layers_first = claim->attempt <= 1;
-    const struct pen_scene *scene = pen_scene_cache_get(
-        context->scenes, context->store, claim, (enum pen_accelerator)s->accelerator, &times, st);
-    if (!scene || !pen_batch_estimate(context, claim, scene, st) || !reserve_image(context, st))
+    int view;
+    const struct pen_scene *scene = pen_batch_scene(context, &view, &times, st);
+    if (!scene || !pen_batch_estimate(context, scene, view, st) || !reserve_image(context, st))
         return false;
     pen_batch_bound(context, 1);
     if (layers_first)
-        pen_batch_work_begin(context, claim, tiles, PEN_WORK_LAYERS);
-    if ((layers_first && !pen_batch_layers_make(context, claim, true, &tiles, &layers_ms, st)) ||
-        !begin_picture(context, claim, tiles, output, st) ||
-        !run_tiles(context, claim, scene, tiles, &stats, st))
+        pen_batch_work_begin(context, tiles, PEN_WORK_LAYERS);
+    if ((layers_first && !pen_batch_layers_make(context, true, &tiles, &layers_ms, st)) ||
+        !begin_picture(context, tiles, output, st) ||
+        !run_tiles(context, scene, view, tiles, &stats, st))
         return false;
     double encode_ms = 0;
-    const bool part = cut_result(context, claim, &stats, output);
+    const bool part = cut_result(context, &stats, output);
     bool ok = end_picture(context, output, stats.done_ns, &encode_ms, st);
     tiles = (int)stats.tile_count;
     if (ok && !layers_first)
-        ok = pen_batch_layers_make(context, claim, false, &tiles, &layers_ms, st);
-    pen_batch_paced(context, claim, (double)output->result.work / PEN_WORK_ALL,
+        ok = pen_batch_layers_make(context, false, &tiles, &layers_ms, st);
+    pen_batch_paced(context, (double)output->result.work / PEN_WORK_ALL,
                     layers_ms + stats.render_ms);
     warn_of_missing(claim, &stats);
     const uint64_t rays =
@@ -278,28 +230,24 @@ static bool render(struct pen_batch_context *context, const struct pen_claim *cl
                                  .accel = pen_accel_get_stats(scene->accel),
                                  .settings = s,
                                  .scene_sha256 = scene_sha256};
-    write_hex(claim->scene_sha256, sizeof claim->scene_sha256, scene_sha256);
-    if (find_precision(context, claim, scene, &precision))
+    sodium_bin2hex(scene_sha256, sizeof scene_sha256, claim->scene_sha256,
+                   sizeof claim->scene_sha256);
+    if (pen_scene_precision(scene, view, s->width, s->height, &precision))
         in.precision = &precision;
     const bool whole = claim->view_batches <= 1 && !part;
-    ok = ok && make_extras(context, claim, whole, &stats, &audit, &audited, st);
-    if (ok)
-        ok = take_compressed(context, output, st);
-    else
-        pen_pixel_compressor_cancel(context->compressor);
+    ok = ok && make_extras(context, whole, &stats, &audit, &audited, st) &&
+         take_pixels(context, tiles, output, st);
     in.audit = audited ? &audit : NULL;
-    json_t *json = ok ? pen_stats_json(&in) : NULL;
-    if (ok)
-        json = pen_json_with(json, "tile_ms", pen_tile_times(stats.tile_ms, stats.tile_count));
+    ok = ok && pen_batch_write_render_stats(context, &in, output, st);
     free(stats.tile_ms);
-    return ok && pen_batch_write_stats(context, json, output, st);
+    return ok;
 }
 
-bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim *claim,
-                      struct pen_batch_output *output, struct pen_status *st)
+bool pen_batch_render(struct pen_batch_context *context, struct pen_batch_output *output,
+                      struct pen_status *st)
 {
     context->budget_ns = time_for_rounds(context);
-    bool ok = render(context, claim, output, st);
+    bool ok = render(context, output, st);
     pen_batch_work_end(context);
     pen_png_free(context->picture);
     context->picture = NULL;
@@ -309,28 +257,28 @@ bool pen_batch_render(struct pen_batch_context *context, const struct pen_claim 
     return ok;
 }
 
-static bool assemble(struct pen_batch_context *context, const struct pen_claim *claim,
-                     unsigned char *begins, struct pen_batch_output *output, struct pen_status *st)
+static bool assemble(struct pen_batch_context *context, unsigned char *begins,
+                     struct pen_batch_output *output, struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     int64_t filled = 0;
     struct pen_film film = film_of(context);
     int64_t begin_ns = pen_clock_ns();
-    bool ok = pen_view_pixels_load(context->store, claim->job_id, claim->view, s, &film, NULL,
-                                   begins, &filled, st);
-    context->store_ms += ms_since(begin_ns);
+    bool ok = pen_view_pixels_load(context->store, context->claim->job_id, context->claim->view, s,
+                                   &film, NULL, begins, &filled, st);
+    context->store_ms += pen_ms_since(begin_ns);
     if (ok && filled != (int64_t)s->width * s->height)
-        ok =
-            pen_fail(st, PEN_STORAGE, "job %s lacks pixels of view %d", claim->job_id, claim->view);
+        ok = pen_fail(st, PEN_STORAGE, "job %s lacks pixels of view %d", context->claim->job_id,
+                      context->claim->view);
     begin_ns = pen_clock_ns();
     if (!ok || !pen_view_encode(&film, s, "png", &output->artefact, st))
         return false;
-    set_picture(output);
-    const double encode_ms = ms_since(begin_ns);
+    pen_batch_set_artefact(output, "beauty", "png");
+    const double encode_ms = pen_ms_since(begin_ns);
     struct pen_audit audit;
     bool audited;
-    if (!pen_batch_layers_assemble(context, claim, begins, st) ||
-        !pen_batch_audit(context, claim, &film, NULL, &audit, &audited, st))
+    if (!pen_batch_layers_assemble(context, begins, st) ||
+        !pen_batch_audit(context, &film, NULL, &audit, &audited, st))
         return false;
     json_t *stats = json_pack("{s:{s:o}}", "timing", "encode_ms", pen_figure(encode_ms));
     if (audited)
@@ -338,15 +286,15 @@ static bool assemble(struct pen_batch_context *context, const struct pen_claim *
     return pen_batch_write_stats(context, stats, output, st);
 }
 
-bool pen_batch_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
-                        struct pen_batch_output *output, struct pen_status *st)
+bool pen_batch_assemble(struct pen_batch_context *context, struct pen_batch_output *output,
+                        struct pen_status *st)
 {
     const struct pen_settings *s = &context->request.settings;
     const size_t tiles = (size_t)pen_tile_count(s->width, s->height, s->tile);
     if (!reserve_image(context, st))
         return false;
     unsigned char *begins = calloc(tiles, 1);
-    const bool ok = begins ? assemble(context, claim, begins, output, st)
+    const bool ok = begins ? assemble(context, begins, output, st)
                            : pen_fail(st, PEN_NO_MEMORY, "no memory for %zu tiles", tiles);
     free(begins);
     return ok;

@@ -30,18 +30,19 @@
 #include "render/adaptive_state.h"
 #include "study/host.h"
 
-enum { KEEP_MS = 10000, ASK_MS = 500 };
-
-/* Used by the worker's thread, and by render threads while that one waits for them. */
-struct rounds {
-    struct pen_keeper keeper;
-    json_t *host;
-};
-
 static const char *build_of(const json_t *host)
 {
     const char *build = json_string_value(json_object_get(host, "build"));
     return build ? build : "";
+}
+
+/* Writes the state of the rounds, which have come to these statistics. */
+static void save(const struct pen_batch_context *context, const struct pen_render_stats *stats,
+                 struct pen_buf *state)
+{
+    json_t *host = pen_host_json();
+    pen_adaptive_save(context->adaptive, stats, build_of(host), state);
+    json_decref(host);
 }
 
 bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_render_stats *stats,
@@ -50,11 +51,8 @@ bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_ren
     struct pen_batch_context *context = keeper->context;
     struct pen_buf state = {0};
     bool gives_way;
-    if (context->adaptive && !context->rounds_kept) {
-        json_t *host = pen_host_json();
-        pen_adaptive_save(context->adaptive, stats, build_of(host), &state);
-        json_decref(host);
-    }
+    if (context->adaptive && !context->rounds_kept)
+        save(context, stats, &state);
     const bool ok = part->bytes > 0 && !state.failed;
     const struct pen_kept kept = {
         .done = done, .data = state.data, .bytes = state.bytes, .parts = part, .part_count = 1};
@@ -64,48 +62,28 @@ bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_ren
     return !gives_way;
 }
 
-bool pen_batch_keeper_is_overdue(const struct pen_keeper *keeper)
-{
-    const struct pen_batch_context *context = keeper->context;
-    return pen_batch_is_overdue(context, keeper->claim, context->begun_ns) &&
-           pen_stored_request_budget(&context->request) == 0;
-}
-
-struct pen_keeper pen_batch_keeper(struct pen_batch_context *context, const struct pen_claim *claim)
-{
-    return pen_keeper_make(context, claim, KEEP_MS, ASK_MS);
-}
-
 bool pen_batch_keeper_pauses(void *user)
 {
     struct pen_keeper *keeper = user;
-    return pen_batch_keeper_is_overdue(keeper) || pen_keeper_is_due(keeper);
-}
-
-static bool pause_round(void *user)
-{
-    struct rounds *r = user;
-    return pen_batch_keeper_pauses(&r->keeper);
+    return pen_batch_is_overdue(keeper->context) || pen_keeper_is_due(keeper);
 }
 
 /* The share of the view that is done; its layers follow. */
-static double share_of(const struct rounds *r, const struct pen_render_stats *stats)
+static double share_of(const struct pen_batch_context *context,
+                       const struct pen_render_stats *stats)
 {
-    const double all = 1 + pen_batch_layer_work(r->keeper.context);
-    const double most = 0.99, budget_ms = (double)r->keeper.context->budget_ns * 1e-6;
-    const double by_rays = pen_adaptive_share(&stats->adaptive, (int)stats->tile_count);
-    const double by_time = budget_ms > 0 ? stats->render_ms / budget_ms : 0;
-    return fmin(most, fmax(by_rays, by_time)) / all;
+    const double most = 0.99, budget_ms = (double)context->budget_ns * 1e-6,
+                 by_rays = pen_adaptive_share(&stats->adaptive, (int)stats->tile_count),
+                 by_time = budget_ms > 0 ? stats->render_ms / budget_ms : 0;
+    return fmin(most, fmax(by_rays, by_time)) / (1 + pen_batch_layer_work(context));
 }
 
 /* Tells the heartbeat what is done, of rounds that have taken so long. */
-static void tell(const struct rounds *r, const struct pen_render_stats *stats)
+static void tell(struct pen_batch_context *context, const struct pen_render_stats *stats)
 {
-    struct pen_batch_context *context = r->keeper.context;
     const double view = 1.0 / context->request.view_count, ms = stats->render_ms,
-                 budget_ms = 1000 * pen_stored_request_budget(&context->request) *
-                             (1 + pen_batch_layer_work(context)),
-                 done = budget_ms > 0 ? ms / budget_ms : view * share_of(r, stats);
+                 budget_ms = 1000 * context->request.budget_s * (1 + pen_batch_layer_work(context)),
+                 done = budget_ms > 0 ? ms / budget_ms : view * share_of(context, stats);
     struct pen_work work = {.done = done, .begun = INFINITY, .per_ms = 1 / budget_ms};
     if (budget_ms <= 0) {
         work.begun = view - done;
@@ -120,39 +98,42 @@ static void tell(const struct rounds *r, const struct pen_render_stats *stats)
 static bool keep(void *user, const struct pen_adaptive *adaptive,
                  const struct pen_render_stats *stats)
 {
-    struct rounds *r = user;
+    struct pen_keeper *keeper = user;
+    struct pen_batch_context *context = keeper->context;
     struct pen_buf state = {0};
     bool gives_way;
-    if (pen_batch_keeper_is_overdue(&r->keeper))
+    (void)adaptive; /* the context's */
+    if (pen_batch_is_overdue(context))
         return false;
-    tell(r, stats);
-    if (!pen_keeper_is_due(&r->keeper))
+    tell(context, stats);
+    if (!pen_keeper_is_due(keeper))
         return true;
     const int64_t begun_ns = pen_clock_ns();
-    const double share = share_of(r, stats);
-    pen_adaptive_save(adaptive, stats, build_of(r->host), &state);
-    const struct pen_kept kept = {.done = (int64_t)(share * (double)r->keeper.claim->pixels),
-                                  .data = state.data,
-                                  .bytes = state.bytes};
-    pen_keeper_keep(&r->keeper, state.failed ? NULL : &kept, begun_ns, &gives_way);
+    save(context, stats, &state);
+    const struct pen_kept kept = {
+        .done = (int64_t)(share_of(context, stats) * (double)context->claim->pixels),
+        .data = state.data,
+        .bytes = state.bytes};
+    pen_keeper_keep(keeper, state.failed ? NULL : &kept, begun_ns, &gives_way);
     pen_buf_release(&state);
     return !gives_way;
 }
 
 /* Reads what an earlier worker has kept into a new state. Returns whether there was something. */
-static bool read_kept(struct rounds *r, const struct pen_render_task *task,
-                      struct pen_adaptive *adaptive, struct pen_render_stats *earlier)
+static bool read_kept(struct pen_batch_context *context, float *rgb,
+                      struct pen_render_stats *earlier)
 {
     struct pen_buf state = {0};
     struct pen_status ignored;
-    const struct pen_claim *claim = r->keeper.claim;
+    json_t *host = pen_host_json();
     const bool ok =
-        pen_store_kept(r->keeper.context->store, claim, PEN_KEPT_STATE, &state, &ignored) &&
-        pen_adaptive_load(adaptive, state.data, state.bytes, build_of(r->host), earlier, task->rgb,
+        pen_store_kept(context->store, context->claim, PEN_KEPT_STATE, &state, &ignored) &&
+        pen_adaptive_load(context->adaptive, state.data, state.bytes, build_of(host), earlier, rgb,
                           &ignored);
     pen_buf_release(&state);
+    json_decref(host);
     if (ok) {
-        const struct pen_log_about about = pen_claim_about(claim);
+        const struct pen_log_about about = pen_claim_about(context->claim);
         const struct pen_adaptive_stats *a = &earlier->adaptive;
         pen_log_about(PEN_LOG_INFO, &about, "goes on after %d rounds and %d tiles", a->rounds,
                       a->ended ? 0 : a->round[a->rounds].tiles);
@@ -160,31 +141,28 @@ static bool read_kept(struct rounds *r, const struct pen_render_task *task,
     return ok;
 }
 
-bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
-                      const struct pen_render_task *task, struct pen_render_stats *stats,
-                      struct pen_status *st)
+bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_render_task *task,
+                      struct pen_render_stats *stats, struct pen_status *st)
 {
-    struct rounds r = {.keeper = pen_batch_keeper(context, claim)};
+    struct pen_keeper keeper = pen_keeper_make(context, PEN_KEEP_MS, PEN_ASK_MS);
     struct pen_render_stats earlier = {0};
     struct pen_render_task rounds = *task;
     context->adaptive = pen_adaptive_new(task->settings, st);
     if (!context->adaptive)
         return false;
-    r.host = pen_host_json();
-    if (read_kept(&r, task, context->adaptive, &earlier))
+    if (read_kept(context, task->rgb, &earlier))
         rounds.earlier = &earlier;
-    tell(&r, &earlier);
+    tell(context, &earlier);
     context->rounds_kept = rounds.earlier && earlier.adaptive.ended;
-    rounds.pause = pause_round;
+    rounds.pause = pen_batch_keeper_pauses;
     rounds.paused = keep;
-    rounds.pause_user = &r;
+    rounds.pause_user = &keeper;
     if (context->budget_ns > 0)
         rounds.deadline_ns =
             context->begun_ns + context->budget_ns - (int64_t)(earlier.render_ms * 1e6);
     bool ok = pen_render_rounds(context->pool, &rounds, context->adaptive, stats, st);
-    if (!ok && st->code == PEN_UNAVAILABLE && pen_batch_keeper_is_overdue(&r.keeper))
+    if (!ok && st->code == PEN_UNAVAILABLE && pen_batch_is_overdue(context))
         ok = pen_batch_fail_overdue(context, st);
     free(earlier.tile_ms);
-    json_decref(r.host);
     return ok;
 }

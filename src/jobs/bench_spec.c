@@ -12,8 +12,7 @@
 #include "base/clock.h"
 #include "io/json_build.h"
 #include "io/settings_json.h"
-#include "jobs/internal/request_errors.h"
-#include "jobs/internal/setting_lists.h"
+#include "jobs/internal/members.h"
 
 static const char matrix_at[] = "/matrix";
 
@@ -23,15 +22,9 @@ static const double default_interval = 0.02, default_budget_s = 60, default_leas
 /* Checks the matrix and counts its rows. */
 static bool check_matrix(struct pen_bench_spec *spec, struct pen_errors *errors)
 {
-    const char *key;
-    json_t *list;
-    double rows = 1;
     if (!pen_setting_lists_check(spec->matrix, "matrix", errors))
         return false;
-    json_object_foreach(spec->matrix, key, list)
-    {
-        rows *= (double)json_array_size(list);
-    }
+    const double rows = pen_setting_lists_product(spec->matrix);
     if (rows > PEN_BENCH_ROWS_MAX) {
         pen_request_fail(errors, PEN_INVALID, "", "matrix",
                          "makes %.0f rows, at most %d are allowed", rows, (int)PEN_BENCH_ROWS_MAX);
@@ -41,47 +34,20 @@ static bool check_matrix(struct pen_bench_spec *spec, struct pen_errors *errors)
     return true;
 }
 
-/* Fills row number `number`: its value from each list, and its settings. */
-static bool fill_row(const struct pen_bench_spec *spec, const struct pen_settings *base, int number,
-                     struct pen_bench_row *row)
-{
-    const char *key;
-    json_t *list, *chosen = json_object();
-    struct pen_errors none = {0};
-    int left = spec->row_count;
-    *row = (struct pen_bench_row){.settings = *base, .varied = chosen};
-    json_object_foreach(spec->matrix, key, list)
-    {
-        left /= (int)json_array_size(list);
-        if (json_object_set(chosen, key, json_array_get(list, (size_t)(number / left))) != 0)
-            return false;
-        number %= left;
-    }
-    return chosen && pen_settings_read(chosen, "", &row->settings, &none);
-}
-
 static bool make_rows(struct pen_bench_spec *spec, const struct pen_settings *base,
                       struct pen_errors *errors)
 {
+    struct pen_errors none = {0};
     spec->rows = calloc((size_t)spec->row_count, sizeof *spec->rows);
     bool ok = spec->rows != NULL;
-    for (int i = 0; ok && i < spec->row_count; i++)
-        ok = fill_row(spec, base, i, &spec->rows[i]);
+    for (int i = 0; ok && i < spec->row_count; i++) {
+        json_t *varied = pen_setting_lists_combination(spec->matrix, i);
+        spec->rows[i] = (struct pen_bench_row){.settings = *base, .varied = varied};
+        ok = varied && pen_settings_read(varied, "", &spec->rows[i].settings, &none);
+    }
     if (!ok)
         pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for %d rows", spec->row_count);
     return ok;
-}
-
-static bool is_listed(const json_t *list, const json_t *value)
-{
-    size_t i;
-    json_t *item;
-    json_array_foreach(list, i, item)
-    {
-        if (json_equal(item, value))
-            return true;
-    }
-    return false;
 }
 
 static bool check_baseline(const struct pen_bench_spec *spec, const json_t *baseline,
@@ -93,7 +59,7 @@ static bool check_baseline(const struct pen_bench_spec *spec, const json_t *base
     json_object_foreach((json_t *)(uintptr_t)baseline, key, value)
     {
         const json_t *list = json_object_get(spec->matrix, key);
-        if (list && is_listed(list, value))
+        if (list && pen_setting_listed(list, value))
             continue;
         pen_request_fail(errors, PEN_INVALID, "/baseline", key,
                          list ? "must be one of the matrix's values, found %s"
@@ -110,7 +76,7 @@ static bool row_has(const struct pen_bench_row *row, const json_t *wanted)
     json_t *value;
     json_object_foreach((json_t *)(uintptr_t)wanted, key, value)
     {
-        if (!json_equal(json_object_get(row->varied, key), value))
+        if (!pen_value_equal(json_object_get(row->varied, key), value))
             return false;
     }
     return true;
@@ -138,7 +104,7 @@ static bool read_baseline(struct pen_bench_spec *spec, const json_t *baseline,
 bool pen_repeats_read(const json_t *members, int *repeats, struct pen_errors *errors)
 {
     *repeats = 3;
-    return pen_count_read(members, "repeats", 1, PEN_BENCH_REPEATS_MAX, repeats, errors);
+    return pen_integer_read(members, "", "repeats", 1, PEN_BENCH_REPEATS_MAX, repeats, errors);
 }
 
 /* Whether the members ask to go on until something is reached. */
@@ -152,15 +118,17 @@ static bool read_method(const json_t *members, struct pen_bench_spec *spec,
                         struct pen_errors *errors)
 {
     bool ok = pen_repeats_read(members, &spec->repeats, errors);
-    ok &= pen_count_read(members, "warmup", 0, PEN_BENCH_WARMUP_MAX, &spec->warmup, errors);
-    ok &= pen_count_read(members, "order_seed", 0, INT_MAX, &spec->order_seed, errors);
-    ok &= pen_number_read(members, "least_effect", true, 1, &spec->least_effect, errors);
+    ok &= pen_integer_read(members, "", "warmup", 0, PEN_BENCH_WARMUP_MAX, &spec->warmup, errors);
+    ok &= pen_integer_read(members, "", "order_seed", 0, INT_MAX, &spec->order_seed, errors);
+    ok &= pen_number_read(members, "", "least_effect", 0, 1, "from 0 to 1", &spec->least_effect,
+                          errors);
     if (!asks_interval(members))
         return ok;
     spec->interval = default_interval;
-    ok &= pen_number_read(members, "interval", false, 1, &spec->interval, errors);
-    ok &= pen_number_read(members, "budget_seconds", false, PEN_BENCH_BUDGET_MAX_S, &spec->budget_s,
-                          errors);
+    ok &= pen_number_read(members, "", "interval", PEN_ABOVE_0, 1, "above 0 and at most 1",
+                          &spec->interval, errors);
+    ok &= pen_number_read(members, "", "budget_seconds", PEN_ABOVE_0, PEN_BENCH_BUDGET_MAX_S,
+                          "above 0 and at most 86400", &spec->budget_s, errors);
     if (!json_object_get(members, "repeats"))
         return ok;
     pen_request_fail(errors, PEN_INVALID, "", "repeats",

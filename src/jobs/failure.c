@@ -36,65 +36,42 @@ static void add_quoted(struct pen_buf *out, const char *text)
     pen_buf_puts(out, "'");
 }
 
-/* Appends the value of a setting as the command line takes it: strings without quotes. */
+/* Appends the value of a setting as the command line takes it: words without quotes. */
 static void add_value(struct pen_buf *out, const json_t *value)
 {
     char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
-    size_t length = text ? strlen(text) : 0;
-    bool string = json_is_string(value) && length >= 2;
-    pen_buf_printf(out, "%.*s", (int)(string ? length - 2 : length),
-                   string ? text + 1
-                   : text ? text
-                          : "");
+    const char *word = json_string_value(value);
+    pen_buf_puts(out, word ? word : text ? text : "");
     free(text);
 }
 
-/* Appends all settings, because the scene's own may differ from the job's. */
-static void add_settings(struct pen_buf *out, const json_t *settings)
+/* Appends values with commas between. */
+static void add_values(struct pen_buf *out, const json_t *value)
 {
-    const char *key;
-    json_t *value;
-    json_object_foreach((json_t *)(uintptr_t)settings, key, value)
-    {
-        pen_buf_printf(out, " --set %s=", key);
+    if (!json_is_array(value))
         add_value(out, value);
+    for (size_t i = 0; i < json_array_size(value); i++) {
+        pen_buf_puts(out, i ? "," : "");
+        add_value(out, json_array_get(value, i));
     }
 }
 
-/* Appends a study's lists: --matrix accelerator=none,auto … */
-static void add_lists(struct pen_buf *out, const json_t *request, const char *name)
+/* Appends a member of the request as options: of an object one for each member, KEY=VALUE,… */
+static void add_option(struct pen_buf *out, const char *option, const json_t *member)
 {
-    const char *key;
-    json_t *list, *value;
-    size_t i;
-    json_object_foreach(json_object_get(request, name), key, list)
-    {
-        pen_buf_printf(out, " --%s %s=", name, key);
-        json_array_foreach(list, i, value)
-        {
-            pen_buf_puts(out, i ? "," : "");
-            add_value(out, value);
-        }
-    }
-}
-
-/* Appends the options that only an accuracy study has. */
-static void add_accuracy(struct pen_buf *out, const json_t *request)
-{
-    const json_t *target = json_object_get(request, "target");
     const char *key;
     json_t *value;
-    if (json_is_true(json_object_get(request, "product")))
-        pen_buf_puts(out, " --product");
-    json_object_foreach(json_object_get(request, "reference"), key, value)
+    json_object_foreach((json_t *)(uintptr_t)member, key, value)
     {
-        pen_buf_printf(out, " --reference %s=", key);
-        add_value(out, value);
+        pen_buf_printf(out, " --%s %s=", option, key);
+        add_values(out, value);
     }
-    if (!target)
+    if (json_is_true(member))
+        pen_buf_printf(out, " --%s", option);
+    if (!json_is_number(member))
         return;
-    pen_buf_printf(out, " --target %s=", json_string_value(json_object_get(target, "metric")));
-    add_value(out, json_object_get(target, "value"));
+    pen_buf_printf(out, " --%s ", option);
+    add_value(out, member);
 }
 
 /* Appends the options of a study: those of its members that it has. */
@@ -102,44 +79,25 @@ static void add_study(struct pen_buf *out, const json_t *request)
 {
     static const struct {
         const char *key, *option;
-    } numbers[] = {{"repeats", "repeats"},
+    } members[] = {{"matrix", "matrix"},
+                   {"ladder", "ladder"},
+                   {"product", "product"},
+                   {"reference", "reference"},
+                   {"repeats", "repeats"},
                    {"warmup", "warmup"},
                    {"interval", "interval"},
                    {"budget_seconds", "budget"},
                    {"least_effect", "least-effect"},
                    {"order_seed", "order-seed"},
-                   {"seeds", "seeds"}};
-    add_lists(out, request, "matrix");
-    add_lists(out, request, "ladder");
-    add_accuracy(out, request);
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        const json_t *number = json_object_get(request, numbers[i].key);
-        if (!number)
-            continue;
-        pen_buf_printf(out, " --%s ", numbers[i].option);
-        add_value(out, number);
-    }
-    if (json_is_true(json_object_get(request, "analyze")))
-        pen_buf_puts(out, " --analyze");
-}
-
-/* The command that does what a job of this kind does. */
-static const char *command_of(enum pen_job_kind kind)
-{
-    switch (kind) {
-    case PEN_KIND_BENCHMARK:
-        return "bench";
-    case PEN_KIND_EFFECTS:
-        return "effects";
-    case PEN_KIND_EXPLAIN:
-        return "explain";
-    case PEN_KIND_ACCURACY:
-        return "accuracy";
-    case PEN_KIND_RENDER:
-    case PEN_KIND_COUNT:
-        break;
-    }
-    return "render";
+                   {"seeds", "seeds"},
+                   {"analyze", "analyze"}};
+    const json_t *target = json_object_get(request, "target");
+    for (size_t i = 0; i < sizeof members / sizeof members[0]; i++)
+        add_option(out, members[i].option, json_object_get(request, members[i].key));
+    if (!target)
+        return;
+    pen_buf_printf(out, " --target %s=", json_string_value(json_object_get(target, "metric")));
+    add_value(out, json_object_get(target, "value"));
 }
 
 /* Appends --view options: all views of a study, else the batch's view. */
@@ -162,9 +120,11 @@ static json_t *repeat_json(const struct place *place, const struct pen_stored_re
     struct pen_buf line = {0};
     const bool study = place->claim->kind == PEN_BATCH_STUDY;
     pen_buf_printf(&line, "curl -s \"$PENUMBRA_URL/v1/jobs/%s/scene\" | penumbra %s -",
-                   place->claim->job_id, command_of(request->kind));
+                   place->claim->job_id,
+                   request->kind == PEN_KIND_BENCHMARK ? "bench" : pen_job_kinds[request->kind]);
     add_views(&line, place, request);
-    add_settings(&line, json_object_get(request->json, "render"));
+    /* All settings, because the scene's own may differ from the job's. */
+    add_option(&line, "set", json_object_get(request->json, "render"));
     if (study)
         add_study(&line, request->json);
     else if (place->x >= 0)
@@ -186,15 +146,6 @@ static void log_failure(const struct pen_claim *claim, const char *error)
     if (repeat)
         pen_log_about(PEN_LOG_WARN, &about, "to see it again: %s", repeat);
     json_decref(problem);
-}
-
-bool pen_failure_store(struct pen_store *store, const struct pen_claim *claim, const char *error,
-                       struct pen_status *st)
-{
-    if (!pen_store_fail(store, claim, error, st))
-        return false;
-    log_failure(claim, error);
-    return true;
 }
 
 /* Adds the members that tell where the job failed: batch, pixel, and the command line to repeat. */
@@ -237,22 +188,23 @@ static const char *at_pixel(const struct place *place, char *out, size_t bytes)
     return out;
 }
 
-char *pen_failure_timeout_json(struct pen_store *store, const struct pen_claim *claim,
-                               const struct pen_trace *trace)
+bool pen_failure_store(struct pen_store *store, const struct pen_claim *claim,
+                       const struct pen_status *why, const struct pen_trace *trace,
+                       struct pen_status *st)
 {
-    struct pen_status why;
+    struct pen_status timeout;
     struct place place = place_of(claim, trace);
     char where[48];
-    pen_fail(&why, PEN_TIMEOUT, "the job took longer than its timeout_seconds, %g%s",
-             (double)claim->timeout_ms / 1000, at_pixel(&place, where, sizeof where));
-    return write_problem(store, &place, pen_problem(&why));
-}
-
-char *pen_failure_status_json(struct pen_store *store, const struct pen_claim *claim,
-                              const struct pen_status *why)
-{
-    struct place place = {.claim = claim, .x = -1, .y = -1};
-    return write_problem(store, &place, pen_problem(why));
+    if (!why)
+        pen_fail(&timeout, PEN_TIMEOUT, "the job took longer than its timeout_seconds, %g%s",
+                 (double)claim->timeout_ms / 1000, at_pixel(&place, where, sizeof where));
+    char *error = write_problem(store, &place, pen_problem(why ? why : &timeout));
+    const bool ok = error ? pen_store_fail(store, claim, error, st)
+                          : pen_fail(st, PEN_NO_MEMORY, "no memory for an error");
+    if (ok)
+        log_failure(claim, error);
+    free(error);
+    return ok;
 }
 
 /* The last lines of the worker's log, as a JSON array. */

@@ -82,17 +82,6 @@ static bool is_late(const struct pen_heartbeat *heart)
            claim->job_spent_us + spent_ns(heart) / 1000 >= claim->timeout_ms * 1000;
 }
 
-/* Fails the job in the store, unless the worker has done so. Returns whether the store has it as
- * failed. */
-static bool fail_late_job(struct pen_heartbeat *heart, const struct pen_claim *claim)
-{
-    struct pen_status st;
-    char *error = pen_failure_timeout_json(heart->store, claim, heart->options->trace);
-    bool ok = error && (pen_failure_store(heart->store, claim, error, &st) || st.code == PEN_STALE);
-    free(error);
-    return ok;
-}
-
 /* Whether render threads have been told to stop for so long that they count as stuck. While the
  * clock is stopped none work: the worker waits for the store, which may take long. Called with the
  * lock held. */
@@ -113,8 +102,11 @@ static void handle_ended_claim(struct pen_heartbeat *heart, const struct pen_cla
 {
     bool fail = heart->ended == PEN_CLAIM_TIMED_OUT && !heart->failed;
     if (fail) {
+        struct pen_status st;
         pthread_mutex_unlock(&heart->lock);
-        bool failed = fail_late_job(heart, claim);
+        const bool failed =
+            pen_failure_store(heart->store, claim, NULL, heart->options->trace, &st) ||
+            st.code == PEN_STALE; /* or the worker has failed it */
         pthread_mutex_lock(&heart->lock);
         if (heart->claims == claim_number)
             heart->failed = failed;
@@ -189,19 +181,6 @@ static void check_claim(struct pen_heartbeat *heart)
     }
 }
 
-/* Waits until the next check, or, with `sleep`, until the next claim. */
-static void pause_thread(struct pen_heartbeat *heart, bool sleep)
-{
-    if (sleep) {
-        heart->asleep = true;
-        pthread_cond_wait(&heart->change, &heart->lock);
-        heart->asleep = false;
-        return;
-    }
-    struct timespec until = pen_clock_after_ms(CHECK_MS);
-    pthread_cond_timedwait(&heart->change, &heart->lock, &until);
-}
-
 static void *run(void *user)
 {
     struct pen_heartbeat *heart = user;
@@ -213,8 +192,15 @@ static void *run(void *user)
         last_claim = heart->claims;
         if (seen_before)
             check_claim(heart);
-        if (!heart->quit)
-            pause_thread(heart, idle && !heart->active);
+        if (heart->quit)
+            break;
+        const struct timespec until = pen_clock_after_ms(CHECK_MS);
+        heart->asleep = idle && !heart->active;
+        if (heart->asleep)
+            pthread_cond_wait(&heart->change, &heart->lock);
+        else
+            pthread_cond_timedwait(&heart->change, &heart->lock, &until);
+        heart->asleep = false;
     }
     pthread_mutex_unlock(&heart->lock);
     return NULL;
@@ -232,6 +218,7 @@ static void init_locks(struct pen_heartbeat *heart)
 
 struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options,
                                         struct pen_thread_pool *pool, int64_t lease_ms,
+                                        pen_heartbeat_work_fn *work, void *user,
                                         struct pen_status *st)
 {
     struct pen_heartbeat *heart = calloc(1, sizeof *heart);
@@ -242,6 +229,8 @@ struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options
     heart->options = options;
     heart->pool = pool;
     heart->lease_ms = lease_ms;
+    heart->work = work;
+    heart->work_user = user;
     heart->store = pen_store_open(options->store_url, false, st);
     init_locks(heart);
     if (heart->store && pthread_create(&heart->thread, NULL, run, heart) == 0)
@@ -331,12 +320,6 @@ bool pen_heartbeat_is_late(struct pen_heartbeat *heart)
     bool late = heart->ended == PEN_CLAIM_TIMED_OUT;
     pthread_mutex_unlock(&heart->lock);
     return late;
-}
-
-void pen_heartbeat_watch(struct pen_heartbeat *heart, pen_heartbeat_work_fn *work, void *user)
-{
-    heart->work = work;
-    heart->work_user = user;
 }
 
 enum pen_claim_end pen_heartbeat_end(struct pen_heartbeat *heart)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "jobs/internal/housekeeper.h"
 
+#include <errno.h>
 #include <pthread.h>
-#include <stdbool.h>
+#include <semaphore.h>
 #include <stdlib.h>
 
 #include "base/clock.h"
@@ -17,14 +18,11 @@ enum {
 };
 
 struct pen_housekeeper {
-    struct pen_jobs *jobs;   /* used by the thread alone */
-    struct pen_store *store; /* the one of `jobs` */
+    struct pen_jobs *jobs; /* used by the thread alone */
     const struct pen_worker_options *options;
     int64_t round_ms;
     pthread_t thread;
-    pthread_mutex_t lock;
-    pthread_cond_t change;
-    bool quit;         /* guarded by lock */
+    sem_t quit;
     int64_t logged_ns; /* used by the thread alone */
 };
 
@@ -32,20 +30,18 @@ struct pen_housekeeper {
 static bool pause_for(struct pen_housekeeper *keeper, int64_t ms)
 {
     const struct timespec until = pen_clock_after_ms(ms);
-    pthread_mutex_lock(&keeper->lock);
-    int rc = 0;
-    while (!keeper->quit && rc == 0)
-        rc = pthread_cond_timedwait(&keeper->change, &keeper->lock, &until);
-    bool go_on = !keeper->quit;
-    pthread_mutex_unlock(&keeper->lock);
-    return go_on;
+    int rc;
+    do
+        rc = sem_clockwait(&keeper->quit, CLOCK_MONOTONIC, &until);
+    while (rc != 0 && errno == EINTR);
+    return rc != 0;
 }
 
 /* A failure is no more than a delay: the next round tries again. */
 static bool note_failure(struct pen_housekeeper *keeper, const struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
-    pen_worker_check_store(keeper->options, keeper->store);
+    pen_worker_check_store(keeper->options, pen_jobs_store(keeper->jobs));
     if (!keeper->logged_ns || now_ns - keeper->logged_ns >= (int64_t)LOG_MS * 1000000) {
         keeper->logged_ns = now_ns;
         pen_log(PEN_LOG_WARN, "housekeeping: %s; trying again", st->msg);
@@ -61,7 +57,7 @@ static bool expire_jobs(struct pen_housekeeper *keeper)
     struct pen_status st;
     bool found = true;
     for (int i = 0; i < EXPIRED_AT_ONCE && found; i++) {
-        if (!pen_store_expired(keeper->store, id, &found, &st))
+        if (!pen_store_expired(pen_jobs_store(keeper->jobs), id, &found, &st))
             return note_failure(keeper, &st);
         if (found && !pen_jobs_delete(keeper->jobs, id, NULL, true, &st) && st.code != PEN_GONE)
             return note_failure(keeper, &st);
@@ -75,7 +71,7 @@ static bool do_slice(struct pen_housekeeper *keeper)
     struct pen_status st;
     bool more = false;
     const bool expired = expire_jobs(keeper);
-    if (!pen_store_purge(keeper->store, &more, &st))
+    if (!pen_store_purge(pen_jobs_store(keeper->jobs), &more, &st))
         return note_failure(keeper, &st);
     return expired || more;
 }
@@ -94,18 +90,9 @@ static void *run(void *user)
     return NULL;
 }
 
-static void release(struct pen_housekeeper *keeper)
-{
-    pthread_cond_destroy(&keeper->change);
-    pthread_mutex_destroy(&keeper->lock);
-    pen_jobs_close(keeper->jobs);
-    free(keeper);
-}
-
 struct pen_housekeeper *pen_housekeeper_new(const struct pen_worker_options *options,
                                             struct pen_status *st)
 {
-    pthread_condattr_t monotonic;
     struct pen_housekeeper *keeper = calloc(1, sizeof *keeper);
     if (!keeper) {
         pen_fail(st, PEN_NO_MEMORY, "no memory for the housekeeping");
@@ -113,19 +100,16 @@ struct pen_housekeeper *pen_housekeeper_new(const struct pen_worker_options *opt
     }
     keeper->options = options;
     keeper->round_ms = options->housekeeping_ms > 0 ? options->housekeeping_ms : ROUND_MS;
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&keeper->change, &monotonic);
-    pthread_condattr_destroy(&monotonic);
-    pthread_mutex_init(&keeper->lock, NULL);
+    sem_init(&keeper->quit, 0, 0);
     const struct pen_limits limits = pen_limits_default(); /* it reads no documents */
     keeper->jobs = pen_jobs_open(options->store_url, &limits, st);
-    keeper->store = keeper->jobs ? pen_jobs_store(keeper->jobs) : NULL;
-    if (keeper->store && pthread_create(&keeper->thread, NULL, run, keeper) == 0)
+    if (keeper->jobs && pthread_create(&keeper->thread, NULL, run, keeper) == 0)
         return keeper;
-    if (keeper->store)
+    if (keeper->jobs)
         pen_fail(st, PEN_NO_MEMORY, "the housekeeping's thread cannot be started");
-    release(keeper);
+    pen_jobs_close(keeper->jobs);
+    sem_destroy(&keeper->quit);
+    free(keeper);
     return NULL;
 }
 
@@ -133,10 +117,9 @@ void pen_housekeeper_free(struct pen_housekeeper *keeper)
 {
     if (!keeper)
         return;
-    pthread_mutex_lock(&keeper->lock);
-    keeper->quit = true;
-    pthread_cond_signal(&keeper->change);
-    pthread_mutex_unlock(&keeper->lock);
+    sem_post(&keeper->quit);
     pthread_join(keeper->thread, NULL);
-    release(keeper);
+    pen_jobs_close(keeper->jobs);
+    sem_destroy(&keeper->quit);
+    free(keeper);
 }

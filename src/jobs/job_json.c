@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "io/json_build.h"
 #include "jobs/internal/job_json.h"
 #include "jobs/internal/stored_request.h"
 
@@ -46,15 +47,14 @@ static json_t *progress_json(const struct pen_job_record *job)
 
 static json_t *links_json(const struct pen_job_record *job)
 {
-    const char *id = job->id, *at = "/v1/jobs/";
+    static const char *const of_report[] = {"events", "report", "stats", "scene", NULL};
+    static const char *const of_picture[] = {"events", "image", "preview", "stats", "scene", NULL};
     enum pen_job_kind kind;
-    if (pen_job_kind_of_name(job->kind, &kind) && pen_job_kind_has_report(kind))
-        return json_pack("{s:s+, s:s++, s:s++, s:s++, s:s++}", "self", at, id, "events", at, id,
-                         "/events", "report", at, id, "/report", "stats", at, id, "/stats", "scene",
-                         at, id, "/scene");
-    return json_pack("{s:s+, s:s++, s:s++, s:s++, s:s++, s:s++}", "self", at, id, "events", at, id,
-                     "/events", "image", at, id, "/image", "preview", at, id, "/preview", "stats",
-                     at, id, "/stats", "scene", at, id, "/scene");
+    const bool report = pen_job_kind_of_name(job->kind, &kind) && pen_job_kind_has_report(kind);
+    json_t *links = json_pack("{s:s+}", "self", "/v1/jobs/", job->id);
+    for (const char *const *name = report ? of_report : of_picture; *name; name++)
+        links = pen_json_with(links, *name, json_sprintf("/v1/jobs/%s/%s", job->id, *name));
+    return links;
 }
 
 static json_t *state_json(const struct pen_job_record *job, json_t *error)

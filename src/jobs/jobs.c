@@ -209,12 +209,6 @@ bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, const char *client, 
     return ok;
 }
 
-bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
-                    struct pen_status *st)
-{
-    return pen_store_scene(jobs->store, id, out, st);
-}
-
 /* The number of primitives in a list of objects, those in groups included. The recursion is not
  * bounded, which is allowed for built-in scenes alone. */
 static size_t primitive_count(const json_t *objects)

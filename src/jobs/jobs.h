@@ -30,7 +30,8 @@ struct pen_jobs *pen_jobs_open(const char *store_url, const struct pen_limits *l
                                struct pen_status *st);
 void pen_jobs_close(struct pen_jobs *jobs);
 
-/* The store behind the handle, for pen_store_wait and pen_store_intake. Owns: the handle. */
+/* The store behind the handle, for pen_store_wait, pen_store_intake and pen_store_scene. Owns: the
+ * handle. */
 struct pen_store *pen_jobs_store(struct pen_jobs *jobs);
 
 struct pen_submission {
@@ -159,11 +160,6 @@ json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status 
 bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,
                      struct pen_status *st);
 
-/* The scene as it was sent, in JSON or XML (pen_text_is_xml tells which), or the text of the
- * built-in scene that the job names. Owns: release *out. Fails: PEN_NOT_FOUND. */
-bool pen_jobs_scene(struct pen_jobs *jobs, const char *id, struct pen_buf *out,
-                    struct pen_status *st);
-
 /* The workers: {"workers": [{name, host, pid, threads, started_at, last_seen_at, batches}]}. Owns:
  * the caller. */
 json_t *pen_jobs_workers(struct pen_jobs *jobs, struct pen_status *st);
@@ -177,6 +173,10 @@ json_t *pen_jobs_scenes(void);
  * Fails: NULL when out of memory. */
 json_t *pen_problem(const struct pen_status *st);
 json_t *pen_problem_list(const struct pen_errors *errors);
+
+/* The place of an error: {pointer, detail}, or {line, column, detail} if the input is text with
+ * lines. Owns: the caller. Fails: NULL when out of memory. */
+json_t *pen_problem_place(const struct pen_status *st);
 
 /* The same as text, with a line end: http_status is a status other than the code's, or 0;
  * request_id is the id of the refused request, or NULL. Returns false when out of memory. */

@@ -1,96 +1,58 @@
 /* SPDX-License-Identifier: MIT */
-/* The text is known to be well-formed JSON, so the scan only has to tell strings from structure. */
-#include "jobs/internal/json_member.h"
-
-#include <stdbool.h>
+/* Finding the text of a member. The text is known to be well-formed JSON, so the scan only has to
+ * tell strings from structure. */
 #include <string.h>
 
-struct scan {
-    const char *text;
-    size_t bytes, at;
-};
+#include "jobs/internal/members.h"
 
-static bool at_end(const struct scan *s)
+static bool is_space(char c)
 {
-    return s->at >= s->bytes;
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
-static void skip_space(struct scan *s)
+/* The text from `begin` to `end`, without the white space around it. */
+static const char *trim(const char *text, size_t begin, size_t end, size_t *length)
 {
-    while (!at_end(s) && s->text[s->at] && strchr(" \t\r\n", s->text[s->at]))
-        s->at++;
+    while (begin < end && is_space(text[begin]))
+        begin++;
+    while (begin < end && is_space(text[end - 1]))
+        end--;
+    *length = end - begin;
+    return text + begin;
 }
 
-/* Skips a character of the structure, and the white space around it. Returns false if another
- * character comes. */
-static bool take(struct scan *s, char c)
+/* The end of the string that begins at `at`: its second quote. */
+static size_t string_end(const char *text, size_t bytes, size_t at)
 {
-    skip_space(s);
-    if (at_end(s) || s->text[s->at] != c)
-        return false;
-    s->at++;
-    skip_space(s);
-    return true;
-}
-
-static void skip_string(struct scan *s)
-{
-    for (s->at++; !at_end(s) && s->text[s->at] != '"'; s->at++)
-        s->at += s->text[s->at] == '\\';
-    s->at++;
-}
-
-/* Skips a value, and the white space that follows a number or a word. */
-static void skip_value(struct scan *s)
-{
-    int depth = 0;
-    while (!at_end(s)) {
-        char c = s->text[s->at];
-        if (c == '"') {
-            skip_string(s);
-        } else if (c == '}' || c == ']' || c == ',') {
-            if (depth == 0)
-                return;
-            depth -= c != ',';
-            s->at++;
-        } else {
-            depth += c == '{' || c == '[';
-            s->at++;
-        }
-    }
-}
-
-/* The length of a value without the white space behind it. */
-static size_t trimmed_length(const char *value, size_t length)
-{
-    while (length > 0 && strchr(" \t\r\n", value[length - 1]))
-        length--;
-    return length;
+    for (at++; at < bytes && text[at] != '"'; at++)
+        at += text[at] == '\\';
+    return at;
 }
 
 const char *pen_json_member(const char *text, size_t bytes, const char *key, size_t *length)
 {
-    struct scan s = {.text = text, .bytes = bytes};
-    size_t key_bytes = strlen(key);
-    if (!take(&s, '{'))
-        return NULL;
-    do {
-        size_t name = s.at + 1;
-        if (at_end(&s) || text[s.at] != '"')
-            return NULL;
-        skip_string(&s);
-        bool found = s.at == name + key_bytes + 1 && s.at <= bytes &&
-                     memcmp(text + name, key, key_bytes) == 0;
-        if (!take(&s, ':'))
-            return NULL;
-        size_t begin = s.at;
-        skip_value(&s);
-        if (found && s.at > bytes)
-            return NULL; /* a string that does not end */
-        if (found) {
-            *length = trimmed_length(text + begin, s.at - begin);
-            return text + begin;
+    const size_t key_bytes = strlen(key);
+    size_t value = 0; /* where the member's value begins; 0: it is not found yet */
+    int depth = 0;
+    bool is_key = false, matches = false; /* of the outermost object: a key comes; it is `key` */
+    for (size_t at = 0; at < bytes; at++) {
+        const char c = text[at];
+        if (c == '"') {
+            const size_t end = string_end(text, bytes, at);
+            matches = is_key && end < bytes && end - at == key_bytes + 1 &&
+                      memcmp(text + at + 1, key, key_bytes) == 0;
+            at = end;
+        } else if (c == '{' || c == '[') {
+            depth++;
+        } else if (c == ':' && matches && value == 0) {
+            value = at + 1;
+        } else if (c == ',' || c == '}' || c == ']') {
+            if (value > 0 && depth == 1)
+                return trim(text, value, at, length);
+            depth -= c != ',';
         }
-    } while (take(&s, ','));
+        if (strchr("{[,:\"", c))
+            is_key = depth == 1 && (c == '{' || c == ',');
+    }
     return NULL;
 }

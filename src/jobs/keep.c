@@ -10,14 +10,13 @@ enum {
     RETRY_MAX_MS = 60000
 };
 
-struct pen_keeper pen_keeper_make(struct pen_batch_context *context, const struct pen_claim *claim,
-                                  int64_t wait_ms, int64_t ask_ms)
+struct pen_keeper pen_keeper_make(struct pen_batch_context *context, int64_t wait_ms,
+                                  int64_t ask_ms)
 {
-    const bool given = context->keep_ms > 0;
+    const bool given = context->options->keep_ms > 0;
     const int64_t now_ns = pen_clock_ns();
     return (struct pen_keeper){.context = context,
-                               .claim = claim,
-                               .wait_ms = given ? context->keep_ms : wait_ms,
+                               .wait_ms = given ? context->options->keep_ms : wait_ms,
                                .times = given ? 0 : KEEP_TIMES,
                                .ask_ms = ask_ms,
                                .tried_ns = now_ns};
@@ -27,7 +26,7 @@ static void ask(struct pen_keeper *k)
 {
     struct pen_status ignored;
     k->asked_ns = pen_clock_ns();
-    if (!pen_store_outranked(k->context->store, k->claim, &k->outranked, &ignored))
+    if (!pen_store_outranked(k->context->store, k->context->claim, &k->outranked, &ignored))
         k->outranked = false;
 }
 
@@ -43,7 +42,7 @@ bool pen_keeper_is_due(struct pen_keeper *k)
 
 static void note_failure(struct pen_keeper *k, const struct pen_status *why)
 {
-    const struct pen_log_about about = pen_claim_about(k->claim);
+    const struct pen_log_about about = pen_claim_about(k->context->claim);
     const int64_t next_ms = k->retry_ms > 0 ? 2 * k->retry_ms : RETRY_MS;
     if (k->retry_ms == 0)
         pen_log_about(PEN_LOG_WARN, &about, "its state cannot be kept: %s", why->msg);
@@ -55,8 +54,9 @@ bool pen_keeper_keep(struct pen_keeper *k, const struct pen_kept *kept, int64_t 
 {
     struct pen_status st;
     pen_heartbeat_pause(k->context->heart);
-    const bool ok = kept ? pen_store_keep(k->context->store, k->claim, kept, gives_way, &st)
-                         : pen_fail(&st, PEN_NO_MEMORY, "no memory for it");
+    const bool ok = kept
+                        ? pen_store_keep(k->context->store, k->context->claim, kept, gives_way, &st)
+                        : pen_fail(&st, PEN_NO_MEMORY, "no memory for it");
     pen_heartbeat_resume(k->context->heart);
     k->tried_ns = pen_clock_ns();
     k->took_ns = k->tried_ns - begun_ns;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "jobs/internal/kind.h"
 
-#include <string.h>
-
+#include "jobs/internal/members.h"
 #include "jobs/jobs.h"
 
 const char *const pen_job_kinds[] = {
@@ -12,11 +11,8 @@ const char *const pen_job_kinds[] = {
 
 bool pen_job_kind_of_name(const char *name, enum pen_job_kind *kind)
 {
-    for (int i = 0; name && i < PEN_KIND_COUNT; i++) {
-        if (strcmp(name, pen_job_kinds[i]) != 0)
-            continue;
+    const int i = pen_name_index(name, pen_job_kinds);
+    if (i >= 0)
         *kind = (enum pen_job_kind)i;
-        return true;
-    }
-    return false;
+    return i >= 0;
 }

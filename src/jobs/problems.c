@@ -3,13 +3,10 @@
  * is an identifier, not an address. For invalid input `errors` lists the places: each a JSON
  * Pointer into the document that was sent, or line and column of its text. They are written as
  * text, since a refused request gets little else. */
-#include "jobs/internal/problems.h"
+#include "jobs/jobs.h"
 
 #include <stdio.h>
 #include <string.h>
-
-#include "base/buf.h"
-#include "jobs/jobs.h"
 
 enum { MOSTLY_BYTES = 500 }; /* that a document has */
 

@@ -6,8 +6,7 @@
 #include <string.h>
 
 #include "io/builtin.h"
-#include "jobs/internal/json_member.h"
-#include "jobs/internal/request_errors.h"
+#include "jobs/internal/members.h"
 #include "render/audit.h"
 #include "render/layers.h"
 #include "study/bill.h"
@@ -22,10 +21,8 @@ enum { EXPLAIN_PRIORITY = 100 };
 
 static void fail_unknown_scene(const char *name, struct pen_errors *errors)
 {
-    const char *near = pen_builtin_nearest(name);
-    pen_request_fail(errors, PEN_NOT_FOUND, "", "scene",
-                     "there is no built-in scene \"%.60s\"%s%s%s", name,
-                     near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+    pen_request_fail(errors, PEN_NOT_FOUND, "", "scene", "there is no built-in scene \"%.60s\"%s",
+                     name, pen_did_you_mean(pen_builtin_nearest(name)).text);
 }
 
 /* Finds and parses the scene that "builtin:NAME" names. */
@@ -58,8 +55,8 @@ static void fail_neither(const struct pen_request *request, struct pen_errors *e
     {
         const char *near = pen_nearest_name(key, names);
         if (near) {
-            pen_request_fail(errors, PEN_INVALID, "", key, "unknown key; did you mean \"%s\"?",
-                             near);
+            pen_request_fail(errors, PEN_INVALID, "", key, "unknown key%s",
+                             pen_did_you_mean(near).text);
             return;
         }
     }
@@ -101,8 +98,6 @@ static int find_view(struct pen_request *request, const json_t *list, size_t i,
                      struct pen_errors *errors)
 {
     const char *name = json_string_value(json_array_get(list, i));
-    char position[24];
-    snprintf(position, sizeof position, "%zu", i);
     for (uint32_t v = 0; name && v < request->desc.view_count; v++) {
         if (strcmp(request->desc.views[v].name, name) == 0)
             return (int)v;
@@ -110,11 +105,10 @@ static int find_view(struct pen_request *request, const json_t *list, size_t i,
     const char *names[65] = {NULL};
     for (uint32_t v = 0; v < request->desc.view_count && v < 64; v++)
         names[v] = request->desc.views[v].name;
-    const char *near = name ? pen_nearest_name(name, names) : NULL;
-    pen_request_fail(errors, PEN_INVALID, "/views", position,
-                     "must be the name of a view of the scene, such as \"%s\", found %s%s%s%s",
+    pen_request_fail(errors, PEN_INVALID, "/views", pen_position(i).text,
+                     "must be the name of a view of the scene, such as \"%s\", found %s%s",
                      names[0], pen_found(json_array_get(list, i)).text,
-                     near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+                     pen_did_you_mean(name ? pen_nearest_name(name, names) : NULL).text);
     return -1;
 }
 
@@ -144,13 +138,11 @@ static void read_views(struct pen_request *request, const json_t *list, struct p
  * single view, the first. */
 static bool choose_views(struct pen_request *request, struct pen_errors *errors)
 {
-    struct pen_status st;
     uint32_t count = request->desc.view_count;
     const json_t *list = request->bare ? NULL : json_object_get(request->body, "views");
     request->views = pen_arena_alloc(request->arena, count, sizeof *request->views);
     if (!request->views) {
-        pen_fail(&st, PEN_NO_MEMORY, "no memory for %u views", count);
-        pen_errors_add(errors, &st);
+        pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for %u views", count);
         return false;
     }
     if (list) {
@@ -183,24 +175,9 @@ static void limits_place(const struct pen_request *request, char *at, size_t byt
                  json_object_get(request->scene, "render") ? "/render" : "");
 }
 
-const char *pen_request_cost(const struct pen_request *request)
-{
-    const char *time = pen_cost_names[PEN_COST_TIME];
-    for (size_t i = 0; i < json_array_size(request->layers); i++)
-        if (strcmp(json_string_value(json_array_get(request->layers, i)),
-                   pen_layer_name(PEN_LAYER_COST)) == 0)
-            return request->cost ? request->cost : time;
-    return NULL;
-}
-
 double pen_request_layer_work(const struct pen_request *request)
 {
-    const char *cost = pen_request_cost(request);
-    if (!cost)
-        return 0;
-    return pen_layer_work(PEN_LAYER_COST, strcmp(cost, pen_cost_names[PEN_COST_TESTS]) == 0
-                                              ? PEN_COST_TESTS
-                                              : PEN_COST_TIME);
+    return request->cost_layer ? pen_layer_work(PEN_LAYER_COST, request->cost) : 0;
 }
 
 /* How many times as long as the pixels of a view its audit takes: with a target error about, if
@@ -255,19 +232,10 @@ static bool is_within_limits(const struct pen_request *request, const struct pen
 /* The budget of a request, in seconds; NULL: it has none. */
 static double *budget_of(struct pen_request *request)
 {
-    switch (request->kind) {
-    case PEN_KIND_RENDER:
-        return &request->budget_seconds;
-    case PEN_KIND_BENCHMARK:
-        return &request->spec.budget_s;
-    case PEN_KIND_ACCURACY:
-        return &request->accuracy.budget_s;
-    case PEN_KIND_EFFECTS:
-    case PEN_KIND_EXPLAIN:
-    case PEN_KIND_COUNT:
-        break;
-    }
-    return NULL;
+    return request->kind == PEN_KIND_RENDER      ? &request->budget_seconds
+           : request->kind == PEN_KIND_BENCHMARK ? &request->spec.budget_s
+           : request->kind == PEN_KIND_ACCURACY  ? &request->accuracy.budget_s
+                                                 : NULL;
 }
 
 /* No budget is longer than the operator allows a job to take, with the layers and the audit that
@@ -354,8 +322,6 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
     find_scene(out, in, limits, errors);
     if (!out->bare && json_object_get(out->body, "scene"))
         pen_request_keys_read(out, errors);
-    if (!out->bare && out->kind == PEN_KIND_RENDER)
-        pen_request_budget_read(out, errors);
     if (out->explain && !json_object_get(out->body, "priority"))
         out->priority = out->analyze ? 0 : EXPLAIN_PRIORITY;
     if (out->priority > limits->priority)

@@ -10,6 +10,7 @@
 #include "film/picture.h"
 #include "jobs/internal/ids.h"
 #include "jobs/internal/jobs.h"
+#include "jobs/internal/members.h"
 #include "jobs/internal/stats.h"
 #include "jobs/internal/stored_request.h"
 #include "jobs/internal/view_pixels.h"
@@ -73,17 +74,15 @@ static bool resolve_layer(struct wanted *want, const char *name, struct pen_stat
                         "layer must be one of beauty, cost, samples, depth, normal, albedo; found "
                         "\"%.60s\"",
                         name);
-    return pen_stored_request_layer(&want->request, want->layer) ||
+    return (want->request.layers >> want->layer & 1) ||
            pen_fail(st, PEN_NOT_FOUND, "the layer \"%s\" was not requested", name);
 }
 
 static bool resolve_format(struct wanted *want, const char *format, struct pen_status *st)
 {
-    for (want->format = 0; want->format < FORMAT_COUNT; want->format++) {
-        if (!format || strcmp(format, pen_image_formats[want->format]) == 0)
-            return true;
-    }
-    return pen_fail(st, PEN_USAGE, "format must be one of png, png16, pfm; found \"%.60s\"",
+    want->format = format ? pen_name_index(format, pen_image_formats) : FORMAT_PNG;
+    return want->format >= 0 ||
+           pen_fail(st, PEN_USAGE, "format must be one of png, png16, pfm; found \"%.60s\"",
                     format);
 }
 
@@ -198,7 +197,7 @@ static bool encode(const struct wanted *want, const struct pen_film *film, struc
     const struct pen_settings *s = &want->request.settings;
     const char *format = pen_image_formats[want->format];
     const struct pen_layer_task task = {
-        .settings = s, .layer = want->layer, .cost = pen_stored_request_cost(&want->request)};
+        .settings = s, .layer = want->layer, .cost = want->request.cost};
     double white;
     return want->layer == PEN_LAYER_BEAUTY ? pen_view_encode(film, s, format, out, st)
                                            : pen_layer_encode(&task, film, format, out, &white, st);
@@ -229,27 +228,20 @@ static bool make_picture(struct pen_jobs *jobs, const struct wanted *want, struc
     return ok;
 }
 
-/* Makes the picture and stores it. If it cannot be stored, because the disk is full or the job was
- * just deleted, the answer is the same. */
-static bool make_and_store(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
-                           struct pen_status *st)
-{
-    struct pen_status ignored;
-    if (!make_picture(jobs, want, out, st))
-        return false;
-    pen_store_cache_put(jobs->store, want->id, want->view, pen_layer_name(want->layer),
-                        pen_image_formats[want->format], out->data, out->bytes, &ignored);
-    return true;
-}
-
-/* Gets the stored picture, or makes it. */
+/* Gets the stored picture, or makes it and stores it. If it cannot be stored, because the disk is
+ * full or the job was just deleted, the answer is the same. */
 static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
                         struct pen_status *st)
 {
     const char *format = pen_image_formats[want->format], *layer = pen_layer_name(want->layer);
+    struct pen_status ignored;
     if (pen_store_artefact(jobs->store, want->id, want->view, layer, format, out, st))
         return true;
-    return st->code == PEN_NOT_FOUND && make_and_store(jobs, want, out, st);
+    if (st->code != PEN_NOT_FOUND || !make_picture(jobs, want, out, st))
+        return false;
+    pen_store_cache_put(jobs->store, want->id, want->view, layer, format, out->data, out->bytes,
+                        &ignored);
+    return true;
 }
 
 static bool fill_image(struct pen_image *image, const char *type)

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clock.h"
 #include "io/document.h"
+#include "jobs/internal/jobs.h"
 
 enum { ENTRIES = 16 };
 static const size_t bytes_max = (size_t)512 << 20;
@@ -33,11 +33,6 @@ struct pen_scene_cache *pen_scene_cache_new(size_t cap_bytes)
     if (cache)
         cache->cap_bytes = cap_bytes;
     return cache;
-}
-
-size_t pen_scene_cache_cap(const struct pen_scene_cache *cache)
-{
-    return cache->cap_bytes;
 }
 
 static void drop_last(struct pen_scene_cache *cache)
@@ -76,11 +71,6 @@ static void evict_for(struct pen_scene_cache *cache, size_t bytes)
     }
 }
 
-static double ms_since(int64_t begin_ns)
-{
-    return (double)(pen_clock_ns() - begin_ns) * 1e-6;
-}
-
 /* Limits for a stored document. The api process has accepted it under its own limits, so only the
  * limits that protect the parser itself are left. */
 static struct pen_limits open_limits(void)
@@ -105,13 +95,6 @@ static bool parse(const struct pen_buf *text, struct pen_arena *arena, struct pe
     return false;
 }
 
-/* Gives an error its place in the text: line and column if the scene is in XML. */
-static void locate(const struct pen_buf *text, struct pen_status *st)
-{
-    struct pen_limits limits = open_limits();
-    pen_text_locate((const char *)text->data, text->bytes, &limits, st);
-}
-
 bool pen_scene_describe(struct pen_store *store, const char *job_id, struct pen_arena *arena,
                         struct pen_scene_desc *desc, struct pen_status *st)
 {
@@ -125,6 +108,7 @@ static struct pen_scene *load(const struct pen_scene_cache *cache, const struct 
                               enum pen_accelerator accelerator, struct pen_scene_times *times,
                               struct pen_status *st)
 {
+    const struct pen_limits limits = open_limits();
     struct pen_scene_desc desc;
     struct pen_scene *scene = NULL;
     int64_t begin_ns = pen_clock_ns();
@@ -134,12 +118,12 @@ static struct pen_scene *load(const struct pen_scene_cache *cache, const struct 
         return NULL;
     }
     if (parse(text, arena, &desc, st)) {
-        times->parse_ms = ms_since(begin_ns);
+        times->parse_ms = pen_ms_since(begin_ns);
         begin_ns = pen_clock_ns();
         scene = pen_scene_freeze(&desc, accelerator, cache->cap_bytes, st);
         if (!scene && st->at[0])
-            locate(text, st);
-        times->build_ms = ms_since(begin_ns);
+            pen_text_locate((const char *)text->data, text->bytes, &limits, st);
+        times->build_ms = pen_ms_since(begin_ns);
     }
     pen_arena_free(arena);
     return scene;

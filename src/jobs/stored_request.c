@@ -17,29 +17,37 @@ json_t *pen_stored_json(const char *text, struct pen_status *st)
     return json;
 }
 
-/* Whether the numbers are of those that a submit allows. */
-static bool has_valid_numbers(const struct pen_stored_request *request)
+/* Reads the members beside kind, views and settings. Returns whether their numbers are of those
+ * that a submit allows. */
+static bool read_members(struct pen_stored_request *request)
 {
-    uint64_t pixels;
-    double threshold;
-    const double budget = pen_stored_request_budget(request);
-    const int repeats = pen_stored_request_repeats(request);
-    if (pen_stored_request_audit(request, &pixels, &threshold) &&
-        !(pixels >= 1 && pixels <= PEN_AUDIT_PIXELS_MAX && threshold > 0 && threshold < 1))
+    const json_t *json = request->json, *audit = json_object_get(json, "audit"),
+                 *layers = json_object_get(json, "layers"),
+                 *tile = json_object_get(json, "tile_edge");
+    const char *cost = json_string_value(json_object_get(json, "cost"));
+    const json_int_t pixels = json_integer_value(json_object_get(audit, "pixels")),
+                     edge = tile ? json_integer_value(tile) : request->settings.tile;
+    const double threshold = json_number_value(json_object_get(audit, "threshold"));
+    request->layers = 1U << PEN_LAYER_BEAUTY;
+    for (size_t i = 0; i < json_array_size(layers); i++) {
+        const char *name = json_string_value(json_array_get(layers, i));
+        request->layers |= name ? 1U << pen_layer_find(name) : 0;
+    }
+    const bool tests = cost && strcmp(cost, pen_cost_names[PEN_COST_TESTS]) == 0;
+    request->cost = tests ? PEN_COST_TESTS : PEN_COST_TIME;
+    request->audit = audit != NULL;
+    request->audit_pixels = (uint64_t)pixels;
+    request->audit_threshold = threshold;
+    request->budget_s = json_number_value(json_object_get(json, "budget_seconds"));
+    request->bound_rays = json_number_value(json_object_get(json, "bound_rays"));
+    request->repeats = (int)json_integer_value(json_object_get(json, "repeats"));
+    request->analyze = json_is_true(json_object_get(json, "analyze"));
+    if (edge < 1 || edge > request->settings.tile)
         return false;
-    return budget >= 0 && repeats >= 0;
-}
-
-/* The tiles of the job's batches: those of the settings in jobs of earlier versions, and in studies
- * that measure. */
-static bool read_tile(struct pen_stored_request *request)
-{
-    const json_t *edge = json_object_get(request->json, "tile_edge");
-    const json_int_t tile = json_integer_value(edge);
-    if (!edge)
-        return true;
-    request->settings.tile = tile >= 1 && tile <= request->settings.tile ? (int)tile : 0;
-    return request->settings.tile > 0;
+    request->settings.tile = (int)edge; /* of the job's batches */
+    return request->budget_s >= 0 && request->repeats >= 0 &&
+           (!audit ||
+            (pixels >= 1 && pixels <= PEN_AUDIT_PIXELS_MAX && threshold > 0 && threshold < 1));
 }
 
 bool pen_stored_request_read(const char *text, struct pen_stored_request *request,
@@ -54,8 +62,8 @@ bool pen_stored_request_read(const char *text, struct pen_stored_request *reques
     const bool known = pen_job_kind_of_name(kind, &request->kind);
     request->view_count = (int)json_array_size(json_object_get(request->json, "views"));
     json_t *render = json_object_get(request->json, "render");
-    if (known && request->view_count > 0 && render && has_valid_numbers(request) &&
-        pen_settings_read(render, "/render", &request->settings, &errors) && read_tile(request))
+    if (known && request->view_count > 0 && render &&
+        pen_settings_read(render, "/render", &request->settings, &errors) && read_members(request))
         return true;
     pen_stored_request_release(request);
     return pen_fail(st, PEN_STORAGE, "a stored job is damaged: %s",
@@ -72,54 +80,6 @@ void pen_stored_request_release(struct pen_stored_request *request)
 const char *pen_stored_request_view(const struct pen_stored_request *request, int view)
 {
     return json_string_value(json_array_get(json_object_get(request->json, "views"), (size_t)view));
-}
-
-bool pen_stored_request_layer(const struct pen_stored_request *request, enum pen_layer layer)
-{
-    const json_t *list = json_object_get(request->json, "layers");
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        const char *name = json_string_value(json_array_get(list, i));
-        if (name && strcmp(name, pen_layer_name(layer)) == 0)
-            return true;
-    }
-    return layer == PEN_LAYER_BEAUTY;
-}
-
-/* Jobs of earlier versions have none. */
-enum pen_cost pen_stored_request_cost(const struct pen_stored_request *request)
-{
-    const char *cost = json_string_value(json_object_get(request->json, "cost"));
-    const bool tests = cost && strcmp(cost, pen_cost_names[PEN_COST_TESTS]) == 0;
-    return tests ? PEN_COST_TESTS : PEN_COST_TIME;
-}
-
-bool pen_stored_request_audit(const struct pen_stored_request *request, uint64_t *pixels,
-                              double *threshold)
-{
-    const json_t *audit = json_object_get(request->json, "audit");
-    *pixels = (uint64_t)json_integer_value(json_object_get(audit, "pixels"));
-    *threshold = json_number_value(json_object_get(audit, "threshold"));
-    return audit != NULL;
-}
-
-double pen_stored_request_budget(const struct pen_stored_request *request)
-{
-    return json_number_value(json_object_get(request->json, "budget_seconds"));
-}
-
-double pen_stored_request_bound_rays(const struct pen_stored_request *request)
-{
-    return json_number_value(json_object_get(request->json, "bound_rays"));
-}
-
-int pen_stored_request_repeats(const struct pen_stored_request *request)
-{
-    return (int)json_integer_value(json_object_get(request->json, "repeats"));
-}
-
-bool pen_stored_request_analyze(const struct pen_stored_request *request)
-{
-    return json_is_true(json_object_get(request->json, "analyze"));
 }
 
 int pen_stored_request_find_view(const struct pen_stored_request *request, const char *name)

@@ -7,8 +7,7 @@
 
 #include "base/clock.h"
 #include "film/film.h"
-#include "io/stats_json.h"
-#include "jobs/internal/stats.h"
+#include "study/report.h"
 
 enum { PROGRESS_MS = 250 };          /* the shortest time between two reports of progress */
 enum { KEEP_MS = 250, ASK_MS = 50 }; /* the shortest time between two states that are kept */
@@ -22,12 +21,12 @@ static bool read_scene(struct pen_study *study, struct pen_status *st)
 {
     struct pen_batch_context *context = study->context;
     const int64_t begun_ns = pen_clock_ns();
-    study->arena = pen_arena_new(pen_scene_cache_cap(context->scenes));
+    study->arena = pen_arena_new(context->options->scene_cap_bytes);
     if (!study->arena)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for a scene");
-    const bool ok =
-        pen_scene_describe(context->store, study->claim->job_id, study->arena, &study->desc, st);
-    study->parse_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
+    const bool ok = pen_scene_describe(context->store, study->context->claim->job_id, study->arena,
+                                       &study->desc, st);
+    study->parse_ms = pen_ms_since(begun_ns);
     return ok;
 }
 
@@ -51,11 +50,10 @@ static bool find_views(struct pen_study *study, struct pen_status *st)
 }
 
 bool pen_study_begin(struct pen_study *study, struct pen_batch_context *context,
-                     const struct pen_claim *claim, struct pen_status *st)
+                     struct pen_status *st)
 {
-    *study = (struct pen_study){.context = context,
-                                .claim = claim,
-                                .keeper = pen_keeper_make(context, claim, KEEP_MS, ASK_MS)};
+    *study =
+        (struct pen_study){.context = context, .keeper = pen_keeper_make(context, KEEP_MS, ASK_MS)};
     return read_scene(study, st) && find_views(study, st);
 }
 
@@ -76,7 +74,7 @@ void pen_study_progress(void *user, int done, int total)
         return;
     study->progress_ns = now_ns;
     pen_heartbeat_pause(study->context->heart);
-    struct pen_claim claim = *study->claim;
+    struct pen_claim claim = *study->context->claim;
     claim.spent_us = pen_heartbeat_spent_us(study->context->heart);
     const double share = (double)done / total,
                  ms = (double)(claim.job_spent_us + claim.spent_us) / 1000;
@@ -144,8 +142,8 @@ static bool read_picture(void *user, int place, uint64_t hash, int width, int he
     struct pen_status ignored;
     struct pen_buf picture = {0};
     const struct pen_film film = {width, height, rgb};
-    const bool there = pen_store_kept(study->context->store, study->claim, name_of(place).text,
-                                      &picture, &ignored) &&
+    const bool there = pen_store_kept(study->context->store, study->context->claim,
+                                      name_of(place).text, &picture, &ignored) &&
                        picture.bytes == picture_bytes(width, height);
     if (there)
         memcpy(rgb, picture.data, picture.bytes);
@@ -160,8 +158,8 @@ const struct pen_kept_study *pen_study_kept(struct pen_study *study)
 {
     struct pen_buf text = {0};
     struct pen_status ignored;
-    if (!study->kept_state &&
-        pen_store_kept(study->context->store, study->claim, PEN_KEPT_STATE, &text, &ignored))
+    if (!study->kept_state && pen_store_kept(study->context->store, study->context->claim,
+                                             PEN_KEPT_STATE, &text, &ignored))
         study->kept_state = json_loadb((const char *)text.data, text.bytes, 0, NULL);
     pen_buf_release(&text);
     study->kept =
@@ -169,12 +167,20 @@ const struct pen_kept_study *pen_study_kept(struct pen_study *study)
     return &study->kept;
 }
 
-void pen_study_set_report(struct pen_batch_output *output)
+bool pen_study_store_report(struct pen_study *study, pen_study_write_fn *write, const void *user,
+                            struct pen_batch_output *output, struct pen_status *st)
 {
-    output->result.layer = PEN_REPORT_LAYER;
-    output->result.format = PEN_REPORT_FORMAT;
-    output->result.artefact = output->artefact.data;
-    output->result.artefact_bytes = output->artefact.bytes;
+    bool ok = true;
+    for (int i = 0; ok && pen_bench_report_formats[i]; i++) {
+        const char *format = pen_bench_report_formats[i];
+        const bool committed = strcmp(format, PEN_REPORT_FORMAT) == 0;
+        struct pen_buf text = {0};
+        ok = write(user, format, committed ? &output->artefact : &text, st) &&
+             (committed || pen_batch_store(study->context, PEN_REPORT_LAYER, format, &text, st));
+        pen_buf_release(&text);
+    }
+    pen_batch_set_artefact(output, PEN_REPORT_LAYER, PEN_REPORT_FORMAT);
+    return ok;
 }
 
 bool pen_study_write_stats(const struct pen_study *study, const struct pen_render_stats *render,
@@ -183,8 +189,5 @@ bool pen_study_write_stats(const struct pen_study *study, const struct pen_rende
 {
     const struct pen_stats_input in = {
         .parse_ms = study->parse_ms, .build_ms = build_ms, .render = render, .accel = accel};
-    json_t *json = pen_stats_json(&in);
-    if (json)
-        json = pen_json_with(json, "tile_ms", pen_tile_times(render->tile_ms, render->tile_count));
-    return pen_batch_write_stats(study->context, json, output, st);
+    return pen_batch_write_render_stats(study->context, &in, output, st);
 }

@@ -17,7 +17,7 @@
 #include "jobs/internal/ids.h"
 #include "jobs/internal/job_json.h"
 #include "jobs/internal/jobs.h"
-#include "jobs/internal/problems.h"
+#include "jobs/internal/members.h"
 #include "jobs/internal/request.h"
 #include "jobs/internal/stored_request.h"
 #include "render/layers.h"
@@ -33,86 +33,54 @@ static json_t *views_json(const struct pen_request *request)
     return pen_json_all(list, (size_t)request->view_count);
 }
 
-static json_t *layers_json(const struct pen_request *request)
-{
-    return request->layers ? json_deep_copy((json_t *)(uintptr_t)request->layers)
-                           : json_pack("[s]", pen_layer_name(PEN_LAYER_BEAUTY));
-}
-
-/* NULL without an audit. */
-static json_t *audit_json(const struct pen_request *request)
-{
-    return request->audit_pixels > 0 ? json_pack("{s:i, s:f}", "pixels", request->audit_pixels,
-                                                 "threshold", request->audit_threshold)
-                                     : NULL;
-}
-
-/* NULL without a budget. */
-static json_t *budget_json(const struct pen_request *request)
-{
-    return request->budget_seconds > 0 ? json_real(request->budget_seconds) : NULL;
-}
-
-/* NULL of a study that measures. */
-static json_t *tile_json(const struct pen_request *request)
+/* Adds the members that only some jobs have; takes the reference. */
+static json_t *with_more(const struct pen_request *request, json_t *json)
 {
     const int tile = pen_batch_tile(request);
-    return tile > 0 ? json_integer(tile) : NULL;
+    if (request->cost_layer)
+        json = pen_json_with(json, "cost", json_string(pen_cost_names[request->cost]));
+    if (request->audit_pixels > 0)
+        json = pen_json_with(json, "audit",
+                             json_pack("{s:i, s:f}", "pixels", request->audit_pixels, "threshold",
+                                       request->audit_threshold));
+    if (request->budget_seconds > 0)
+        json = pen_json_with(json, "budget_seconds", json_real(request->budget_seconds));
+    if (tile > 0)
+        json = pen_json_with(json, "tile_edge", json_integer(tile));
+    if (request->kind == PEN_KIND_EFFECTS)
+        json = pen_json_with(json, "repeats", json_integer(request->repeats));
+    if (request->kind == PEN_KIND_EXPLAIN)
+        json = pen_json_with(json, "analyze", json_boolean(request->analyze));
+    if (request->kind == PEN_KIND_ACCURACY)
+        json = pen_accuracy_spec_members(&request->accuracy, json);
+    if (request->kind == PEN_KIND_BENCHMARK)
+        json = pen_bench_spec_members(
+            &request->spec, pen_json_with(json, "matrix", json_incref(request->spec.matrix)));
+    return json;
 }
 
 /* The job as accepted: the client's keys with all defaults filled in, without the scene. */
-static json_t *common_json(const struct pen_request *request)
-{
-    json_t *name = request->name ? json_copy((json_t *)(uintptr_t)request->name) : json_null();
-    json_t *labels =
-        request->labels ? json_deep_copy((json_t *)(uintptr_t)request->labels) : json_object();
-    return json_pack(
-        "{s:s, s:o, s:o, s:i, s:i, s:f, s:o, s:o, s:s*, s:o*, s:o*, s:o, s:o*, s:f, s:o}", "kind",
-        pen_job_kinds[request->kind], "name", name, "labels", labels, "priority", request->priority,
-        "max_attempts", request->max_attempts, "timeout_seconds",
-        (double)request->timeout_ms / 1000, "views", views_json(request), "layers",
-        layers_json(request), "cost", pen_request_cost(request), "audit", audit_json(request),
-        "budget_seconds", budget_json(request), "render", pen_settings_json(&request->settings),
-        "tile_edge", tile_json(request), "bound_rays", pen_batch_bound_rays(request), "effects",
-        pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
-}
-
-/* The members that only jobs of this kind have. */
-static json_t *kind_json(const struct pen_request *request)
-{
-    switch (request->kind) {
-    case PEN_KIND_BENCHMARK:
-        return pen_bench_spec_members(&request->spec,
-                                      json_pack("{s:O}", "matrix", request->spec.matrix));
-    case PEN_KIND_EFFECTS:
-        return json_pack("{s:i}", "repeats", request->repeats);
-    case PEN_KIND_EXPLAIN:
-        return json_pack("{s:b}", "analyze", request->analyze);
-    case PEN_KIND_ACCURACY:
-        return pen_accuracy_spec_members(&request->accuracy, json_object());
-    case PEN_KIND_RENDER:
-    case PEN_KIND_COUNT:
-        break;
-    }
-    return json_object();
-}
-
 static json_t *request_json(const struct pen_request *request)
 {
-    json_t *json = common_json(request), *more = kind_json(request);
-    if (json && (!more || json_object_update(json, more) != 0)) {
-        json_decref(json);
-        json = NULL;
-    }
-    json_decref(more);
-    return json;
+    json_t *labels =
+        request->labels ? json_incref((json_t *)(uintptr_t)request->labels) : json_object();
+    json_t *layers = request->layers ? json_incref((json_t *)(uintptr_t)request->layers)
+                                     : json_pack("[s]", pen_layer_name(PEN_LAYER_BEAUTY));
+    json_t *json =
+        json_pack("{s:s, s:O?, s:o, s:i, s:i, s:f, s:o, s:o, s:o, s:f, s:o}", "kind",
+                  pen_job_kinds[request->kind], "name", request->name, "labels", labels, "priority",
+                  request->priority, "max_attempts", request->max_attempts, "timeout_seconds",
+                  (double)request->timeout_ms / 1000, "views", views_json(request), "layers",
+                  layers, "render", pen_settings_json(&request->settings), "bound_rays",
+                  pen_batch_bound_rays(request), "effects",
+                  pen_figure_effects(pen_desc_effects(&request->desc, &request->settings)));
+    return with_more(request, json);
 }
 
 /* A job ready to be stored, and the memory into which its pointers lead. */
 struct prepared {
     struct pen_job_new new;
     char id[PEN_ID_BYTES];
-    char key_answer[PEN_ID_BYTES + 16]; /* {"id": …}, which is stored with the key */
     char *request, *answer, *scene;
     unsigned char scene_sha256[32], body_sha256[32];
     struct pen_view_new *views;
@@ -139,32 +107,22 @@ static bool prepare_scene(struct prepared *job, const struct pen_request *reques
     return true;
 }
 
-/* The answer to the client: the job object in its first revision. Of the job, the id, the kind, the
- * time and the pixels are read, which never change. */
-static char *make_answer(const struct pen_job_record *job, json_t *request, struct pen_status *st)
+/* The answer to the client: the job object in its first revision. */
+static char *make_answer(const char *id, const char *kind, int64_t created_ms, int64_t pixels,
+                         json_t *request, struct pen_status *st)
 {
     struct pen_job_record first = {.state = PEN_JOB_QUEUED,
                                    .revision = 1,
-                                   .kind = job->kind,
-                                   .created_ms = job->created_ms,
-                                   .total_pixels = job->total_pixels};
-    memcpy(first.id, job->id, sizeof first.id);
+                                   .kind = (char *)(uintptr_t)kind,
+                                   .created_ms = created_ms,
+                                   .total_pixels = pixels};
+    memcpy(first.id, id, sizeof first.id);
     json_t *json = pen_job_json_with(&first, request, st);
     char *text = json ? json_dumps(json, PEN_JSON_STORED) : NULL;
     if (json && !text)
         pen_fail(st, PEN_NO_MEMORY, "no memory for an answer");
     json_decref(json);
     return text;
-}
-
-static char *make_first_answer(const struct prepared *job, json_t *request, struct pen_status *st)
-{
-    struct pen_job_record record = {.kind = (char *)(uintptr_t)job->new.kind,
-                                    .created_ms = job->new.created_ms};
-    memcpy(record.id, job->id, sizeof record.id);
-    for (int i = 0; i < job->new.batch_count; i++)
-        record.total_pixels += job->new.batches[i].pixels;
-    return make_answer(&record, request, st);
 }
 
 /* Adds a worker's rate, once for a worker that holds several batches. */
@@ -261,27 +219,17 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
     pen_id_make(job->new.created_ms, job->id);
     bool ok = (job->request && prepare_scene(job, request)) ||
               pen_fail(st, PEN_NO_MEMORY, "no memory for a job");
-    ok = ok && prepare_views(jobs, job, request, st) &&
-         (job->answer = make_first_answer(job, json, st));
+    ok = ok && prepare_views(jobs, job, request, st);
+    int64_t pixels = 0;
+    for (int i = 0; ok && i < job->new.batch_count; i++)
+        pixels += job->batches[i].pixels;
+    job->answer = ok ? make_answer(job->id, job->new.kind, now_ms, pixels, json, st) : NULL;
     json_decref(json);
-    if (!ok)
+    if (!job->answer)
         return false;
     hash(job, in);
-    snprintf(job->key_answer, sizeof job->key_answer, "{\"id\":\"%s\"}", job->id);
-    job->new.answer = job->key_answer;
+    job->new.answer = job->id; /* is stored with the key */
     return true;
-}
-
-/* Takes the id out of what is stored with the key. */
-static bool take_id(struct pen_submitted *out, struct pen_status *st)
-{
-    json_t *json = json_loadb((const char *)out->answer.data, out->answer.bytes, 0, NULL);
-    const char *id = json_string_value(json_object_get(json, "id"));
-    bool ok = id && strlen(id) == PEN_ID_BYTES - 1;
-    if (ok)
-        memcpy(out->id, id, PEN_ID_BYTES);
-    json_decref(json);
-    return ok || pen_fail(st, PEN_STORAGE, "what is stored with the key is damaged");
 }
 
 /* A submit whose outcome is unknown is repeated once: the store recognises the job by its id. */
@@ -299,7 +247,9 @@ static bool make_again(const struct pen_job_record *job, struct pen_submitted *o
                        struct pen_status *st)
 {
     json_t *request = pen_stored_json(job->request, st);
-    char *text = request ? make_answer(job, request, st) : NULL;
+    char *text =
+        request ? make_answer(job->id, job->kind, job->created_ms, job->total_pixels, request, st)
+                : NULL;
     json_decref(request);
     out->answer.bytes = 0;
     const bool ok = text && (pen_buf_puts(&out->answer, text) ||
@@ -312,8 +262,9 @@ static bool make_again(const struct pen_job_record *job, struct pen_submitted *o
 static bool repeat_answer(struct pen_jobs *jobs, struct pen_submitted *out, struct pen_status *st)
 {
     struct pen_job_record job;
-    if (!take_id(out, st))
-        return false;
+    if (out->answer.bytes != sizeof out->id - 1)
+        return pen_fail(st, PEN_STORAGE, "what is stored with the key is damaged");
+    memcpy(out->id, out->answer.data, sizeof out->id);
     if (pen_store_job(jobs->store, out->id, &job, st)) {
         const bool ok = make_again(&job, out, st);
         pen_job_record_release(&job);
@@ -346,12 +297,10 @@ static bool store_job(struct pen_jobs *jobs, const struct prepared *job, struct 
 
 static bool check_key(const char *key, struct pen_errors *errors)
 {
-    struct pen_status st;
     if (!key || (key[0] && pen_utf8_count(key) <= KEY_CHARACTERS_MAX))
         return true;
-    pen_fail(&st, PEN_USAGE, "Idempotency-Key must have 1 to %d characters",
-             (int)KEY_CHARACTERS_MAX);
-    pen_errors_add(errors, &st);
+    pen_request_fail(errors, PEN_USAGE, "", NULL, "Idempotency-Key must have 1 to %d characters",
+                     (int)KEY_CHARACTERS_MAX);
     return false;
 }
 
@@ -410,11 +359,8 @@ bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, j
             pen_document_locate(&request.document, &warnings.item[i]);
         *answer = json_pack("{s:b, s:o}", "valid", 1, "warnings", warnings_json(&warnings));
         ok = *answer != NULL;
-        if (!ok) {
-            struct pen_status st;
-            pen_fail(&st, PEN_NO_MEMORY, "no memory for an answer");
-            pen_errors_add(errors, &st);
-        }
+        if (!ok)
+            pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for an answer");
     }
     pen_request_release(&request);
     return ok;

@@ -13,9 +13,6 @@
  * repeated, which does no harm. */
 #include "jobs/worker.h"
 
-#include <stdlib.h>
-#include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -57,12 +54,6 @@ static bool stopped(const struct worker *w)
     return atomic_load_explicit(w->stop, memory_order_relaxed);
 }
 
-static void pause_ms(int ms)
-{
-    struct timespec time = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000L};
-    nanosleep(&time, NULL);
-}
-
 /* Whether the same call may succeed later. */
 static bool is_temporary(const struct pen_status *st)
 {
@@ -87,22 +78,19 @@ static bool wait_to_retry(struct worker *w, const char *what, const struct pen_s
     if (!is_temporary(st) || stopped(w) || w->memory_tries > MEMORY_TRIES)
         return false;
     log_failure(w, what, st);
-    pause_ms(RETRY_MS);
+    usleep(RETRY_MS * 1000);
     return true;
 }
 
-/* Ends the job as failed; takes the error text. PEN_STALE means that the claim is no longer held:
- * the job has ended in another way. */
-static bool fail_job(struct worker *w, const struct pen_claim *claim, char *error,
+/* Ends the job as failed; `why` NULL: its time is up. PEN_STALE means that the claim is no longer
+ * held: the job has ended in another way. */
+static bool fail_job(struct worker *w, const struct pen_claim *claim, const struct pen_status *why,
                      struct pen_status *st)
 {
-    if (!error)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for an error");
     bool ok;
     do {
-        ok = pen_failure_store(w->store, claim, error, st) || st->code == PEN_STALE;
+        ok = pen_failure_store(w->store, claim, why, NULL, st) || st->code == PEN_STALE;
     } while (!ok && wait_to_retry(w, "failing a job", st));
-    free(error);
     return ok;
 }
 
@@ -125,7 +113,7 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
         ok = pen_store_commit(w->store, claim, &output->result, stopped(w) ? NULL : next, st);
     } while (!ok && wait_to_retry(w, "committing a batch", st));
     w->serial += next->found;
-    w->context.store_ms += (double)(pen_clock_ns() - begin_ns) * 1e-6;
+    w->context.store_ms += pen_ms_since(begin_ns);
     if (!ok && st->code == PEN_STALE)
         pen_log_about(PEN_LOG_INFO, &about, "the result was dropped: the claim is no longer held");
     return ok || st->code == PEN_STALE;
@@ -140,35 +128,27 @@ static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen
         why->code == PEN_STALE)
         return true;
     if (ended == PEN_CLAIM_TIMED_OUT)
-        return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
+        return fail_job(w, claim, NULL, st);
     if (ended == PEN_CLAIM_STOPPED || why->code == PEN_UNAVAILABLE || why->code == PEN_STORAGE_FULL)
         return release(w, claim, st);
     if (why->code == PEN_STORAGE && pen_store_is_broken(w->store, NULL)) {
         *st = *why;
         return false;
     }
-    return fail_job(w, claim, pen_failure_status_json(w->store, claim, why), st);
-}
-
-/* Whether the job's time was up already when this claim was taken. The heartbeat notices it if the
- * time is up later. */
-static bool is_late(const struct pen_claim *claim)
-{
-    return claim->timeout_ms && claim->job_spent_us >= claim->timeout_ms * 1000;
+    return fail_job(w, claim, why, st);
 }
 
 /* Runs the batch. If memory runs out, the caches of earlier jobs are dropped, since this job is not
  * to blame for them, and the batch is tried once more. */
-static bool run_batch(struct worker *w, const struct pen_claim *claim,
-                      struct pen_batch_output *output, struct pen_status *why)
+static bool run_batch(struct worker *w, struct pen_batch_output *output, struct pen_status *why)
 {
-    if (pen_batch_run(&w->context, claim, output, why))
+    if (pen_batch_run(&w->context, output, why))
         return true;
     if (why->code != PEN_NO_MEMORY ||
         atomic_load_explicit(&w->context.exhausted, memory_order_relaxed))
         return false;
     pen_batch_context_drop_caches(&w->context);
-    return pen_batch_run(&w->context, claim, output, why);
+    return pen_batch_run(&w->context, output, why);
 }
 
 /* Handles a claim: runs the batch and commits the result; then *proven is true. *next becomes the
@@ -178,11 +158,10 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
                          bool *proven, struct pen_status *st)
 {
     struct pen_batch_output output;
-    struct pen_status why;
-    if (is_late(claim))
-        return fail_job(w, claim, pen_failure_timeout_json(w->store, claim, NULL), st);
-    if (!pen_batch_expected(&w->context, claim, &why))
-        return fail_job(w, claim, pen_failure_status_json(w->store, claim, &why), st);
+    struct pen_status why = {.code = PEN_CANCELLED};
+    w->context.claim = claim;
+    if (!pen_batch_expected(&w->context, &why))
+        return fail_job(w, claim, &why, st);
     struct pen_log_about about = pen_claim_about(claim);
     if (claim->kind == PEN_BATCH_STUDY)
         pen_log_about(PEN_LOG_INFO, &about, "%lld runs", (long long)claim->pixels);
@@ -193,12 +172,12 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
         pen_log_about(PEN_LOG_DEBUG, &about, "the picture of view %d", claim->view);
     /* A stop does not wait for a study, which may take long. */
     pen_heartbeat_begin(w->context.heart, claim, claim->kind == PEN_BATCH_STUDY ? w->stop : NULL);
-    bool done = run_batch(w, claim, &output, &why);
+    bool done = !pen_heartbeat_is_late(w->context.heart) && run_batch(w, &output, &why);
     pen_heartbeat_pause(w->context.heart);
     claim->spent_us = pen_heartbeat_spent_us(w->context.heart);
     if (done && claim->kind == PEN_BATCH_RENDER)
         claim->estimate_ms =
-            pen_batch_expected_ms(&w->context, claim, (double)output.result.work / PEN_WORK_ALL);
+            pen_batch_expected_ms(&w->context, (double)output.result.work / PEN_WORK_ALL);
     if (done && pen_heartbeat_is_late(w->context.heart)) {
         pen_batch_output_release(&output);
         done = pen_fail(&why, PEN_CANCELLED, "the time is up");
@@ -209,20 +188,6 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
     if (!done)
         return end_failed(w, claim, ended, &why, st);
     pen_batch_output_release(&output);
-    return ok;
-}
-
-/* As handle_claim, and notes in the trace what is worked on. */
-static bool work_on(struct worker *w, struct pen_claim *claim, struct pen_next *next,
-                    struct pen_status *st)
-{
-    struct pen_trace *trace = w->context.trace;
-    bool proven = false;
-    if (trace)
-        pen_trace_batch(trace, claim->job_id);
-    const bool ok = handle_claim(w, claim, next, &proven, st);
-    if (trace)
-        pen_trace_batch_ended(trace, proven);
     return ok;
 }
 
@@ -286,6 +251,7 @@ static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_st
 static bool run(struct worker *w, struct pen_status *st)
 {
     struct pen_next next = {.worker = w->options->id, .lease_ms = w->lease_ms};
+    struct pen_trace *trace = w->options->trace;
     pen_store_count(PEN_COUNT_WORKER_STARTS, 1);
     w->worked_ns = pen_clock_ns();
     while (!stopped(w) && !idled(w)) {
@@ -293,8 +259,14 @@ static bool run(struct worker *w, struct pen_status *st)
             return false;
         while (next.found && !stopped(w)) {
             struct pen_claim claim = next.claim;
+            bool proven = false;
             next.found = false;
-            if (!work_on(w, &claim, &next, st) || !maintain(w, st))
+            if (trace)
+                pen_trace_batch(trace, claim.job_id);
+            const bool ok = handle_claim(w, &claim, &next, &proven, st);
+            if (trace)
+                pen_trace_batch_ended(trace, proven);
+            if (!ok || !maintain(w, st))
                 return false;
             w->worked_ns = pen_clock_ns();
         }
@@ -308,17 +280,10 @@ static bool set_up(struct worker *w, struct pen_status *st)
 {
     const struct pen_worker_options *o = w->options;
     w->lease_ms = o->lease_ms > 0 ? o->lease_ms : LEASE_MS;
-    w->context.trace = o->trace;
-    w->context.keep_ms = o->keep_ms;
-    w->context.batch_ms = o->batch_ms;
-    w->context.max_seconds = o->max_seconds;
-    w->context.fault = o->fault;
     w->store = w->context.store = pen_store_open(o->store_url, false, st);
     if (!w->store || !(w->context.pool = pen_thread_pool_new(o->threads, st)) ||
-        !(w->context.heart = pen_heartbeat_new(o, w->context.pool, w->lease_ms, st)))
-        return false;
-    pen_heartbeat_watch(w->context.heart, pen_batch_work_now, &w->context);
-    if (!(w->context.compressor = pen_pixel_compressor_new(st)))
+        !(w->context.heart = pen_heartbeat_new(o, w->context.pool, w->lease_ms, pen_batch_work_now,
+                                               &w->context, st)))
         return false;
     w->context.scenes = pen_scene_cache_new(o->scene_cap_bytes);
     if (!w->context.scenes)
@@ -331,7 +296,6 @@ static void tear_down(struct worker *w)
 {
     pen_housekeeper_free(w->housekeeper);
     pen_heartbeat_free(w->context.heart);
-    pen_pixel_compressor_free(w->context.compressor);
     pen_thread_pool_free(w->context.pool);
     pen_scene_cache_free(w->context.scenes);
     pen_batch_context_release(&w->context);
@@ -341,8 +305,10 @@ static void tear_down(struct worker *w)
 bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
                     struct pen_status *st)
 {
-    struct worker w = {
-        .options = options, .stop = stop, .context.work.lock = PTHREAD_MUTEX_INITIALIZER};
+    struct worker w = {.options = options,
+                       .stop = stop,
+                       .context.options = options,
+                       .context.work.lock = PTHREAD_MUTEX_INITIALIZER};
     bool ok = set_up(&w, st) && run(&w, st);
     struct pen_status ignored;
     if (w.store)

@@ -55,4 +55,18 @@ struct pen_worker_options {
 bool pen_worker_run(const struct pen_worker_options *options, const atomic_bool *stop,
                     struct pen_status *st);
 
+/* The worker death report: what the supervisor knows of a worker process that has ended. */
+struct pen_worker_report {
+    const char *worker;
+    enum pen_worker_end end;
+    const char *how;               /* "signal 11 (SIGSEGV)", "exit code 3" */
+    const struct pen_trace *trace; /* of that worker; NULL: none */
+};
+
+/* Frees the batches that the worker held, and charges and fails jobs, by the rules of
+ * pen_store_worker_ended. *opened becomes the number of batches that are open again. Fails: as
+ * pen_store_worker_ended. */
+bool pen_jobs_worker_ended(struct pen_store *store, const struct pen_worker_report *report,
+                           int *opened, struct pen_status *st);
+
 #endif

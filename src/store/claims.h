@@ -5,7 +5,6 @@
 #define PEN_STORE_CLAIMS_H
 
 #include "store/jobs.h"
-#include "store/pixels.h"
 
 enum { PEN_WORKER_ID_BYTES = 33 };
 
@@ -45,10 +44,10 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
 
 /* The result of a batch. */
 struct pen_result {
-    const float *rgb; /* tiles in order, each row by row; pixels * 3 values; or NULL */
+    const float *rgb; /* of a render batch: tiles in order, each row by row; pixels * 3 values;
+                         else NULL. Stored without loss: every float comes back bit for bit */
     int64_t pixels;
     int part_tiles; /* of a render batch: it has its first tiles only, so many; 0: all */
-    const struct pen_pixels *encoded; /* the same, encoded; or NULL. Only render batches have one */
     int64_t work; /* the share of the job's expected work, of PEN_WORK_ALL; 0: that of its pixels */
     const char *stats;          /* JSON, kept as long as the job */
     int64_t handed_ns;          /* when it was given to the store, by pen_clock_ns; 0: now */

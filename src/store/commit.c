@@ -20,22 +20,11 @@ struct commit {
 static bool encode(struct pen_store *store, struct commit *commit, struct pen_status *st)
 {
     const struct pen_result *result = commit->result;
-    const struct pen_pixels *encoded = result->encoded;
-    if (!encoded && !result->rgb)
+    if (!result->rgb)
         return true;
-    if (!encoded) {
-        if (!store->pixels && !(store->pixels = pen_pixels_new()))
-            return pen_fail(st, PEN_NO_MEMORY, "no memory to encode pixels");
-        pen_pixels_begin(store->pixels);
-        if (!pen_pixels_add(store->pixels, result->rgb, result->pixels, st))
-            return false;
-        encoded = store->pixels;
-    }
-    if (pen_pixels_count(encoded) != result->pixels)
-        return pen_fail(st, PEN_INTERNAL, "%lld encoded pixels in a result of %lld",
-                        (long long)pen_pixels_count(encoded), (long long)result->pixels);
-    commit->pixels = pen_pixels_encoded(encoded);
-    return true;
+    if (!store->pixels && !(store->pixels = pen_pixels_new()))
+        return pen_fail(st, PEN_NO_MEMORY, "no memory to encode pixels");
+    return pen_pixels_encode(store->pixels, result->rgb, result->pixels, &commit->pixels, st);
 }
 
 /* Writes what is too large for the transaction. That of a claim that does not hold is not written:

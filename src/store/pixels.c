@@ -12,14 +12,11 @@
  *   2. The sign of the difference moves to the lowest bit.
  *   3. Plane k holds byte k of all differences: red, green, blue, red, …
  * The planes of the high bytes are nearly zero. Those of the low bytes are noise, which zstd skips
- * quickly. A slice fits the processor's cache, and slices let encoding begin while the batch is
- * still being rendered.
+ * quickly. A slice fits the processor's cache.
  *
  * Level: on the built-in room at 1000x1400, zstd's level -1 takes two thirds of the time of level 1
  * and produces 0.394 of the size instead of 0.392. From level -5 on the size grows faster than the
  * time falls: every byte is written twice, to the log and to the file. */
-#include "store/pixels.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,7 +30,6 @@ struct pen_pixels {
     struct pen_compressor *compressor;
     unsigned char *planes; /* of one slice */
     struct pen_buf encoded;
-    int64_t count;
 };
 
 struct pen_pixels *pen_pixels_new(void)
@@ -57,25 +53,6 @@ void pen_pixels_free(struct pen_pixels *pixels)
     free(pixels->planes);
     pen_buf_release(&pixels->encoded);
     free(pixels);
-}
-
-void pen_pixels_begin(struct pen_pixels *pixels)
-{
-    static const unsigned char form = FORM;
-    pixels->encoded.bytes = 0;
-    pixels->encoded.failed = false;
-    pixels->count = 0;
-    pen_buf_add(&pixels->encoded, &form, 1);
-}
-
-int64_t pen_pixels_count(const struct pen_pixels *pixels)
-{
-    return pixels->count;
-}
-
-struct pen_bytes pen_pixels_encoded(const struct pen_pixels *pixels)
-{
-    return (struct pen_bytes){pixels->encoded.data, pixels->encoded.bytes};
 }
 
 /* Writes `count` values as four planes of `count` bytes each. */
@@ -133,31 +110,30 @@ static bool add_slice(struct pen_pixels *pixels, const float *rgb, size_t count,
     unsigned char head[HEAD_BYTES];
     struct pen_bytes frame;
     split(rgb, 3 * count, pixels->planes);
-    if (!pen_compress(pixels->compressor, pixels->planes, count * PIXEL_BYTES, &frame, st)) {
-        pixels->encoded.failed = true;
+    if (!pen_compress(pixels->compressor, pixels->planes, count * PIXEL_BYTES, &frame, st))
         return false;
-    }
     put_32(head, (uint32_t)count);
     put_32(head + 4, (uint32_t)frame.bytes);
     pen_buf_add(&pixels->encoded, head, sizeof head);
-    if (!pen_buf_add(&pixels->encoded, frame.data, frame.bytes))
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for encoded pixels");
-    pixels->count += (int64_t)count;
-    return true;
+    return pen_buf_add(&pixels->encoded, frame.data, frame.bytes) ||
+           pen_fail(st, PEN_NO_MEMORY, "no memory for encoded pixels");
 }
 
-bool pen_pixels_add(struct pen_pixels *pixels, const float *rgb, int64_t count,
-                    struct pen_status *st)
+bool pen_pixels_encode(struct pen_pixels *pixels, const float *rgb, int64_t count,
+                       struct pen_bytes *out, struct pen_status *st)
 {
-    if (pixels->encoded.failed)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for encoded pixels");
+    static const unsigned char form = FORM;
+    pixels->encoded.bytes = 0;
+    pixels->encoded.failed = false;
+    pen_buf_add(&pixels->encoded, &form, 1);
     while (count > 0) {
-        int64_t n = count < PEN_PIXELS_SLICE ? count : PEN_PIXELS_SLICE;
+        const int64_t n = count < PEN_PIXELS_SLICE ? count : PEN_PIXELS_SLICE;
         if (!add_slice(pixels, rgb, (size_t)n, st))
             return false;
         rgb += 3 * n;
         count -= n;
     }
+    *out = (struct pen_bytes){pixels->encoded.data, pixels->encoded.bytes};
     return true;
 }
 

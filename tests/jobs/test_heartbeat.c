@@ -64,7 +64,7 @@ static void begin(void)
     const struct pen_claim claim = store_claim(bed.store, "w");
     options = (struct pen_worker_options){.store_url = bed.url, .stuck = report};
     pool = pen_thread_pool_new(THREADS, &st);
-    heart = pool ? pen_heartbeat_new(&options, pool, STORE_LEASE_MS, &st) : NULL;
+    heart = pool ? pen_heartbeat_new(&options, pool, STORE_LEASE_MS, NULL, NULL, &st) : NULL;
     store_must(heart != NULL, &st, "heartbeat");
     pen_heartbeat_begin(heart, &claim, NULL);
     ck_assert_int_eq(pthread_create(&runner, NULL, run, NULL), 0);

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "base/buf.h"
-#include "jobs/internal/json_member.h"
+#include "jobs/internal/members.h"
 #include "support/random.h"
 #include "support/suite.h"
 

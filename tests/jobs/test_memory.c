@@ -154,7 +154,7 @@ static bool work_stats(struct pen_status *st)
 static bool work_scene(struct pen_status *st)
 {
     struct pen_buf scene = {0};
-    bool ok = pen_jobs_scene(bed.jobs, id, &scene, st);
+    bool ok = pen_store_scene(pen_jobs_store(bed.jobs), id, &scene, st);
     pen_buf_release(&scene);
     return ok;
 }

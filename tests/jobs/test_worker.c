@@ -198,7 +198,7 @@ START_TEST(test_worker__job_of_higher_priority_comes_within_a_long_batch)
 }
 END_TEST
 
-/* Pixels are compressed in slices while others are still rendered. */
+/* Pixels are stored in slices. */
 START_TEST(test_worker__large_batches_give_the_pixels_of_a_direct_render)
 {
     static const char *const sizes[] = {

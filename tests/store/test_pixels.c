@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Stored pixels are read back bit for bit, in whatever parts they were compressed. */
+/* Stored pixels are read back bit for bit. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "store/pixels.h"
+#include "store/internal/compress.h"
 #include "support/random.h"
 #include "support/store.h"
 #include "support/suite.h"
@@ -90,51 +90,4 @@ START_TEST(test_pixels__come_back_bit_for_bit_whatever_their_number)
 }
 END_TEST
 
-START_TEST(test_pixels__may_be_compressed_beforehand_in_parts_of_any_size)
-{
-    struct random random = random_begin(72);
-    struct pen_pixels *pixels = pen_pixels_new();
-    struct pen_status st;
-    store_bed_open(&bed);
-    for (int i = 0; i < 5; i++) {
-        int count = 1 + (int)(random_unit(&random) * (MOST - 1)), done = 0;
-        fill(&random, count);
-        printf("seed %llu, %d pixels\n", (unsigned long long)random.seed, count);
-        pen_pixels_begin(pixels);
-        while (done < count) {
-            int part = 1 + (int)(random_unit(&random) * 1.5 * PEN_PIXELS_SLICE);
-            part = part < count - done ? part : count - done;
-            store_must(pen_pixels_add(pixels, sent + 3 * done, part, &st), &st, "add");
-            done += part;
-        }
-        ck_assert_int_eq(pen_pixels_count(pixels), count);
-        struct pen_claim claim = claim_of(i, count);
-        struct pen_result result = {.encoded = pixels, .pixels = count};
-        ck_assert_int_eq(commit(&claim, &result), PEN_OK);
-        check_stored(count);
-    }
-    pen_pixels_free(pixels);
-    store_bed_close(&bed);
-}
-END_TEST
-
-START_TEST(test_pixels__compressed_in_another_number_are_refused)
-{
-    struct pen_pixels *pixels = pen_pixels_new();
-    struct pen_status st;
-    store_bed_open(&bed);
-    struct pen_claim claim = claim_of(1, 16);
-    pen_pixels_begin(pixels);
-    store_must(pen_pixels_add(pixels, sent, 15, &st), &st, "add");
-    struct pen_result result = {.encoded = pixels, .pixels = 16};
-    ck_assert_int_eq(commit(&claim, &result), PEN_INTERNAL);
-    store_must(pen_pixels_add(pixels, sent, 1, &st), &st, "add");
-    ck_assert_int_eq(commit(&claim, &result), PEN_OK);
-    pen_pixels_free(pixels);
-    store_bed_close(&bed);
-}
-END_TEST
-
-PEN_SUITE("store pixels", test_pixels__come_back_bit_for_bit_whatever_their_number,
-          test_pixels__may_be_compressed_beforehand_in_parts_of_any_size,
-          test_pixels__compressed_in_another_number_are_refused)
+PEN_SUITE("store pixels", test_pixels__come_back_bit_for_bit_whatever_their_number)

@@ -19,7 +19,6 @@
 #include "cmd/daemon/fault_injection.h"
 #include "http/server.h"
 #include "jobs/worker.h"
-#include "jobs/worker_report.h"
 #include "store/store.h"
 
 /* The names of the processes in the kernel's lists (at most 15 bytes). */

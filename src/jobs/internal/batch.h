@@ -12,13 +12,13 @@
  * PEN_CANCELLED: the heartbeat has stopped it. PEN_NOT_FOUND: the job was deleted. PEN_STALE: the
  * claim is lost. PEN_STORAGE, PEN_STORAGE_FULL, PEN_UNAVAILABLE: the store failed. Any other code
  * is an error of the job. */
-bool pen_batch_run(struct pen_batch_context *context, const struct pen_claim *claim,
-                   struct pen_batch_output *output, struct pen_status *st);
+bool pen_batch_run(struct pen_batch_context *context, struct pen_batch_output *output,
+                   struct pen_status *st);
 
 /* The function for one kind of batch. *output is empty at the call; the caller releases it, after
  * success and failure alike. */
-typedef bool pen_batch_run_fn(struct pen_batch_context *context, const struct pen_claim *claim,
-                              struct pen_batch_output *output, struct pen_status *st);
+typedef bool pen_batch_run_fn(struct pen_batch_context *context, struct pen_batch_output *output,
+                              struct pen_status *st);
 
 /* batch_render.c: renders the claim's tiles, and encodes the picture if they are the whole view. */
 pen_batch_run_fn pen_batch_render;
@@ -35,15 +35,14 @@ pen_batch_run_fn pen_batch_assemble;
  *  - after_rounds: with a target error, makes and stores them of the claim's view, whose rounds
  *    have ended with these statistics. Fails: also as pen_batch_rounds.
  *  - assemble: stores those of a view of several batches; `begins` as of pen_view_pixels_load. */
-bool pen_batch_layers_make(struct pen_batch_context *context, const struct pen_claim *claim,
-                           bool bounded, int *tiles, double *ms, struct pen_status *st);
-bool pen_batch_layers_store(struct pen_batch_context *context, const struct pen_claim *claim,
-                            int tiles, struct pen_status *st);
+bool pen_batch_layers_make(struct pen_batch_context *context, bool bounded, int *tiles, double *ms,
+                           struct pen_status *st);
+bool pen_batch_layers_store(struct pen_batch_context *context, int tiles, struct pen_status *st);
 void pen_batch_layers_end(struct pen_batch_context *context);
-bool pen_batch_layers_after_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
+bool pen_batch_layers_after_rounds(struct pen_batch_context *context,
                                    const struct pen_render_stats *stats, struct pen_status *st);
-bool pen_batch_layers_assemble(struct pen_batch_context *context, const struct pen_claim *claim,
-                               const unsigned char *begins, struct pen_status *st);
+bool pen_batch_layers_assemble(struct pen_batch_context *context, const unsigned char *begins,
+                               struct pen_status *st);
 
 /* batch_layers.c: how many times as long as the pixels of the context's job its layers take. */
 double pen_batch_layer_work(const struct pen_batch_context *context);
@@ -52,9 +51,8 @@ double pen_batch_layer_work(const struct pen_batch_context *context);
  * state in the context; goes on from the tile that an earlier worker has kept. Fails: also
  * PEN_UNAVAILABLE, when a batch of higher priority waits; PEN_TOO_LARGE, when the job takes longer
  * than the operator allows. */
-bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim *claim,
-                      const struct pen_render_task *task, struct pen_render_stats *stats,
-                      struct pen_status *st);
+bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_render_task *task,
+                      struct pen_render_stats *stats, struct pen_status *st);
 
 /* batch_rounds.c: keeps a part of what follows the pixels of a view, which is `done` (pen_kept),
  * and with it the state that rounds have left, unless there were none or the store has it. A part
@@ -63,29 +61,24 @@ bool pen_batch_rounds(struct pen_batch_context *context, const struct pen_claim 
 bool pen_batch_keep_after_rounds(struct pen_keeper *keeper, const struct pen_render_stats *stats,
                                  int64_t done, const struct pen_kept_part *part, int64_t begun_ns);
 
-/* batch_rounds.c: the keeper of rounds and of what follows the pixels; and whether to stop there,
- * since it is due or the job is overdue: `pause` of a task, whose user is the keeper. */
-struct pen_keeper pen_batch_keeper(struct pen_batch_context *context,
-                                   const struct pen_claim *claim);
+/* batch_rounds.c: whether to stop there, since the keeper is due or the job is overdue: `pause` of
+ * a task, whose user is the keeper, which has these times. */
+enum { PEN_KEEP_MS = 10000, PEN_ASK_MS = 500 };
 bool pen_batch_keeper_pauses(void *keeper);
-
-/* batch_rounds.c: whether the job of a keeper's batch has taken longer than the operator allows. A
- * job with a budget is bounded already, also what follows its rounds, when it is submitted. */
-bool pen_batch_keeper_is_overdue(const struct pen_keeper *keeper);
 
 /* batch_audit.c: audits the picture of the claim's view, which the film has, if the job asks for
  * that; then *done is true. `stats` are those of the view's rounds, or of other renders. Fails: as
  * pen_batch_rounds. */
-bool pen_batch_audit(struct pen_batch_context *context, const struct pen_claim *claim,
-                     const struct pen_film *film, const struct pen_render_stats *stats,
-                     struct pen_audit *audit, bool *done, struct pen_status *st);
+bool pen_batch_audit(struct pen_batch_context *context, const struct pen_film *film,
+                     const struct pen_render_stats *stats, struct pen_audit *audit, bool *done,
+                     struct pen_status *st);
 
 /* batch_estimate.c: before the first batch of a job that may take long, estimates what it will
  * take and where its work lies, and stores that; before others, reads where it lies. A small job is
  * left as it is. Fails: as pen_forecast_make; PEN_TOO_LARGE if that is longer than the operator
  * allows. */
-bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_claim *claim,
-                        const struct pen_scene *scene, struct pen_status *st);
+bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_scene *scene, int view,
+                        struct pen_status *st);
 
 /* batch_estimate.c: whether the operator allows so many times an estimated time, as far as the
  * lower end of its interval tells. Fails: PEN_TOO_LARGE, if not. */
@@ -95,8 +88,7 @@ bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen
 /* batch_estimate.c: tells from the time that the job has taken, and the pace at which this worker
  * renders it, whether all of it is expected to take longer than the operator allows. Fails:
  * PEN_TOO_LARGE, if so. */
-bool pen_batch_expected(struct pen_batch_context *context, const struct pen_claim *claim,
-                        struct pen_status *st);
+bool pen_batch_expected(struct pen_batch_context *context, struct pen_status *st);
 
 /* batch_benchmark.c: runs a whole benchmark; the artefact is the report as JSON. */
 pen_batch_run_fn pen_batch_benchmark;

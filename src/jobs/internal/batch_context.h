@@ -6,9 +6,9 @@
 #define PEN_JOBS_INTERNAL_BATCH_CONTEXT_H
 
 #include "film/encode.h"
+#include "io/stats_json.h"
 #include "jobs/internal/heartbeat.h"
 #include "jobs/internal/jobs.h"
-#include "jobs/internal/pixel_compressor.h"
 #include "jobs/internal/scene_cache.h"
 #include "jobs/internal/stored_request.h"
 #include "jobs/internal/work.h"
@@ -17,15 +17,15 @@
 #include "render/render.h"
 
 struct pen_batch_context {
+    const struct pen_worker_options *options;
     struct pen_store *store;
+    const struct pen_claim *claim; /* that is worked on */
     struct pen_thread_pool *pool;
     struct pen_heartbeat *heart;
     struct pen_scene_cache *scenes;
-    struct pen_pixel_compressor *compressor;
-    struct pen_trace *trace;              /* may be NULL */
-    const struct pen_worker_fault *fault; /* NULL: none */
-    atomic_bool exhausted;                /* atomic: relaxed; the fault has failed a pixel */
-    char job_id[PEN_ID_BYTES];            /* the job of `request`, "" if there is none */
+    bool faulty;               /* the test's fault is called before each pixel */
+    atomic_bool exhausted;     /* atomic: relaxed; the fault has failed a pixel */
+    char job_id[PEN_ID_BYTES]; /* the job of `request`, "" if there is none */
     struct pen_stored_request request;
     bool fresh; /* no pixel of the job was done when `request` was read, and its
                    time not estimated */
@@ -39,26 +39,26 @@ struct pen_batch_context {
     bool rounds_kept;               /* the store has what the last of that view's rounds has left */
     struct pen_film *layer[PEN_LAYER_COUNT]; /* without a target error: of the rows of tiles that
                                                 the batch is in; else NULL */
-    int64_t split_ns;          /* when its tiles end, by pen_clock_ns, if not in rounds */
-    int64_t keep_ms, batch_ms; /* as in pen_worker_options */
-    int max_seconds;           /* the same */
-    double rays_per_s;         /* by the last batch that was rendered; 0: there was none */
-    double store_ms; /* time spent waiting for the store and for compression; not in the job's
-                        statistics yet */
+    int64_t split_ns;  /* when its tiles end, by pen_clock_ns, if not in rounds */
+    double rays_per_s; /* by the last batch that was rendered; 0: there was none */
+    double store_ms;   /* time spent waiting for the store; not in the job's statistics yet */
 };
 
-/* A finished batch; its pixels stay in the context. Owns: release it. */
+/* A finished batch. Owns: release it. */
 struct pen_batch_output {
     struct pen_result result;
+    float *rgb;              /* owns the pixels of result.rgb */
     struct pen_buf artefact; /* owns the bytes of result.artefact */
     char *stats;             /* owns the text of result.stats */
 };
 void pen_batch_output_release(struct pen_batch_output *output);
 
+/* Makes output->artefact the result's: it is stored with the commit. */
+void pen_batch_set_artefact(struct pen_batch_output *output, const char *layer, const char *format);
+
 /* Reads the request of the claim's job into context->request, unless it is there already: batches
  * of one job mostly follow each other. Fails: as pen_store_job and pen_stored_request_read. */
-bool pen_batch_context_load(struct pen_batch_context *context, const struct pen_claim *claim,
-                            struct pen_status *st);
+bool pen_batch_context_load(struct pen_batch_context *context, struct pen_status *st);
 
 /* Frees what is kept only to save time: the scenes and the image. */
 void pen_batch_context_drop_caches(struct pen_batch_context *context);
@@ -69,9 +69,14 @@ void pen_batch_context_release(struct pen_batch_context *context);
  * for others, and within what the operator allows a job to take. */
 int64_t pen_batch_forecast_end(const struct pen_batch_context *context);
 
-/* The index of the claim's view in its scene, or -1. Fails: PEN_INTERNAL, with -1. */
-int pen_batch_view(const struct pen_batch_context *context, const struct pen_claim *claim,
-                   const struct pen_scene *scene, struct pen_status *st);
+/* The index of a view of the job in its scene. Fails: PEN_INTERNAL, with -1. */
+int pen_batch_view(const struct pen_batch_context *context, int view, const struct pen_scene *scene,
+                   struct pen_status *st);
+
+/* The frozen scene of the claim, and the claim's view in it. Owns: the context, until the next
+ * call. Fails: as pen_scene_cache_get, and PEN_INTERNAL. */
+const struct pen_scene *pen_batch_scene(struct pen_batch_context *context, int *view,
+                                        struct pen_scene_times *times, struct pen_status *st);
 
 /* Bounds the tiles of a batch by time: so long after the call, or after this share of that,
  * pen_batch_is_long tells that those which are not begun are left. The latter is `pause` of a task,
@@ -79,22 +84,26 @@ int pen_batch_view(const struct pen_batch_context *context, const struct pen_cla
 void pen_batch_bound(struct pen_batch_context *context, double share);
 bool pen_batch_is_long(void *context);
 
-/* Whether the claim's job has taken longer than the operator allows, with the time since
- * `begun_ns`, when this worker has begun with it; and the failure that says so, PEN_TOO_LARGE. */
-bool pen_batch_is_overdue(const struct pen_batch_context *context, const struct pen_claim *claim,
-                          int64_t begun_ns);
+/* Whether the claim's job has taken longer than the operator allows, and the failure that says so,
+ * PEN_TOO_LARGE. A job with a budget is bounded already, also what follows its rounds, when it is
+ * submitted. */
+bool pen_batch_is_overdue(const struct pen_batch_context *context);
 bool pen_batch_fail_overdue(const struct pen_batch_context *context, struct pen_status *st);
 
 /* Stores an artefact of the claim's view, and waits for the store meanwhile. Fails: as
  * pen_store_artefact_put. */
-bool pen_batch_store(struct pen_batch_context *context, const struct pen_claim *claim,
-                     const char *layer, const char *format, const struct pen_buf *data,
-                     struct pen_status *st);
+bool pen_batch_store(struct pen_batch_context *context, const char *layer, const char *format,
+                     const struct pen_buf *data, struct pen_status *st);
 
-/* Puts statistics into the output as they are stored, with store_before_ms (stats.h).
- * Takes the reference; NULL is an allocation that failed. Fails: PEN_NO_MEMORY. */
+/* batch_stats.c: puts statistics into the output as they are stored, with store_before_ms
+ * (stats.h); and those of a render, with tile_ms. The former takes the reference; NULL is an
+ * allocation that failed. Fail: PEN_NO_MEMORY. */
 bool pen_batch_write_stats(struct pen_batch_context *context, json_t *stats,
                            struct pen_batch_output *output, struct pen_status *st);
+
+bool pen_batch_write_render_stats(struct pen_batch_context *context,
+                                  const struct pen_stats_input *in, struct pen_batch_output *output,
+                                  struct pen_status *st);
 
 /* The function to call before each pixel (pixel_begins of a render task, with the context as its
  * user): it notes the pixel in the trace, and calls the test's fault. NULL: none is needed. */

@@ -8,21 +8,14 @@
 #ifndef PEN_JOBS_INTERNAL_FAILURE_H
 #define PEN_JOBS_INTERNAL_FAILURE_H
 
-#include "jobs/worker_report.h"
+#include "jobs/worker.h"
 #include "store/store.h"
 
-/* The error, as JSON text, of a job that took longer than its timeout_seconds. The trace (may be
- * NULL) gives the pixel. Owns: malloc()ed, the caller's. Fails: NULL when out of memory. */
-char *pen_failure_timeout_json(struct pen_store *store, const struct pen_claim *claim,
-                               const struct pen_trace *trace);
-
-/* The error, as JSON text, of a job that has failed for any other reason. Owns, Fails: as above. */
-char *pen_failure_status_json(struct pen_store *store, const struct pen_claim *claim,
-                              const struct pen_status *why);
-
-/* Ends the claim's job as failed with such an error, and logs it. Only the first error of a job is
- * stored and logged. Fails: as pen_store_fail; PEN_STALE for a later error. */
-bool pen_failure_store(struct pen_store *store, const struct pen_claim *claim, const char *error,
+/* Ends the claim's job as failed with such an error, and logs it; `why` NULL: the job took longer
+ * than its timeout_seconds. The trace (may be NULL) gives the pixel. Only the first error of a job
+ * is stored and logged. Fails: as pen_store_fail; PEN_STALE for a later error; PEN_NO_MEMORY. */
+bool pen_failure_store(struct pen_store *store, const struct pen_claim *claim,
+                       const struct pen_status *why, const struct pen_trace *trace,
                        struct pen_status *st);
 
 #endif

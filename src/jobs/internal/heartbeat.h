@@ -26,11 +26,18 @@ enum pen_claim_end {
     PEN_CLAIM_STOPPED    /* the worker is stopping and gives this batch back */
 };
 
-/* Starts the thread, with a store handle of its own. The pool has the render threads. Owns: free
- * with pen_heartbeat_free; options and pool must stay until then. Fails: as pen_store_open;
- * PEN_NO_MEMORY. */
+/* Tells what the active claim has done of its job's work, when so many ms were spent on it, and
+ * sets *per_ms to the work of a ms; 0: not known, and nothing is told to readers. Called once a
+ * second from the heartbeat's thread, while the claim's clock runs, with the heartbeat's lock held:
+ * so it makes none of these calls. */
+typedef double pen_heartbeat_work_fn(void *user, double spent_ms, double *per_ms);
+
+/* Starts the thread, with a store handle of its own. The pool has the render threads; `work` may be
+ * NULL. Owns: free with pen_heartbeat_free; options and pool must stay until then. Fails: as
+ * pen_store_open; PEN_NO_MEMORY. */
 struct pen_heartbeat *pen_heartbeat_new(const struct pen_worker_options *options,
                                         struct pen_thread_pool *pool, int64_t lease_ms,
+                                        pen_heartbeat_work_fn *work, void *user,
                                         struct pen_status *st);
 void pen_heartbeat_free(struct pen_heartbeat *heart);
 
@@ -55,13 +62,6 @@ int64_t pen_heartbeat_spent_us(struct pen_heartbeat *heart);
 
 /* Whether the job's time is up now; a short batch may end between two checks of the thread. */
 bool pen_heartbeat_is_late(struct pen_heartbeat *heart);
-
-/* Tells what the active claim has done of its job's work, when so many ms were spent on it, and
- * sets *per_ms to the work of a ms; 0: not known, and nothing is told to readers. Called once a
- * second from the heartbeat's thread, while the claim's clock runs, with the heartbeat's lock held:
- * so it makes none of these calls. To be set before the first claim. */
-typedef double pen_heartbeat_work_fn(void *user, double spent_ms, double *per_ms);
-void pen_heartbeat_watch(struct pen_heartbeat *heart, pen_heartbeat_work_fn *work, void *user);
 
 /* Ends the active claim. Returns why the heartbeat has ended it before, or PEN_CLAIM_HELD. */
 enum pen_claim_end pen_heartbeat_end(struct pen_heartbeat *heart);

@@ -3,6 +3,7 @@
 #ifndef PEN_JOBS_INTERNAL_JOBS_H
 #define PEN_JOBS_INTERNAL_JOBS_H
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "io/json_build.h"
 #include "jobs/jobs.h"
@@ -21,6 +22,11 @@ static inline struct pen_log_about pen_claim_about(const struct pen_claim *claim
 {
     return (struct pen_log_about){
         .job = claim->job_id, .batch = claim->batch, .attempt = claim->attempt};
+}
+
+static inline double pen_ms_since(int64_t begun_ns)
+{
+    return (double)(pen_clock_ns() - begun_ns) * 1e-6;
 }
 
 /* Ends the process if the store has an I/O error, as the options say. */

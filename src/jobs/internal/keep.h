@@ -11,7 +11,6 @@
 
 struct pen_keeper {
     struct pen_batch_context *context;
-    const struct pen_claim *claim;
     int64_t wait_ms;           /* the shortest time between two states */
     int times;                 /* and how many times as long as keeping one takes */
     int64_t ask_ms;            /* the shortest time between questions for a higher priority */
@@ -23,8 +22,8 @@ struct pen_keeper {
 
 /* Both times are those of the kind of batch; the worker's options may have another `wait_ms`
  * (keep_ms). */
-struct pen_keeper pen_keeper_make(struct pen_batch_context *context, const struct pen_claim *claim,
-                                  int64_t wait_ms, int64_t ask_ms);
+struct pen_keeper pen_keeper_make(struct pen_batch_context *context, int64_t wait_ms,
+                                  int64_t ask_ms);
 
 /* Whether the state is to be kept now: its time has come, or a batch that comes first waits. */
 bool pen_keeper_is_due(struct pen_keeper *keeper);

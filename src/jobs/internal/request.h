@@ -9,6 +9,7 @@
 #include "jobs/bench_spec.h"
 #include "jobs/internal/kind.h"
 #include "jobs/jobs.h"
+#include "render/layers.h"
 #include "scene/desc.h"
 
 enum {
@@ -38,8 +39,9 @@ struct pen_request {
     const json_t *name;   /* NULL: none */
     const json_t *labels; /* NULL: none */
     const json_t *layers; /* NULL: the beauty alone */
-    const char *cost;     /* what the layer of that name is; NULL: time */
-    int audit_pixels;     /* 0: no audit */
+    bool cost_layer;      /* whether `layers` has the cost, and what that is */
+    enum pen_cost cost;
+    int audit_pixels; /* 0: no audit */
     double audit_threshold;
     double budget_seconds; /* of a render; 0: none */
     enum pen_job_kind kind;
@@ -56,17 +58,11 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
                       struct pen_request *out, struct pen_errors *errors);
 void pen_request_release(struct pen_request *request);
 
-/* What the layer `cost` is; NULL if the job has none. */
-const char *pen_request_cost(const struct pen_request *request);
-
 /* How many times as long as the pixels of a render its layers take: pen_layer_work. */
 double pen_request_layer_work(const struct pen_request *request);
 
 /* request_keys.c: the keys of a job other than scene, render, views and those of its benchmark.
  * `body` is an object. */
 void pen_request_keys_read(struct pen_request *request, struct pen_errors *errors);
-
-/* The key budget_seconds of a render; a study's belongs to its spec. */
-void pen_request_budget_read(struct pen_request *request, struct pen_errors *errors);
 
 #endif

@@ -20,9 +20,6 @@ struct pen_scene_times {
 struct pen_scene_cache *pen_scene_cache_new(size_t cap_bytes);
 void pen_scene_cache_free(struct pen_scene_cache *cache);
 
-/* The cap_bytes that the cache was made with. */
-size_t pen_scene_cache_cap(const struct pen_scene_cache *cache);
-
 /* Frees all scenes; the cache stays usable. */
 void pen_scene_cache_empty(struct pen_scene_cache *cache);
 

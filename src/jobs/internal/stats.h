@@ -6,7 +6,7 @@
  *   tile_ms          the times of the batch's tiles. Of more than PEN_TILE_TIMES tiles, that many
  *                    of the sorted times, evenly spaced, the largest included
  *   store_before_ms  how long the worker has waited for the store since the batch of this job that
- *                    it did before: for the commit of that one, and to read and compress pixels */
+ *                    it did before: for the commit of that one, and to read pixels */
 #ifndef PEN_JOBS_INTERNAL_STATS_H
 #define PEN_JOBS_INTERNAL_STATS_H
 
@@ -18,9 +18,6 @@
 #include "store/store.h"
 
 enum { PEN_TILE_TIMES = 2048 };
-
-/* tile_times.c: the member tile_ms. Owns: the caller. Fails: NULL when out of memory. */
-json_t *pen_tile_times(const double *ms, size_t count);
 
 /* stats_merge.c: the statistics of a job from those of all its committed batches. Owns: the caller.
  * Fails: as pen_store_stats; PEN_STORAGE (damaged statistics), PEN_NO_MEMORY. */

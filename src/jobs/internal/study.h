@@ -16,7 +16,6 @@
 
 struct pen_study {
     struct pen_batch_context *context;
-    const struct pen_claim *claim;
     struct pen_arena *arena; /* of desc */
     struct pen_scene_desc desc;
     int *views; /* of the job, numbers of views of desc: context->request.view_count */
@@ -31,7 +30,7 @@ struct pen_study {
 /* Reads the scene and finds the views. Owns: end *study after success and failure alike. Fails: as
  * pen_store_scene and pen_scene_load; PEN_NO_MEMORY. */
 bool pen_study_begin(struct pen_study *study, struct pen_batch_context *context,
-                     const struct pen_claim *claim, struct pen_status *st);
+                     struct pen_status *st);
 void pen_study_end(struct pen_study *study);
 
 /* Stores how many runs are done; `user` is the study. A failure is ignored: the next call may
@@ -46,8 +45,13 @@ bool pen_study_keep(void *user, const struct pen_unfinished *unfinished);
  * `state` is NULL. Owns: the study. */
 const struct pen_kept_study *pen_study_kept(struct pen_study *study);
 
-/* Names output->artefact as the report that is stored with the commit. */
-void pen_study_set_report(struct pen_batch_output *output);
+/* Writes a report with pictures, which are gone after the study, in all formats: JSON for the
+ * commit, and the others into the store; a worker that makes the study again, because the commit
+ * failed, replaces them. `write` appends one format. Fails: as `write`, and pen_batch_store. */
+typedef bool pen_study_write_fn(const void *user, const char *format, struct pen_buf *out,
+                                struct pen_status *st);
+bool pen_study_store_report(struct pen_study *study, pen_study_write_fn *write, const void *user,
+                            struct pen_batch_output *output, struct pen_status *st);
 
 /* The statistics of a render as those of the job. Fails: PEN_NO_MEMORY. */
 bool pen_study_write_stats(const struct pen_study *study, const struct pen_render_stats *render,

@@ -56,8 +56,8 @@ struct pen_batch_work {
     int pace_next; /* the one that the next new job takes */
     double part;   /* of the work of a batch, that of its tiles without their layers */
     /* Set before there is a tile_done: */
-    struct pen_claim claim; /* the tiles that are being rendered */
-    double begun_ms;        /* what was spent on the claim when its batch began */
+    int tiles;       /* of the claim, that are being rendered */
+    double begun_ms; /* what was spent on the claim when its batch began */
     pthread_mutex_t lock;
     struct pen_work known;    /* guarded by lock; per_ms 0: nothing is known of the batch */
     double known_ms;          /* guarded by lock; what was spent on the claim then */
@@ -68,8 +68,7 @@ struct pen_batch_work {
 /* Tells what is about to be made of the claim's first tiles: their layers; or their pixels, before
  * the layers, or after them. */
 enum pen_work_phase { PEN_WORK_LAYERS, PEN_WORK_PIXELS_FIRST, PEN_WORK_PIXELS_LAST };
-void pen_batch_work_begin(struct pen_batch_context *context, const struct pen_claim *claim,
-                          int tiles, enum pen_work_phase phase);
+void pen_batch_work_begin(struct pen_batch_context *context, int tiles, enum pen_work_phase phase);
 
 /* Tells what is known of the claim, which does not follow from tiles. */
 void pen_batch_work_tell(struct pen_batch_context *context, const struct pen_work *work);
@@ -86,20 +85,16 @@ void pen_batch_tile_done(void *context, struct pen_rect rect);
 double pen_batch_work_now(void *context, double spent_ms, double *per_ms);
 
 /* The work of the claim's first tiles with their layers. */
-double pen_batch_work_of(const struct pen_batch_context *context, const struct pen_claim *claim,
-                         int tiles);
+double pen_batch_work_of(const struct pen_batch_context *context, int tiles);
 
 /* Notes that a batch of the claim's job is rendered, and took this worker so long. */
-void pen_batch_paced(struct pen_batch_context *context, const struct pen_claim *claim, double work,
-                     double ms);
+void pen_batch_paced(struct pen_batch_context *context, double work, double ms);
 
 /* NULL: nothing that is remembered. */
-const struct pen_batch_pace *pen_batch_pace_of(const struct pen_batch_context *context,
-                                               const struct pen_claim *claim);
+const struct pen_batch_pace *pen_batch_pace_of(const struct pen_batch_context *context);
 
 /* How long workers are expected to work on the claim's job in all, once the claim has done so much;
  * 0: not known. */
-int64_t pen_batch_expected_ms(const struct pen_batch_context *context,
-                              const struct pen_claim *claim, double work);
+int64_t pen_batch_expected_ms(const struct pen_batch_context *context, double work);
 
 #endif

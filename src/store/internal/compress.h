@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "store/pixels.h"
+#include "base/status.h"
 
 struct pen_compressor;
 
@@ -35,8 +35,18 @@ bool pen_decompress(struct pen_compressor *compressor, const void *data, size_t 
  * 1 - 2^-64. It does not protect against deliberate changes. Cost: about that of reading. */
 int64_t pen_checksum(const void *data, size_t bytes);
 
-/* The stored form of the pixels added so far (pixels.c). Owns: valid until more are added. */
-struct pen_bytes pen_pixels_encoded(const struct pen_pixels *pixels);
+/* Encodes pixels (pixels.c). Owns: free with pen_pixels_free. Fails: NULL when out of memory. */
+struct pen_pixels;
+struct pen_pixels *pen_pixels_new(void);
+void pen_pixels_free(struct pen_pixels *pixels);
+
+/* The pixels that are compressed together. */
+enum { PEN_PIXELS_SLICE = 65536 };
+
+/* The stored form of the pixels of a batch. Shape: rgb has 3 * count values. Owns: *out is valid
+ * until the next call. Fails: PEN_NO_MEMORY. */
+bool pen_pixels_encode(struct pen_pixels *pixels, const float *rgb, int64_t count,
+                       struct pen_bytes *out, struct pen_status *st);
 
 /* Decodes stored pixels into rgb. Shape: rgb takes 3 * count values. Fails: PEN_STORAGE (damaged,
  * not `count` pixels, or of an unknown form), PEN_NO_MEMORY. */
