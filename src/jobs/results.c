@@ -229,19 +229,6 @@ static bool make_picture(struct pen_jobs *jobs, const struct wanted *want, struc
     return ok;
 }
 
-/* Makes the picture and stores it. If it cannot be stored, because the disk is full or the job was
- * just deleted, the answer is the same. */
-static bool make_and_store(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
-                           struct pen_status *st)
-{
-    struct pen_status ignored;
-    if (!make_picture(jobs, want, out, st))
-        return false;
-    pen_store_cache_put(jobs->store, want->id, want->view, pen_layer_name(want->layer),
-                        pen_image_formats[want->format], out->data, out->bytes, &ignored);
-    return true;
-}
-
 /* Gets the stored picture, or makes it. */
 static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
                         struct pen_status *st)
@@ -249,7 +236,7 @@ static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct
     const char *format = pen_image_formats[want->format], *layer = pen_layer_name(want->layer);
     if (pen_store_artefact(jobs->store, want->id, want->view, layer, format, out, st))
         return true;
-    return st->code == PEN_NOT_FOUND && make_and_store(jobs, want, out, st);
+    return st->code == PEN_NOT_FOUND && make_picture(jobs, want, out, st);
 }
 
 static bool fill_image(struct pen_image *image, const char *type)

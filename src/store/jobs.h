@@ -153,7 +153,7 @@ struct pen_queue {
 enum { PEN_QUEUE_TOLD = 1000 };
 
 /* Reads the queue; the caller releases its ids, also after a failure. Fails: PEN_NO_MEMORY. Cost:
- * an index of open batches, as far as PEN_QUEUE_TOLD jobs. */
+ * an index of open batches. */
 bool pen_store_queue(struct pen_store *store, struct pen_queue *queue, struct pen_status *st);
 
 struct pen_job_filter {

@@ -20,15 +20,12 @@ static bool remove_gone(struct pen_store *store, int64_t *removed, struct pen_st
 {
     int64_t left = SLICE_BYTES, changed;
     for (*removed = 0; left > 0 && *removed < SLICE_ROWS; (*removed)++) {
-        int64_t number = 0, bytes = 0;
-        struct pen_rows *rows = pen_db_rows(
-            store->db, st,
-            "SELECT number, bytes FROM object WHERE state = 2 ORDER BY number LIMIT 1", "");
-        if (pen_db_next(rows)) {
-            number = pen_db_int(rows, 0);
-            bytes = pen_db_int(rows, 1);
-        }
-        if (!pen_db_done(rows))
+        int64_t number, bytes;
+        if (!pen_row_numbers(pen_db_rows(store->db, st,
+                                         "SELECT number, bytes FROM object WHERE state = 2 "
+                                         "ORDER BY number LIMIT 1",
+                                         ""),
+                             &number, &bytes, NULL))
             return false;
         if (number == 0)
             return true;
@@ -156,7 +153,7 @@ static bool trim_stats(struct pen_store *store, struct pen_status *st)
 /* What is done once a minute. Notes a clock that has jumped ahead. */
 static bool do_seldom(struct pen_store *store, int64_t *changed, struct pen_status *st)
 {
-    int64_t now_ms, last_ms, collected = 0, dropped = 0;
+    int64_t now_ms, last_ms, collected = 0;
     bool wait;
     if (!pen_db_now(store->db, &now_ms, st) || !pen_meta_get(store, "purged_ms", &last_ms, st))
         return false;
@@ -167,9 +164,8 @@ static bool do_seldom(struct pen_store *store, int64_t *changed, struct pen_stat
                     pen_meta_set(store, "purged_ms", now_ms, st) && end_futures(store, st) &&
                     pen_ages_wait(store, now_ms, &wait, st) &&
                     (wait || remove_old(store, now_ms, st)) &&
-                    collect_loading(store, &collected, st) && trim_stats(store, st) &&
-                    pen_cache_trim(store, &dropped, st);
-    *changed += collected + dropped;
+                    collect_loading(store, &collected, st) && trim_stats(store, st);
+    *changed += collected;
     return ok;
 }
 

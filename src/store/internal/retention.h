@@ -19,7 +19,4 @@ bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *s
 /* Whether removal by age waits, because the clock has jumped ahead. */
 bool pen_ages_wait(struct pen_store *store, int64_t now_ms, bool *wait, struct pen_status *st);
 
-/* Drops cached artefacts beyond their share; *dropped is their number. */
-bool pen_cache_trim(struct pen_store *store, int64_t *dropped, struct pen_status *st);
-
 #endif
