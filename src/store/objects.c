@@ -181,11 +181,10 @@ bool pen_object_read(struct pen_store *store, const char *job, struct pen_object
 bool pen_scene_find(struct pen_store *store, const unsigned char sha256[32], int64_t *number,
                     struct pen_status *st)
 {
-    return pen_db_run(store->db, st, NULL,
-                      "UPDATE scene SET used_ms = (SELECT now_ms()) WHERE sha256 = $1", "b",
-                      (const void *)sha256, (size_t)32) &&
-           pen_db_value(store->db, st, number, "SELECT number FROM scene WHERE sha256 = $1", "b",
-                        (const void *)sha256, (size_t)32);
+    return pen_db_value(store->db, st, number,
+                        "UPDATE scene SET used_ms = (SELECT now_ms()) WHERE sha256 = $1 "
+                        "RETURNING number",
+                        "b", (const void *)sha256, (size_t)32);
 }
 
 /* Where another submit has just added the same document, this one's copy goes. */

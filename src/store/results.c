@@ -7,14 +7,13 @@
 
 /* A stored batch of pixels. */
 struct piece {
-    int64_t first_tile, tile_count, pixels;
+    int64_t object, first_tile, tile_count, pixels; /* object 0: there are no more */
     struct pen_buf encoded;
 };
 
 static bool next_piece(struct pen_store *store, int64_t job, int view, struct piece *piece,
-                       bool *found, struct pen_status *st)
+                       struct pen_status *st)
 {
-    int64_t object;
     piece->encoded.bytes = 0;
     if (!pen_db_begin(store->db, PEN_DB_READ, st))
         return false;
@@ -27,10 +26,11 @@ static bool next_piece(struct pen_store *store, int64_t job, int view, struct pi
             "AND batch.state = 2 AND batch.kind = 0 AND object.batch > 0 "
             "ORDER BY batch.first_tile LIMIT 1",
             "iii", job, (int64_t)view, piece->first_tile),
-        &object, &piece->first_tile, &piece->tile_count, &piece->pixels, NULL);
-    *found = object > 0;
-    return pen_db_end(
-        store->db, ok && (!*found || pen_object_read_row(store, object, &piece->encoded, st)), st);
+        &piece->object, &piece->first_tile, &piece->tile_count, &piece->pixels, NULL);
+    return pen_db_end(store->db,
+                      ok && (piece->object == 0 ||
+                             pen_object_read_row(store, piece->object, &piece->encoded, st)),
+                      st);
 }
 
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
@@ -39,11 +39,8 @@ bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pix
     struct piece piece = {.first_tile = -1};
     float *rgb = NULL;
     int64_t job, room = 0;
-    bool found = true, ok = pen_job_number(store, id, &job, NULL, st);
-    while (ok && found) {
-        ok = next_piece(store, job, view, &piece, &found, st);
-        if (!ok || !found)
-            break;
+    bool more = true, ok = pen_job_number(store, id, &job, NULL, st);
+    while (more && ok && (ok = next_piece(store, job, view, &piece, st)) && piece.object > 0) {
         if (piece.pixels > room) {
             free(rgb);
             rgb = malloc((size_t)piece.pixels * 3 * sizeof *rgb);
@@ -52,10 +49,9 @@ bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pix
         const struct pen_bytes encoded = {piece.encoded.data, piece.encoded.bytes};
         ok = rgb ? pen_pixels_decode(store->documents, &encoded, rgb, piece.pixels, st)
                  : pen_fail(st, PEN_NO_MEMORY, "no memory for the pixels of a batch");
-        found = ok && each(user, (int)piece.first_tile, (int)piece.tile_count, rgb, piece.pixels);
+        more = ok && each(user, (int)piece.first_tile, (int)piece.tile_count, rgb, piece.pixels);
     }
-    ok = ok &&
-         pen_job_number(store, id, &job, NULL, st); /* it is still there, and so was all of it */
+    ok = ok && pen_job_number(store, id, &job, NULL, st); /* else a part of it may be gone */
     free(rgb);
     pen_buf_release(&piece.encoded);
     return ok;

@@ -144,25 +144,6 @@ bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *s
             refuse_bytes(&load, "what a batch keeps", bytes, st));
 }
 
-/* Whether retention by bytes removes a job now. */
-static bool find_excess(struct pen_store *store, int64_t now_ms, bool *any, bool *above,
-                        struct pen_status *st)
-{
-    struct load load;
-    int64_t soon;
-    if (!read_load(store, &load, st) ||
-        !pen_db_value(store->db, st, &soon,
-                      "SELECT 1 WHERE EXISTS (SELECT 1 FROM job WHERE removed_ms > 0) OR "
-                      "EXISTS (SELECT 1 FROM object WHERE state = 2)",
-                      ""))
-        return false;
-    *above = load.keep > 0 && load.used > load.keep;
-    *any = load.keep > 0 && soon == 0 &&
-           (load.used > load.keep - load.keep / SLACK_PART ||
-            load.used + load.expected + wanted(now_ms) > load.keep);
-    return true;
-}
-
 /* By age nothing goes for a day after the clock has jumped ahead (purge.c notes that). */
 bool pen_ages_wait(struct pen_store *store, int64_t now_ms, bool *wait, struct pen_status *st)
 {
@@ -178,11 +159,16 @@ bool pen_ages_wait(struct pen_store *store, int64_t now_ms, bool *wait, struct p
 static bool find_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *found,
                          struct pen_status *st)
 {
-    int64_t keep_ms, keep_jobs, now_ms, count = 0, end_ms = 0;
-    bool any, above, wait;
+    int64_t keep_ms, keep_jobs, now_ms, soon, count = 0, end_ms = 0;
+    struct load load;
+    bool wait;
     if (!pen_meta_get(store, "keep_ms", &keep_ms, st) ||
         !pen_meta_get(store, "keep_jobs", &keep_jobs, st) || !pen_db_now(store->db, &now_ms, st) ||
-        !pen_ages_wait(store, now_ms, &wait, st) || !find_excess(store, now_ms, &any, &above, st) ||
+        !pen_ages_wait(store, now_ms, &wait, st) || !read_load(store, &load, st) ||
+        !pen_db_value(store->db, st, &soon,
+                      "SELECT 1 WHERE EXISTS (SELECT 1 FROM job WHERE removed_ms > 0) OR "
+                      "EXISTS (SELECT 1 FROM object WHERE state = 2)",
+                      "") ||
         (keep_jobs > 0 &&
          !pen_db_value(store->db, st, &count,
                        "SELECT count(*) FROM job WHERE finished_ms > 0 AND removed_ms = 0", "")))
@@ -198,9 +184,13 @@ static bool find_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *f
         end_ms = pen_db_int(rows, 1);
     }
     const int64_t age_ms = now_ms - end_ms;
-    *found =
-        ended && (above || age_ms > GRACE_MS) &&
-        (any || (keep_ms > 0 && !wait && age_ms > keep_ms) || (keep_jobs > 0 && count > keep_jobs));
+    const bool above = load.keep > 0 && load.used > load.keep;
+    const bool bytes = load.keep > 0 && !soon &&
+                       (load.used > load.keep - load.keep / SLACK_PART ||
+                        load.used + load.expected + wanted(now_ms) > load.keep);
+    *found = ended && (above || age_ms > GRACE_MS) &&
+             (bytes || (keep_ms > 0 && !wait && age_ms > keep_ms) ||
+              (keep_jobs > 0 && count > keep_jobs));
     return pen_db_done(rows);
 }
 

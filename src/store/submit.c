@@ -128,20 +128,18 @@ static bool add_job(struct pen_store *store, struct submission *in, int64_t scen
     int64_t pixels = 0;
     for (int i = 0; i < job->batch_count; i++)
         pixels += job->batches[i].pixels;
-    return pen_db_run(
-               store->db, st, NULL,
-               "INSERT INTO job (id, client, kind, priority, scene, request, max_attempts, "
-               "timeout_ms, open_views, total_pixels, moment_boot, moment_us, moment_ms, "
-               "created_ms, updated_ms, results_bytes, revision, state, charges, losses, "
-               "done_pixels, work, spent_us, told_us, told_elapsed_us, estimate_ms, elapsed_us, "
-               "queue_us, started_ms, finished_ms, removed_ms) VALUES ($1, $2, $3, $4, $5, $6, $7, "
-               "$8, $9, $10, $11, $12, $13, $13, $13, $14, 1, "
-               "0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)",
-               "tttiitiiiiiiii", job->id, in->client, job->kind, (int64_t)job->priority, scene,
-               job->request, (int64_t)job->max_attempts, job->timeout_ms, (int64_t)job->view_count,
-               pixels, job->created.boot, job->created.us, job->created_ms, bytes) &&
-           pen_db_value(store->db, st, &in->number, "SELECT number FROM job WHERE id = $1", "t",
-                        job->id);
+    return pen_db_value(
+        store->db, st, &in->number,
+        "INSERT INTO job (id, client, kind, priority, scene, request, max_attempts, "
+        "timeout_ms, open_views, total_pixels, moment_boot, moment_us, moment_ms, "
+        "created_ms, updated_ms, results_bytes, revision, state, charges, losses, "
+        "done_pixels, work, spent_us, told_us, told_elapsed_us, estimate_ms, elapsed_us, "
+        "queue_us, started_ms, finished_ms, removed_ms) VALUES ($1, $2, $3, $4, $5, $6, $7, "
+        "$8, $9, $10, $11, $12, $13, $13, $13, $14, 1, "
+        "0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0) RETURNING number",
+        "tttiitiiiiiiii", job->id, in->client, job->kind, (int64_t)job->priority, scene,
+        job->request, (int64_t)job->max_attempts, job->timeout_ms, (int64_t)job->view_count, pixels,
+        job->created.boot, job->created.us, job->created_ms, bytes);
 }
 
 static bool add_views(struct pen_store *store, const struct submission *in, struct pen_status *st)
