@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "store/internal/objects.h"
-#include "store/internal/retention.h"
 
 enum { LAYER_BYTES = 256 };
 

@@ -3,7 +3,6 @@
  * go here, in short transactions, so that no other writer waits long. A row of `meta` is locked by
  * each, so that one process at a time does it. After a crash the next slice goes on. */
 #include "store/internal/objects.h"
-#include "store/internal/retention.h"
 
 enum {
     SLICE_PARTS = 4,                            /* of an object, */

@@ -13,9 +13,8 @@
  *    it unless it is the only one: the other half is for what has ended. */
 #include <stdatomic.h>
 #include <stdio.h>
-#include <stdlib.h>
 
-#include "store/internal/retention.h"
+#include "store/internal/handle.h"
 
 enum { GRACE_MS = 60000, WANTED_MS = 120000, DAY_MS = 86400000, SLACK_PART = 8 };
 static const int64_t intake_bytes = INT64_C(64) << 20;
@@ -32,10 +31,8 @@ static int64_t wanted(int64_t now_ms)
 
 bool pen_meta_get(struct pen_store *store, const char *name, int64_t *value, struct pen_status *st)
 {
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st, "SELECT value FROM meta WHERE name = $1", "t", name);
-    *value = pen_db_next(rows) ? strtoll(pen_db_text(rows, 0), NULL, 10) : 0;
-    return pen_db_done(rows);
+    return pen_db_value(store->db, st, value,
+                        "SELECT CAST(value AS BIGINT) FROM meta WHERE name = $1", "t", name);
 }
 
 bool pen_meta_put(struct pen_store *store, const char *name, const char *text,

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "store/internal/counters.h"
-#include "store/internal/retention.h"
+#include "store/internal/handle.h"
 
 /* A process, so that it is never taken for a later one of its number. */
 struct process {

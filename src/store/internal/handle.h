@@ -92,4 +92,18 @@ bool pen_claim_outranked(struct pen_store *store, const struct pen_claim *claim,
  * (retention.c). Within a transaction. `bytes` 0: any job. */
 bool pen_intake(struct pen_store *store, int64_t bytes, struct pen_status *st);
 
+/* A number by its name in `meta`; 0: there is none. */
+bool pen_meta_get(struct pen_store *store, const char *name, int64_t *value, struct pen_status *st);
+bool pen_meta_set(struct pen_store *store, const char *name, int64_t value, struct pen_status *st);
+
+/* A text in `meta`. */
+bool pen_meta_put(struct pen_store *store, const char *name, const char *text,
+                  struct pen_status *st);
+
+/* Fails with PEN_STORAGE_FULL if keep_bytes does not allow so many bytes that a batch keeps. */
+bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *st);
+
+/* Whether removal by age waits, because the clock has jumped ahead. */
+bool pen_ages_wait(struct pen_store *store, int64_t now_ms, bool *wait, struct pen_status *st);
+
 #endif
