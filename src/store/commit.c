@@ -150,7 +150,7 @@ static bool end_view(struct pen_store *store, const struct commit *commit, struc
     if (!commit->result->artefact)
         return pen_fail(st, PEN_INTERNAL,
                         "the batch that ends a view was committed without its picture or report");
-    return pen_objects_drop(store, commit->batch.job, (int)commit->batch.view, "kept:", st) &&
+    return pen_kept_drop(store, commit->batch.job, commit->batch.view, st) &&
            pen_db_value(store->db, st, &open,
                         "UPDATE job SET open_views = open_views - 1 WHERE number = $1 "
                         "RETURNING open_views",

@@ -59,14 +59,6 @@ bool pen_job_start(struct pen_store *store, int64_t job, struct pen_status *st)
                       "iii", job, now.boot, now.us);
 }
 
-bool pen_job_changed(struct pen_store *store, int64_t job, struct pen_status *st)
-{
-    return pen_db_run(store->db, st, NULL,
-                      "UPDATE job SET revision = revision + 1, updated_ms = (SELECT now_ms()) "
-                      "WHERE number = $1",
-                      "i", job);
-}
-
 bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state, const char *error,
                  struct pen_status *st)
 {
@@ -79,7 +71,7 @@ bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state,
                store->db, st, NULL,
                "UPDATE batch SET state = 3, worker = NULL WHERE job = $1 AND state IN (0, 1)", "i",
                job) &&
-           pen_objects_drop(store, job, -2, "kept:", st);
+           pen_kept_drop(store, job, -2, st);
 }
 
 static bool add_time(struct pen_store *store, const struct pen_claim *claim,

@@ -120,13 +120,12 @@ bool pen_object_use(struct pen_store *store, struct pen_object *object, struct p
            (changed > 0 || gone_meanwhile(st));
 }
 
-bool pen_objects_drop(struct pen_store *store, int64_t job, int view, const char *prefix,
-                      struct pen_status *st)
+bool pen_kept_drop(struct pen_store *store, int64_t job, int64_t view, struct pen_status *st)
 {
     return pen_db_run(store->db, st, NULL,
                       "UPDATE object SET state = 2 WHERE job = $1 AND state = 1 AND "
-                      "(view = $2 OR $2 = -2) AND substr(layer, 1, length($3)) = $3",
-                      "iit", job, (int64_t)view, prefix);
+                      "(view = $2 OR $2 = -2) AND substr(layer, 1, 5) = 'kept:'",
+                      "ii", job, view);
 }
 
 bool pen_object_read_row(struct pen_store *store, int64_t number, struct pen_buf *out,

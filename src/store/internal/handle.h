@@ -34,9 +34,6 @@ bool pen_job_lock(struct pen_store *store, int64_t job, struct pen_status *st);
 /* Makes a queued job running, unless another transaction has locked it. */
 bool pen_job_start(struct pen_store *store, int64_t job, struct pen_status *st);
 
-/* Gives a locked job its next revision. */
-bool pen_job_changed(struct pen_store *store, int64_t job, struct pen_status *st);
-
 /* Ends a locked job and its batches, and drops what these keep; `error`: of a failed one. */
 bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state, const char *error,
                  struct pen_status *st);

@@ -32,10 +32,8 @@ bool pen_object_load(struct pen_store *store, struct pen_object *object,
 /* Within a transaction: makes the value its owner's, in place of the one before. */
 bool pen_object_use(struct pen_store *store, struct pen_object *object, struct pen_status *st);
 
-/* Within a transaction: marks objects of a job as gone: those of one view with a layer that begins
- * with the prefix; view -2: of all views. */
-bool pen_objects_drop(struct pen_store *store, int64_t job, int view, const char *prefix,
-                      struct pen_status *st);
+/* Within a transaction: drops what the batches of a view have kept; view -2: of all views. */
+bool pen_kept_drop(struct pen_store *store, int64_t job, int64_t view, struct pen_status *st);
 
 /* Appends the job's object of that view, layer and format; its number is 0 if there is none. Fails:
  * PEN_NOT_FOUND (no such job), PEN_GONE, PEN_STORAGE (damaged). */
