@@ -213,8 +213,9 @@ static bool keep_part(struct pen_batch_context *context, enum pen_layer layer, i
     if (ok) {
         const struct pen_kept_part part = {
             .name = name.text, .data = bytes.data, .bytes = bytes.bytes};
+        const struct pen_kept kept = {.done = -1, .parts = &part, .part_count = 1};
         pen_heartbeat_pause(context->heart);
-        ok = pen_store_keep_part(context->store, context->claim, &part, st);
+        ok = pen_store_keep(context->store, context->claim, &kept, NULL, st);
         pen_heartbeat_resume(context->heart);
     }
     pen_buf_release(&bytes);

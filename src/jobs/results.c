@@ -228,20 +228,14 @@ static bool make_picture(struct pen_jobs *jobs, const struct wanted *want, struc
     return ok;
 }
 
-/* Gets the stored picture, or makes it and stores it. If it cannot be stored, because the disk is
- * full or the job was just deleted, the answer is the same. */
+/* Gets the stored picture, or makes it. */
 static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct pen_buf *out,
                         struct pen_status *st)
 {
     const char *format = pen_image_formats[want->format], *layer = pen_layer_name(want->layer);
-    struct pen_status ignored;
     if (pen_store_artefact(jobs->store, want->id, want->view, layer, format, out, st))
         return true;
-    if (st->code != PEN_NOT_FOUND || !make_picture(jobs, want, out, st))
-        return false;
-    pen_store_cache_put(jobs->store, want->id, want->view, layer, format, out->data, out->bytes,
-                        &ignored);
-    return true;
+    return st->code == PEN_NOT_FOUND && make_picture(jobs, want, out, st);
 }
 
 static bool fill_image(struct pen_image *image, const char *type)

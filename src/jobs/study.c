@@ -80,7 +80,7 @@ void pen_study_progress(void *user, int done, int total)
                  ms = (double)(claim.job_spent_us + claim.spent_us) / 1000;
     claim.estimate_ms =
         pen_work_estimate_ms(ms, share, pen_work_pace(share, ms, study->context->work.expected_ms));
-    pen_store_progress(store, &claim, done, &ignored);
+    pen_store_keep(store, &claim, &(struct pen_kept){.done = done}, NULL, &ignored);
     pen_heartbeat_resume(study->context->heart);
 }
 

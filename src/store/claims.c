@@ -1,54 +1,26 @@
 /* SPDX-License-Identifier: MIT */
-/* What a worker does with claims: claim, heartbeat, progress, estimate, release, fail. A claim
+/* What a worker does with claims: claim, heartbeat, estimate, release, fail. A claim
  * locks batches alone and never waits for a job; the other calls lock the job first. */
 #include <string.h>
 
 #include "store/internal/handle.h"
 
-/* What a worker may claim: nothing while it holds a study or a quarantined batch; either of these
- * only while it holds nothing. */
-static bool read_held(struct pen_store *store, const char *worker, int64_t *held, int64_t *alone,
-                      struct pen_status *st)
+/* Leases the first open batch. A quarantined one needs a worker that holds nothing, and so does a
+ * study, which is not passed over: it waits for such a worker. Batches that wait after lost workers
+ * come after all others (until_ms: which waits have ended). */
+static bool lease(struct pen_store *store, const struct pen_next *next, int64_t held,
+                  int64_t until_ms, int64_t *batch, int64_t *job, struct pen_status *st)
 {
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "SELECT count(*), CAST(sum(CASE WHEN alone = 1 OR kind = 2 THEN 1 ELSE 0 END) AS BIGINT) "
-        "FROM batch WHERE state = 1 AND worker = $1",
-        "t", worker);
-    if (pen_db_next(rows)) {
-        *held = pen_db_int(rows, 0);
-        *alone = pen_db_int(rows, 1);
-    }
-    return pen_db_done(rows);
-}
-
-static bool find_serial(struct pen_store *store, const struct pen_next *next, int64_t *batch,
-                        struct pen_status *st)
-{
-    return pen_db_value(store->db, st, batch,
-                        "SELECT number FROM batch WHERE state = 1 AND worker = $1 AND serial = $2",
-                        "ti", next->worker, next->serial);
-}
-
-/* A study is not passed over: it waits for a worker that holds nothing. Batches that wait after
- * lost workers come after all others (until_ms: which waits have ended). */
-static bool lease(struct pen_store *store, const struct pen_next *next, bool any, int64_t until_ms,
-                  int64_t *batch, int64_t *job, struct pen_status *st)
-{
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "UPDATE batch SET state = 1, attempt = attempt + 1, worker = $1, serial = $2, "
-        "claimed_ms = (SELECT now_ms()), lease_ms = (SELECT now_ms()) + $3, spent_us = 0 "
-        "WHERE number = (SELECT number FROM batch WHERE state = 0 AND not_before_ms <= $5 "
-        "AND alone <= $4 ORDER BY priority DESC, turn, number LIMIT 1 {skip_locked}) "
-        "AND (kind <> 2 OR $4 = 1) RETURNING number, job",
-        "tiiii", next->worker, next->serial, next->lease_ms, (int64_t)any, until_ms);
-    *batch = 0;
-    if (pen_db_next(rows)) {
-        *batch = pen_db_int(rows, 0);
-        *job = pen_db_int(rows, 1);
-    }
-    return pen_db_done(rows);
+    return pen_row_numbers(
+        pen_db_rows(
+            store->db, st,
+            "UPDATE batch SET state = 1, attempt = attempt + 1, worker = $1, serial = $2, "
+            "claimed_ms = (SELECT now_ms()), lease_ms = (SELECT now_ms()) + $3, spent_us = 0 "
+            "WHERE number = (SELECT number FROM batch WHERE state = 0 AND not_before_ms <= $5 "
+            "AND alone <= $4 ORDER BY priority DESC, turn, number LIMIT 1 {skip_locked}) "
+            "AND (kind <> 2 OR $4 = 1) RETURNING number, job",
+            "tiiii", next->worker, next->serial, next->lease_ms, (int64_t)(held == 0), until_ms),
+        batch, job, NULL);
 }
 
 bool pen_claim_read(struct pen_store *store, int64_t batch, struct pen_claim *claim, bool *found,
@@ -67,22 +39,23 @@ bool pen_claim_read(struct pen_store *store, int64_t batch, struct pen_claim *cl
     *claim = (struct pen_claim){.batch = batch};
     *found = pen_db_next(rows);
     if (*found) {
-        claim->attempt = pen_db_int(rows, 0);
-        claim->kind = (enum pen_batch_kind)pen_db_int(rows, 1);
-        claim->view = (int)pen_db_int(rows, 2);
-        claim->first_tile = (int)pen_db_int(rows, 3);
-        claim->tile_count = (int)pen_db_int(rows, 4);
-        claim->pixels = pen_db_int(rows, 5);
-        claim->claimed_ms = pen_db_int(rows, 6);
+        *claim = (struct pen_claim){.batch = batch,
+                                    .attempt = pen_db_int(rows, 0),
+                                    .kind = (enum pen_batch_kind)pen_db_int(rows, 1),
+                                    .view = (int)pen_db_int(rows, 2),
+                                    .first_tile = (int)pen_db_int(rows, 3),
+                                    .tile_count = (int)pen_db_int(rows, 4),
+                                    .pixels = pen_db_int(rows, 5),
+                                    .claimed_ms = pen_db_int(rows, 6),
+                                    .submitted_ms = pen_db_int(rows, 8),
+                                    .started_ms = pen_db_int(rows, 9),
+                                    .timeout_ms = pen_db_int(rows, 10),
+                                    .job_spent_us = pen_db_int(rows, 11),
+                                    .job_work = pen_db_int(rows, 12),
+                                    .view_batches = (int)pen_db_int(rows, 13)};
         memcpy(claim->job_id, pen_db_text(rows, 7), sizeof claim->job_id);
-        claim->submitted_ms = pen_db_int(rows, 8);
-        claim->started_ms = pen_db_int(rows, 9);
         if (claim->started_ms == 0) /* somebody has the job's lock: it is started later */
             claim->started_ms = claim->claimed_ms;
-        claim->timeout_ms = pen_db_int(rows, 10);
-        claim->job_spent_us = pen_db_int(rows, 11);
-        claim->job_work = pen_db_int(rows, 12);
-        claim->view_batches = (int)pen_db_int(rows, 13);
         const void *sha256 = pen_db_bytes(rows, 14, &bytes);
         if (bytes == sizeof claim->scene_sha256)
             memcpy(claim->scene_sha256, sha256, bytes);
@@ -90,27 +63,33 @@ bool pen_claim_read(struct pen_store *store, int64_t batch, struct pen_claim *cl
     return pen_db_done(rows);
 }
 
+/* Leases a batch, unless the worker holds a study or a quarantined batch, and starts its job. */
+static bool take(struct pen_store *store, const struct pen_next *next, int64_t *batch,
+                 struct pen_status *st)
+{
+    int64_t held, alone, now_ms, job;
+    if (!pen_row_numbers(pen_db_rows(store->db, st,
+                                     "SELECT count(*), CAST(sum(CASE WHEN alone = 1 OR kind = 2 "
+                                     "THEN 1 ELSE 0 END) AS BIGINT) "
+                                     "FROM batch WHERE state = 1 AND worker = $1",
+                                     "t", next->worker),
+                         &held, &alone, NULL) ||
+        !pen_db_now(store->db, &now_ms, st))
+        return false;
+    return alone > 0 || (lease(store, next, held, now_ms, batch, &job, st) &&
+                         (*batch > 0 || lease(store, next, held, INT64_MAX, batch, &job, st)) &&
+                         (*batch == 0 || pen_job_start(store, job, st)));
+}
+
 bool pen_claim_next(struct pen_store *store, struct pen_next *next, struct pen_status *st)
 {
-    int64_t batch, job = 0, held = 0, alone = 0, now_ms;
+    int64_t batch;
     next->found = false;
-    if (!find_serial(store, next, &batch, st))
-        return false;
-    if (batch == 0) {
-        if (!read_held(store, next->worker, &held, &alone, st) ||
-            !pen_db_now(store->db, &now_ms, st))
-            return false;
-        if (alone > 0)
-            return true;
-        if (!lease(store, next, held == 0, now_ms, &batch, &job, st) ||
-            (batch == 0 && !lease(store, next, held == 0, INT64_MAX, &batch, &job, st)))
-            return false;
-        if (batch == 0)
-            return true;
-        if (!pen_job_start(store, job, st))
-            return false;
-    }
-    return pen_claim_read(store, batch, &next->claim, &next->found, st);
+    return pen_db_value(store->db, st, &batch,
+                        "SELECT number FROM batch WHERE state = 1 AND worker = $1 AND serial = $2",
+                        "ti", next->worker, next->serial) &&
+           (batch > 0 || take(store, next, &batch, st)) &&
+           (batch == 0 || pen_claim_read(store, batch, &next->claim, &next->found, st));
 }
 
 /* Reads first, so that an idle worker does not write. */
@@ -138,64 +117,42 @@ bool pen_store_claim(struct pen_store *store, const char *worker, int64_t lease_
     return true;
 }
 
-/* The claim's batch and job as a heartbeat reads them. */
-static bool look(struct pen_store *store, struct pen_claim *claim, bool *held, int64_t *left_ms,
-                 struct pen_status *st)
-{
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "SELECT batch.lease_ms - (SELECT now_ms()), job.spent_us - batch.spent_us, "
-                    "job.work - batch.work FROM batch JOIN job ON job.number = batch.job "
-                    "WHERE batch.number = $1 AND batch.attempt = $2 AND batch.state = 1",
-                    "ii", claim->batch, claim->attempt);
-    *held = pen_db_next(rows);
-    if (*held) {
-        *left_ms = pen_db_int(rows, 0);
-        claim->job_spent_us = pen_db_int(rows, 1);
-        claim->job_work = pen_db_int(rows, 2);
-    }
-    return pen_db_done(rows);
-}
-
 bool pen_store_heartbeat(struct pen_store *store, struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st)
 {
     struct pen_batch batch;
-    int64_t left_ms = 0;
-    if (!look(store, claim, held, &left_ms, st))
+    int64_t found, left_ms, spent_us, work;
+    *held = false;
+    if (!pen_row_numbers(
+            pen_db_rows(store->db, st,
+                        "SELECT 1, batch.lease_ms - (SELECT now_ms()), "
+                        "job.spent_us - batch.spent_us, job.work - batch.work FROM batch "
+                        "JOIN job ON job.number = batch.job "
+                        "WHERE batch.number = $1 AND batch.attempt = $2 AND batch.state = 1",
+                        "ii", claim->batch, claim->attempt),
+            &found, &left_ms, &spent_us, &work, NULL))
         return false;
-    if (!*held ||
-        (claim->estimate_ms == 0 && left_ms >= lease_ms - lease_ms / 3 && left_ms <= lease_ms))
+    if (found == 0)
         return true;
-    if (!pen_db_begin(store->db, PEN_DB_WRITE, st))
-        return false;
-    const bool ok =
-        pen_claim_lock(store, claim, &batch, st) &&
-        (!batch.held ||
-         (pen_db_run(store->db, st, NULL,
-                     "UPDATE batch SET lease_ms = (SELECT now_ms()) + $2 WHERE number = $1", "ii",
-                     claim->batch, lease_ms) &&
-          (claim->estimate_ms == 0 ||
-           pen_claim_tell(store, &batch, 0, claim->work, claim->estimate_ms, st))));
-    if (!pen_db_end(store->db, ok, st))
+    *held = true;
+    claim->job_spent_us = spent_us;
+    claim->job_work = work;
+    if (claim->estimate_ms == 0 && left_ms >= lease_ms - lease_ms / 3 && left_ms <= lease_ms)
+        return true;
+    if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
+        !pen_write_end(
+            store,
+            pen_claim_lock(store, claim, &batch, st) &&
+                (!batch.held ||
+                 (pen_db_run(store->db, st, NULL,
+                             "UPDATE batch SET lease_ms = (SELECT now_ms()) + $2 WHERE number = $1",
+                             "ii", claim->batch, lease_ms) &&
+                  (claim->estimate_ms == 0 ||
+                   pen_claim_tell(store, &batch, 0, claim->work, claim->estimate_ms, st)))),
+            st))
         return false;
     *held = batch.held;
-    if (claim->estimate_ms > 0)
-        pen_db_wake(store->db);
     return true;
-}
-
-bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
-                        struct pen_status *st)
-{
-    struct pen_batch batch;
-    int64_t work;
-    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-           pen_write_end(store,
-                         pen_claim_hold(store, claim, "its progress was refused", &batch, st) &&
-                             pen_work_of_pixels(store, batch.job, done, &work, st) &&
-                             pen_claim_tell(store, &batch, done, work, claim->estimate_ms, st),
-                         st);
 }
 
 bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, int64_t estimate_ms,
@@ -216,21 +173,15 @@ bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, 
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st)
 {
+    struct pen_opening opening = {.batch = claim->batch, .worker = "", .before_ms = INT64_MAX};
     struct pen_batch batch;
-    int64_t opened = 0;
+    int64_t opened;
     if (!pen_db_begin(store->db, PEN_DB_WRITE, st))
         return false;
-    bool ok = pen_claim_lock(store, claim, &batch, st);
-    if (ok && batch.held) {
-        const struct pen_opening opening = {
-            .job = batch.job, .batch = claim->batch, .worker = "", .before_ms = INT64_MAX};
-        ok = pen_batches_open(store, &opening, &opened, st);
-    }
-    if (!pen_db_end(store->db, ok, st))
-        return false;
-    if (opened > 0)
-        pen_db_wake(store->db);
-    return true;
+    const bool ok = pen_claim_lock(store, claim, &batch, st);
+    opening.job = batch.job;
+    return pen_write_end(store,
+                         ok && (!batch.held || pen_batches_open(store, &opening, &opened, st)), st);
 }
 
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,

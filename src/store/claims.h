@@ -8,7 +8,8 @@
 
 enum { PEN_WORKER_ID_BYTES = 33 };
 
-/* A claim: a batch leased to a worker under an attempt number. */
+/* A claim: a batch leased to a worker under an attempt number. Work is the share of the job's
+ * expected work, of PEN_WORK_ALL. */
 struct pen_claim {
     int64_t batch, attempt; /* the fencing token */
     enum pen_batch_kind kind;
@@ -22,16 +23,13 @@ struct pen_claim {
     int64_t claimed_ms;
     int64_t timeout_ms;   /* of the job: how long workers may work on it in all; 0: none */
     int64_t job_spent_us; /* how long they have worked on it, without this claim */
-    int64_t job_work;     /* the share of its expected work that is done, without this batch */
-    int64_t spent_us; /* set by the holder, 0 at first: how long it has worked on this claim, by a
-                         monotonic clock. Heartbeat, commit, release and fail add to the job what
-                         they have not added yet */
-    /* Set by the holder for a heartbeat, a commit and the progress of a study: how long workers are
-     * expected to work on the job in all. 0: that is not known, and the heartbeat tells nothing. */
-    int64_t estimate_ms;
-    /* Set by the holder for a heartbeat: the share of the job's expected work that this claim has
-     * done, of PEN_WORK_ALL. */
-    int64_t work;
+    int64_t job_work;     /* the job's work that is done, without this batch */
+    /* Set by the holder, 0 at first. Heartbeat, commit, release and fail add to the job what they
+     * have not added yet. */
+    int64_t spent_us;    /* how long it has worked on this claim, by a monotonic clock */
+    int64_t estimate_ms; /* how long workers are expected to work on the job in all. 0: not known,
+                            and the heartbeat tells no work */
+    int64_t work;        /* that this claim has done, for a heartbeat */
 };
 
 /* Claims the next batch: by priority, then turn, then age (README.md, Order). The job becomes
@@ -78,22 +76,15 @@ bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
                       const struct pen_result *result, struct pen_next *next,
                       struct pen_status *st);
 
-/* Stores how many of its runs a study has finished, for readers, with the claim's time and
- * estimate. Fails: PEN_STALE. */
-bool pen_store_progress(struct pen_store *store, const struct pen_claim *claim, int64_t done,
-                        struct pen_status *st);
-
-/* A part of what a batch keeps that is written when it has changed, and not with every state. */
+/* What a batch keeps, so that the next worker to claim it, or a later batch of its view, goes on
+ * from there: a state, and parts, each of which stays until one of its name replaces it. */
 struct pen_kept_part {
     const char *name; /* anything but PEN_KEPT_STATE */
     const void *data;
     size_t bytes;
 };
-
-/* What a study or a view with a target error keeps, so that the next worker to claim it goes on
- * from there: a state, and parts, each of which stays until one of its name replaces it. */
 struct pen_kept {
-    /* Runs, as for pen_store_progress; of a view that is one batch, pixels: readers see them as
+    /* The runs that a study has finished; of a view that is one batch, pixels: readers see them as
      * done. Progress does not go back. Below 0: it stays as it is. */
     int64_t done;
     const void *data; /* NULL: the state stays as it is */
@@ -104,9 +95,9 @@ struct pen_kept {
 #define PEN_KEPT_STATE "state"
 
 /* Stores what the claim's batch keeps until its view ends or its job, in place of what the view's
- * batches kept before, with its progress, in one transaction. *outranked: as pen_store_outranked
- * tells. Fails: PEN_STALE; PEN_STORAGE_FULL, also if the store may not hold so much
- * (pen_retention.keep_bytes). Nothing is stored then. */
+ * batches kept before, with its progress and the claim's time and estimate, in one transaction.
+ * *outranked (may be NULL): as pen_store_outranked tells. Fails: PEN_STALE; PEN_STORAGE_FULL, also
+ * if the store may not hold so much (pen_retention.keep_bytes). Nothing is stored then. */
 bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
                     const struct pen_kept *kept, bool *outranked, struct pen_status *st);
 
@@ -115,11 +106,6 @@ bool pen_store_keep(struct pen_store *store, const struct pen_claim *claim,
  * new turn, behind those of its client that are open. */
 bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
                          struct pen_status *st);
-
-/* Keeps a part without a state, which belongs to the result of the claim's batch, for a later batch
- * of the view. Fails: as pen_store_keep. */
-bool pen_store_keep_part(struct pen_store *store, const struct pen_claim *claim,
-                         const struct pen_kept_part *part, struct pen_status *st);
 
 /* Appends what the batches of the claim's view have kept: the part of that name, or PEN_KEPT_STATE.
  * Fails: PEN_NOT_FOUND (nothing yet), PEN_STORAGE (damaged). */
@@ -135,8 +121,7 @@ bool pen_store_estimate(struct pen_store *store, const struct pen_claim *claim, 
 bool pen_store_cost_map(struct pen_store *store, const char *id, struct pen_buf *out,
                         struct pen_status *st);
 
-/* Gives a batch back without a result or a charge, and adds claim->spent_us to the job. Does
- * nothing if the batch is no longer held. */
+/* Gives a batch back without a result or a charge. Does nothing if it is no longer held. */
 bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
                        struct pen_status *st);
 
@@ -144,12 +129,10 @@ bool pen_store_release(struct pen_store *store, const struct pen_claim *claim,
 bool pen_store_fail(struct pen_store *store, const struct pen_claim *claim, const char *error,
                     struct pen_status *st);
 
-/* Tells whether the claim still holds, and extends its lease once a third of it has gone. Most
- * calls only read, so it may be called often. *held = false: the job has ended, or the batch was
- * opened again; stop working on it. Else claim->job_spent_us is brought up to date: other workers
- * may work on the job, and so is claim->job_work. A call that extends the lease adds
- * claim->spent_us to the job: if the worker dies, the job has spent what it told last. So does one
- * that tells of work (claim->estimate_ms), which readers see at once. */
+/* Tells whether the claim still holds (if not, stop working on it), and brings claim->job_spent_us
+ * and claim->job_work up to date. Most calls only read, so it may be called often. A call writes
+ * once a third of the lease has gone, which it extends, and if it tells of work
+ * (claim->estimate_ms), which readers see at once. */
 bool pen_store_heartbeat(struct pen_store *store, struct pen_claim *claim, int64_t lease_ms,
                          bool *held, struct pen_status *st);
 
@@ -182,17 +165,16 @@ struct pen_worker_death {
 };
 
 /* Opens the batches of a worker that has ended; *opened is their number.
- *  - Unless the worker left, they are quarantined: a quarantined batch is leased only to a worker
- *    that holds nothing else, and that worker gets nothing else meanwhile.
+ *  - Unless the worker left, they are quarantined.
  *  - A job that loses workers repeatedly is paused, for a time that doubles with each loss.
  *  - A crash is charged to the job if the worker held batches of that job only. max_attempts
  *    charges in a row end the job as failed.
  *  - A commit ends the quarantine of its batch, and the pause and the charges of its job.
- * Fails: PEN_UNAVAILABLE (the worker's batches keep changing), PEN_NO_MEMORY, and as any write. */
+ * Fails: PEN_NO_MEMORY, and as any write. */
 bool pen_store_worker_ended(struct pen_store *store, const struct pen_worker_death *death,
                             int *opened, struct pen_status *st);
 
-/* A worker as it describes itself. Its host, boot id, pid and start time are this process's. */
+/* A worker as it describes itself. Its host, boot, pid and start time are this process's. */
 struct pen_worker_new {
     const char *id; /* random, from pen_worker_id_make */
     int supervisor; /* the process that reports its end by pen_store_worker_ended; 0: none */
@@ -201,12 +183,11 @@ struct pen_worker_new {
     int64_t rays_per_s; /* by its last batches, with all its threads; 0: not known */
 };
 
-/* Makes the id of a worker: 128 random bits as hexadecimal digits. Fails: PEN_IO (the system gives
- * no random bytes). */
-bool pen_worker_id_make(char id[PEN_WORKER_ID_BYTES], struct pen_status *st);
+/* Makes the id of a worker: 128 random bits as hexadecimal digits. */
+void pen_worker_id_make(char id[PEN_WORKER_ID_BYTES]);
 
-/* Stores or renews a worker's row in the list of workers. To be called before the first claim and
- * repeated from time to time. */
+/* Stores or renews a worker's row in the list of workers: before the first claim, and from time to
+ * time. */
 bool pen_store_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
                            struct pen_status *st);
 

@@ -12,8 +12,7 @@ struct commit {
     const struct pen_result *result;
     struct pen_next *next;
     struct pen_bytes pixels;
-    struct pen_object_owner pixels_owner, artefact_owner;
-    int64_t pixels_loaded, artefact_loaded;
+    struct pen_object stored_pixels, artefact;
     struct pen_batch batch;
 };
 
@@ -33,25 +32,23 @@ static bool load(struct pen_store *store, struct commit *commit, struct pen_stat
 {
     const struct pen_claim *claim = commit->claim;
     const struct pen_result *result = commit->result;
-    struct pen_object_owner owner = {.view = claim->view,
-                                     .batch = claim->batch,
-                                     .attempt = claim->attempt,
-                                     .layer = "",
-                                     .format = "pixels"};
-    if (!pen_db_value(store->db, st, &owner.job, "SELECT job FROM batch WHERE number = $1", "i",
-                      claim->batch))
-        return false;
-    commit->pixels_owner = commit->artefact_owner = owner;
-    commit->artefact_owner.batch = 0;
-    commit->artefact_owner.layer = result->layer;
-    commit->artefact_owner.format = result->format;
-    const bool ok = (!commit->pixels.data ||
-                     pen_object_load(store, &commit->pixels_owner, claim, commit->pixels.data,
-                                     commit->pixels.bytes, &commit->pixels_loaded, st)) &&
-                    (!result->artefact ||
-                     pen_object_load(store, &commit->artefact_owner, claim, result->artefact,
-                                     result->artefact_bytes, &commit->artefact_loaded, st));
-    return ok || st->code == PEN_STALE;
+    commit->stored_pixels = (struct pen_object){.view = claim->view,
+                                                .batch = claim->batch,
+                                                .attempt = claim->attempt,
+                                                .layer = "",
+                                                .format = "pixels",
+                                                .data = commit->pixels.data,
+                                                .bytes = commit->pixels.bytes};
+    commit->artefact = (struct pen_object){.view = claim->view,
+                                           .batch = claim->batch,
+                                           .attempt = claim->attempt,
+                                           .layer = result->layer,
+                                           .format = result->format,
+                                           .data = result->artefact,
+                                           .bytes = result->artefact_bytes};
+    return (pen_object_load(store, &commit->stored_pixels, claim, st) &&
+            pen_object_load(store, &commit->artefact, claim, st)) ||
+           st->code == PEN_STALE;
 }
 
 /* Fails (PEN_INTERNAL) unless the result fits the kind and the size of the batch. */
@@ -97,10 +94,10 @@ static bool split(struct pen_store *store, struct commit *commit, struct pen_sta
 
 static bool tell(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
-    const int64_t pixels = commit->batch.kind == PEN_BATCH_ASSEMBLE ? 0 : commit->batch.pixels;
-    int64_t work = commit->result->work;
-    return (work > 0 || pen_work_of_pixels(store, commit->batch.job, pixels, &work, st)) &&
-           pen_claim_tell(store, &commit->batch, pixels, work, commit->claim->estimate_ms, st);
+    const int64_t work = commit->result->work;
+    return pen_claim_tell(store, &commit->batch,
+                          commit->batch.kind == PEN_BATCH_ASSEMBLE ? 0 : commit->batch.pixels,
+                          work > 0 ? work : -1, commit->claim->estimate_ms, st);
 }
 
 /* A commit ends the quarantine of its batch, and the charges, losses and waits of its job. */
@@ -129,15 +126,11 @@ static bool set_done(struct pen_store *store, const struct commit *commit, struc
         handed_ns ? (pen_clock_ns() - handed_ns) / 1000 : 0);
 }
 
-static bool use_values(struct pen_store *store, const struct commit *commit, struct pen_status *st)
+static bool use_values(struct pen_store *store, struct commit *commit, struct pen_status *st)
 {
-    const struct pen_result *result = commit->result;
-    return (!commit->pixels.data ||
-            pen_object_use(store, &commit->pixels_owner, commit->pixels_loaded, commit->pixels.data,
-                           commit->pixels.bytes, st)) &&
-           (!result->artefact ||
-            pen_object_use(store, &commit->artefact_owner, commit->artefact_loaded,
-                           result->artefact, result->artefact_bytes, st));
+    commit->stored_pixels.job = commit->artefact.job = commit->batch.job;
+    return pen_object_use(store, &commit->stored_pixels, st) &&
+           pen_object_use(store, &commit->artefact, st);
 }
 
 static bool end_view(struct pen_store *store, const struct commit *commit, struct pen_status *st)
@@ -146,31 +139,23 @@ static bool end_view(struct pen_store *store, const struct commit *commit, struc
     if (!commit->result->artefact)
         return pen_fail(st, PEN_INTERNAL,
                         "the batch that ends a view was committed without its picture or report");
-    return pen_objects_drop(store, commit->batch.job, (int)commit->batch.view, "kept:", st) &&
-           pen_db_run(store->db, st, NULL,
-                      "UPDATE job SET open_views = open_views - 1 WHERE number = $1", "i",
-                      commit->batch.job) &&
-           pen_db_value(store->db, st, &open, "SELECT open_views FROM job WHERE number = $1", "i",
-                        commit->batch.job) &&
+    return pen_kept_drop(store, commit->batch.job, commit->batch.view, st) &&
+           pen_db_value(store->db, st, &open,
+                        "UPDATE job SET open_views = open_views - 1 WHERE number = $1 "
+                        "RETURNING open_views",
+                        "i", commit->batch.job) &&
            (open > 0 || pen_job_end(store, commit->batch.job, PEN_JOB_SUCCEEDED, NULL, st));
 }
 
 /* Counts the batch off its view. The last one of several is followed by the assemble batch. */
 static bool count_off(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
-    int64_t batches = 0, open = 0;
-    if (!pen_db_run(store->db, st, NULL,
-                    "UPDATE view SET open_batches = open_batches - 1 WHERE job = $1 AND view = $2",
-                    "ii", commit->batch.job, commit->batch.view))
-        return false;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st, "SELECT batches, open_batches FROM view WHERE job = $1 AND view = $2", "ii",
-        commit->batch.job, commit->batch.view);
-    if (pen_db_next(rows)) {
-        batches = pen_db_int(rows, 0);
-        open = pen_db_int(rows, 1);
-    }
-    if (!pen_db_done(rows))
+    int64_t batches, open;
+    if (!pen_row_numbers(pen_db_rows(store->db, st,
+                                     "UPDATE view SET open_batches = open_batches - 1 "
+                                     "WHERE job = $1 AND view = $2 RETURNING batches, open_batches",
+                                     "ii", commit->batch.job, commit->batch.view),
+                         &batches, &open, NULL))
         return false;
     if (open > 0)
         return true;
@@ -204,11 +189,9 @@ bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
 {
     struct commit commit = {.claim = claim, .result = result, .next = next};
     bool duplicate = false;
-    if (next)
-        next->found = false;
     const bool ok = encode(store, &commit, st) && load(store, &commit, st) &&
                     pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-                    pen_db_end(store->db, write_commit(store, &commit, &duplicate, st), st);
+                    pen_write_end(store, write_commit(store, &commit, &duplicate, st), st);
     if (!ok) {
         if (next)
             next->found = false;
@@ -219,6 +202,5 @@ bool pen_store_commit(struct pen_store *store, const struct pen_claim *claim,
     pen_store_count(duplicate ? PEN_COUNT_COMMIT_DUPLICATE : PEN_COUNT_COMMIT_OK, 1);
     if (!duplicate)
         pen_timing_add(PEN_TIMING_BATCH, claim->spent_us);
-    pen_db_wake(store->db);
     return true;
 }

@@ -6,6 +6,8 @@
 #include <zstd.h>
 #include <zstd_errors.h>
 
+#include "base/buf.h"
+
 /* A block has at least so many bytes and holds at most so many (RFC 8878, section 3.1.1.2). What a
  * damaged frame says of its size beyond that is not allocated. */
 enum { BLOCK_IN = 4, BLOCK_OUT = 128 << 10 };
@@ -13,8 +15,7 @@ enum { BLOCK_IN = 4, BLOCK_OUT = 128 << 10 };
 struct pen_compressor {
     ZSTD_CCtx *compress;
     ZSTD_DCtx *decompress;
-    unsigned char *out; /* kept from call to call; only grows */
-    size_t capacity;
+    struct pen_buf out; /* memory that is kept from call to call */
 };
 
 struct pen_compressor *pen_compressor_new(int level)
@@ -39,21 +40,14 @@ void pen_compressor_free(struct pen_compressor *compressor)
         return;
     ZSTD_freeCCtx(compressor->compress);
     ZSTD_freeDCtx(compressor->decompress);
-    free(compressor->out);
+    pen_buf_release(&compressor->out);
     free(compressor);
 }
 
 static bool reserve(struct pen_compressor *compressor, size_t bytes, struct pen_status *st)
 {
-    if (bytes <= compressor->capacity && compressor->out)
-        return true;
-    free(compressor->out);
-    compressor->capacity = 0;
-    compressor->out = malloc(bytes ? bytes : 1);
-    if (!compressor->out)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for %zu bytes of compressed data", bytes);
-    compressor->capacity = bytes;
-    return true;
+    return pen_buf_reserve(&compressor->out, bytes) ||
+           pen_fail(st, PEN_NO_MEMORY, "no memory for %zu bytes of compressed data", bytes);
 }
 
 bool pen_compress(struct pen_compressor *compressor, const void *data, size_t bytes,
@@ -62,10 +56,10 @@ bool pen_compress(struct pen_compressor *compressor, const void *data, size_t by
     size_t bound = ZSTD_compressBound(bytes);
     if (!reserve(compressor, bound, st))
         return false;
-    size_t n = ZSTD_compress2(compressor->compress, compressor->out, bound, data, bytes);
+    size_t n = ZSTD_compress2(compressor->compress, compressor->out.data, bound, data, bytes);
     if (ZSTD_isError(n))
         return pen_fail(st, PEN_NO_MEMORY, "cannot compress: %s", ZSTD_getErrorName(n));
-    *out = (struct pen_bytes){compressor->out, n};
+    *out = (struct pen_bytes){compressor->out.data, n};
     return true;
 }
 
@@ -80,13 +74,13 @@ bool pen_decompress(struct pen_compressor *compressor, const void *data, size_t 
                         bytes, size);
     if (!reserve(compressor, (size_t)size, st))
         return false;
-    size_t n = ZSTD_decompressDCtx(compressor->decompress, compressor->out, compressor->capacity,
-                                   data, bytes);
+    size_t n = ZSTD_decompressDCtx(compressor->decompress, compressor->out.data, (size_t)size, data,
+                                   bytes);
     if (ZSTD_isError(n) && ZSTD_getErrorCode(n) == ZSTD_error_memory_allocation)
         return pen_fail(st, PEN_NO_MEMORY, "no memory to decompress stored data");
     if (ZSTD_isError(n) || n != size)
         return pen_fail(st, PEN_STORAGE, "stored data is damaged: %s",
                         ZSTD_isError(n) ? ZSTD_getErrorName(n) : "wrong size");
-    *out = (struct pen_bytes){compressor->out, n};
+    *out = (struct pen_bytes){compressor->out.data, n};
     return true;
 }

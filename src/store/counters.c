@@ -10,24 +10,19 @@ const double pen_timing_bounds_s[PEN_TIMING_BUCKETS] = {1e-4, 3e-4, 1e-3, 3e-3, 
 
 static _Atomic uint64_t own[PEN_COUNTERS];
 
-static void add(int at, uint64_t count)
-{
-    atomic_fetch_add_explicit(&own[at], count, memory_order_relaxed);
-}
-
 void pen_store_count(enum pen_counter counter, uint64_t count)
 {
-    add((int)counter, count);
+    atomic_fetch_add_explicit(&own[counter], count, memory_order_relaxed);
 }
 
 void pen_timing_add(enum pen_timing timing, int64_t us)
 {
-    const int first = PEN_COUNT_TIMINGS + (int)timing * (PEN_TIMING_BUCKETS + 2);
-    int bucket = 0;
+    const unsigned first = PEN_COUNT_TIMINGS + timing * (PEN_TIMING_BUCKETS + 2);
+    unsigned bucket = 0;
     while (bucket < PEN_TIMING_BUCKETS && (double)us > pen_timing_bounds_s[bucket] * 1e6)
         bucket++;
-    add(first + bucket, 1);
-    add(first + PEN_TIMING_BUCKETS + 1, us > 0 ? (uint64_t)us : 0);
+    pen_store_count(first + bucket, 1);
+    pen_store_count(first + PEN_TIMING_BUCKETS + 1, us > 0 ? (uint64_t)us : 0);
 }
 
 void pen_counters_own(struct pen_counters *counters)

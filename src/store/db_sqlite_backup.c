@@ -21,7 +21,6 @@ static const char part_end[] = ".part-new";
 
 struct copy {
     struct pen_sqlite *from;
-    sqlite3 *to;
     int fd; /* of the unfinished copy, which it locks; -1: none */
     const atomic_bool *stop;
     char path[PATH_BYTES + 32]; /* of the unfinished copy; empty: there is none */
@@ -104,11 +103,23 @@ void pen_store_backup_remove_left(const char *file)
     close(fd);
 }
 
+static bool is_stopped(const struct copy *copy)
+{
+    return copy->stop && atomic_load(copy->stop);
+}
+
+static bool stopped(struct pen_status *st)
+{
+    return pen_fail(st, PEN_TIMEOUT, "stopped; no backup was made");
+}
+
 /* SQLite tells what failed, but not on which side. The store is only read, so a failed write is one
  * of the copy. */
-static bool copy_failed(struct copy *copy, int rc, struct pen_status *st)
+static bool copy_failed(const struct copy *copy, sqlite3 *to, int rc, struct pen_status *st)
 {
-    const int error = sqlite3_system_errno(copy->to);
+    const int error = sqlite3_system_errno(to);
+    if (rc == SQLITE_OK)
+        return stopped(st);
     if (rc == SQLITE_FULL)
         return cannot_write(copy->name, ENOSPC, st);
     if (rc == SQLITE_IOERR_WRITE || rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_TRUNCATE)
@@ -116,68 +127,53 @@ static bool copy_failed(struct copy *copy, int rc, struct pen_status *st)
     return pen_sqlite_fail(copy->from, rc, st);
 }
 
-/* Whether the backup goes on. */
-static bool goes_on(const struct copy *copy, struct pen_status *st)
-{
-    return !copy->stop || !atomic_load(copy->stop) ||
-           pen_fail(st, PEN_TIMEOUT, "stopped; no backup was made");
-}
-
 /* The copy needs no journal: after a power failure it is not used. */
-static bool copy_pages(struct copy *copy, struct pen_status *st)
+static bool copy_pages(const struct copy *copy, struct pen_status *st)
 {
-    int rc =
-        sqlite3_open_v2(copy->path, &copy->to, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
-    if (!copy->to)
-        return pen_fail(st, PEN_NO_MEMORY, "no memory for the backup");
-    sqlite3_extended_result_codes(copy->to, 1);
+    sqlite3 *to = NULL;
+    int rc = sqlite3_open_v2(
+        copy->path, &to, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, NULL);
     if (rc == SQLITE_OK)
-        rc = sqlite3_exec(copy->to, "PRAGMA journal_mode=OFF; PRAGMA synchronous=OFF", NULL, NULL,
-                          NULL);
-    sqlite3_backup *backup =
-        rc == SQLITE_OK ? sqlite3_backup_init(copy->to, "main", copy->from->sqlite, "main") : NULL;
-    if (!backup)
-        return copy_failed(copy, rc == SQLITE_OK ? sqlite3_errcode(copy->to) : rc, st);
-    do
-        rc = sqlite3_backup_step(backup, STEP_PAGES);
-    while (rc == SQLITE_OK && goes_on(copy, st));
-    sqlite3_backup_finish(backup);
-    if (rc == SQLITE_OK)
-        return false;
-    if (rc == SQLITE_DONE)
-        rc = sqlite3_exec(copy->to, "PRAGMA journal_mode=DELETE", NULL, NULL, NULL);
-    return rc == SQLITE_OK || copy_failed(copy, rc, st);
+        rc = sqlite3_exec(to, "PRAGMA journal_mode=OFF; PRAGMA synchronous=OFF", NULL, NULL, NULL);
+    if (rc == SQLITE_OK) {
+        sqlite3_backup *backup = sqlite3_backup_init(to, "main", copy->from->sqlite, "main");
+        rc = backup ? SQLITE_OK : sqlite3_extended_errcode(to);
+        while (backup && rc == SQLITE_OK && !is_stopped(copy))
+            rc = sqlite3_backup_step(backup, STEP_PAGES);
+        sqlite3_backup_finish(backup);
+    }
+    const bool done = rc == SQLITE_DONE;
+    if (done)
+        rc = sqlite3_exec(to, "PRAGMA journal_mode=DELETE", NULL, NULL, NULL);
+    const bool ok = (done && rc == SQLITE_OK) || copy_failed(copy, to, rc, st);
+    sqlite3_close(to);
+    return ok;
 }
 
-static bool check_copy(struct copy *copy, int64_t *jobs, struct pen_status *st)
+static bool check_copy(const struct copy *copy, int64_t *jobs, struct pen_status *st)
 {
     char text[256];
-    sqlite3_stmt *stmt = NULL;
-    if (pen_sqlite_check(copy->to, 0, text) != SQLITE_OK)
-        return pen_fail(st, PEN_STORAGE, "no backup was made, the store is damaged: %s", text);
-    int rc = sqlite3_prepare_v2(copy->to, "SELECT count(*) FROM job WHERE removed_ms = 0", -1,
-                                &stmt, NULL);
-    if (rc == SQLITE_OK)
-        rc = sqlite3_step(stmt);
-    *jobs = rc == SQLITE_ROW ? sqlite3_column_int64(stmt, 0) : 0;
-    sqlite3_finalize(stmt);
-    return rc == SQLITE_ROW || copy_failed(copy, rc, st);
+    struct pen_sqlite *db = pen_sqlite_open_file(copy->path, false, st);
+    const bool ok =
+        db &&
+        (pen_sqlite_check(db->sqlite, 0, text) == SQLITE_OK ||
+         pen_fail(st, PEN_STORAGE, "no backup was made, the store is damaged: %s", text)) &&
+        pen_db_value(&db->base, st, jobs, "SELECT count(*) FROM job WHERE removed_ms = 0", "");
+    if (db)
+        pen_db_close(&db->base);
+    return ok;
 }
 
-static bool sync_copy(const struct copy *copy, int64_t *bytes, struct pen_status *st)
+/* Syncs the copy and gives it its name; without `replace` by link(2), which replaces nothing. */
+static bool name_copy(struct copy *copy, int64_t *bytes, struct pen_status *st)
 {
     struct stat info;
     if (fsync(copy->fd) != 0 || fstat(copy->fd, &info) != 0)
         return cannot_write(copy->name, errno, st);
     *bytes = info.st_size;
-    return true;
-}
-
-/* Without `replace`, the name is given by link(2), which replaces nothing. */
-static bool name_copy(struct copy *copy, struct pen_status *st)
-{
-    const int rc = copy->replace ? rename(copy->path, copy->name) : link(copy->path, copy->name);
-    if (rc != 0)
+    if (is_stopped(copy))
+        return stopped(st);
+    if ((copy->replace ? rename(copy->path, copy->name) : link(copy->path, copy->name)) != 0)
         return errno == EEXIST
                    ? pen_fail(st, PEN_CONFLICT,
                               "%s was made by another program meanwhile; it was left as it is",
@@ -190,20 +186,11 @@ static bool name_copy(struct copy *copy, struct pen_status *st)
 }
 
 /* The first read fixes the moment. */
-static bool make_backup(struct copy *copy, struct pen_backup *out, struct pen_status *st)
+static bool read_store(const struct copy *copy, struct pen_status *st)
 {
     int64_t tables;
-    const bool copied = pen_db_begin(&copy->from->base, PEN_DB_READ, st) &&
-                        pen_db_end(&copy->from->base,
-                                   pen_db_value(&copy->from->base, st, &tables,
-                                                "SELECT count(*) FROM sqlite_schema", "") &&
-                                       copy_pages(copy, st),
-                                   st);
-    if (!copied || !check_copy(copy, &out->jobs, st))
-        return false;
-    sqlite3_close(copy->to);
-    copy->to = NULL;
-    return sync_copy(copy, &out->bytes, st) && goes_on(copy, st) && name_copy(copy, st);
+    return pen_db_value(&copy->from->base, st, &tables, "SELECT count(*) FROM sqlite_schema", "") &&
+           copy_pages(copy, st);
 }
 
 bool pen_sqlite_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
@@ -213,8 +200,10 @@ bool pen_sqlite_backup(const char *url, const char *file, bool replace, struct p
     if (!check_name(url, file, replace, st))
         return false;
     copy.from = pen_sqlite_open_file(url, false, st);
-    const bool ok = copy.from && make_part(&copy, st) && make_backup(&copy, out, st);
-    sqlite3_close(copy.to);
+    const bool ok = copy.from && make_part(&copy, st) &&
+                    pen_db_begin(&copy.from->base, PEN_DB_READ, st) &&
+                    pen_db_end(&copy.from->base, read_store(&copy, st), st) &&
+                    check_copy(&copy, &out->jobs, st) && name_copy(&copy, &out->bytes, st);
     if (copy.from)
         pen_db_close(&copy.from->base);
     if (copy.path[0]) {

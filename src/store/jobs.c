@@ -135,14 +135,10 @@ bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter
         store->db, st, list_sql(filter), "iitttti", filter->below > 0 ? filter->below : INT64_MAX,
         (int64_t)filter->state, filter->kind ? filter->kind : "", filter->name ? filter->name : "",
         label, filter->label_value ? filter->label_value : "", (int64_t)filter->limit);
-    while (ok && pen_db_next(rows)) {
-        struct pen_job_record *job = &(*jobs)[*count];
-        ok = fill(rows, job, st);
-        if (!ok)
-            break;
-        texts += pen_job_record_text_bytes(job);
-        if (++*count > 1 && filter->text_bytes > 0 && texts > filter->text_bytes)
-            break;
+    bool full = false;
+    while (!full && pen_db_next(rows) && (ok = fill(rows, &(*jobs)[*count], st))) {
+        texts += pen_job_record_text_bytes(&(*jobs)[*count]);
+        full = ++*count > 1 && filter->text_bytes > 0 && texts > filter->text_bytes;
     }
     ok = pen_db_done(rows) && ok;
     if (!ok) {
@@ -164,17 +160,13 @@ static bool read_counts(struct pen_store *store, struct pen_counts *counts, stru
     }
     if (!pen_db_done(rows))
         return false;
-    rows = pen_db_rows(store->db, st,
-                       "SELECT (SELECT count(*) FROM batch WHERE state = 0), "
-                       "(SELECT count(*) FROM batch WHERE state = 1), (SELECT created_ms FROM job "
-                       "WHERE state = 0 AND removed_ms = 0 ORDER BY number LIMIT 1)",
-                       "");
-    if (pen_db_next(rows)) {
-        counts->open_batches = pen_db_int(rows, 0);
-        counts->leased_batches = pen_db_int(rows, 1);
-        counts->oldest_queued_ms = pen_db_int(rows, 2);
-    }
-    return pen_db_done(rows);
+    return pen_row_numbers(
+        pen_db_rows(store->db, st,
+                    "SELECT (SELECT count(*) FROM batch WHERE state = 0), "
+                    "(SELECT count(*) FROM batch WHERE state = 1), (SELECT created_ms FROM job "
+                    "WHERE state = 0 AND removed_ms = 0 ORDER BY number LIMIT 1)",
+                    ""),
+        &counts->open_batches, &counts->leased_batches, &counts->oldest_queued_ms, NULL);
 }
 
 bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st)
@@ -212,29 +204,25 @@ static bool cancel(struct pen_store *store, const char *id, const char *client,
                    struct pen_status *st)
 {
     int64_t job, state;
-    return pen_store_check_client(store, id, client, st) &&
-           pen_job_number(store, id, &job, &state, st) &&
-           (pen_job_state_ended((enum pen_job_state)state) ||
-            pen_job_end(store, job, PEN_JOB_CANCELLED, NULL, st));
+    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+           pen_write_end(store,
+                         pen_store_check_client(store, id, client, st) &&
+                             pen_job_number(store, id, &job, &state, st) &&
+                             (pen_job_state_ended((enum pen_job_state)state) ||
+                              pen_job_end(store, job, PEN_JOB_CANCELLED, NULL, st)),
+                         st);
 }
 
-/* A cancel and a delete that find the disk full take the reserve's place, once. */
-static bool again(struct pen_store *store, const struct pen_status *st, bool *tried)
+/* A cancel and a delete that find the disk full take the reserve's place. */
+static bool gets_room(struct pen_store *store, const struct pen_status *st)
 {
-    const bool full = st->code == PEN_STORAGE_FULL && !*tried;
-    *tried = true;
-    return full && pen_db_give_reserve(store->db);
+    return st->code == PEN_STORAGE_FULL && pen_db_give_reserve(store->db);
 }
 
 bool pen_store_cancel(struct pen_store *store, const char *id, const char *client,
                       struct pen_status *st)
 {
-    bool ok, tried = false;
-    do
-        ok = pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-             pen_write_end(store, cancel(store, id, client, st), st);
-    while (!ok && again(store, st, &tried));
-    return ok;
+    return cancel(store, id, client, st) || (gets_room(store, st) && cancel(store, id, client, st));
 }
 
 /* A second delete without statistics drops those that the first one left; if it left none, the
@@ -248,8 +236,8 @@ static bool drop_stats(struct pen_store *store, const char *id, struct pen_statu
            changed > 0;
 }
 
-static bool delete (struct pen_store *store, const char *id, const char *client, const char *stats,
-                    struct pen_status *st)
+static bool write_removed(struct pen_store *store, const char *id, const char *client,
+                          const char *stats, struct pen_status *st)
 {
     int64_t job, state;
     if (!pen_store_check_client(store, id, client, st))
@@ -266,15 +254,18 @@ static bool delete (struct pen_store *store, const char *id, const char *client,
                       "UPDATE job SET removed_ms = (SELECT now_ms()) WHERE number = $1", "i", job);
 }
 
+static bool delete (struct pen_store *store, const char *id, const char *client, const char *stats,
+                    struct pen_status *st)
+{
+    return pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+           pen_write_end(store, write_removed(store, id, client, stats, st), st);
+}
+
 bool pen_store_delete(struct pen_store *store, const char *id, const char *client,
                       const char *stats, struct pen_status *st)
 {
-    bool ok, tried = false;
-    do
-        ok = pen_db_begin(store->db, PEN_DB_WRITE, st) &&
-             pen_write_end(store, delete (store, id, client, stats, st), st);
-    while (!ok && again(store, st, &tried));
-    return ok;
+    return delete (store, id, client, stats, st) ||
+           (gets_room(store, st) && delete (store, id, client, stats, st));
 }
 
 bool pen_store_removed_stats(struct pen_store *store, const char *id, struct pen_buf *stats,

@@ -77,9 +77,9 @@ struct pen_job_new {
     const struct pen_view_new *views;
     int batch_count;
     const struct pen_batch_new *batches;
-    const char *client;                  /* the job's owner, who also has its share; NULL: "" */
-    int64_t queue_max, client_queue_max; /* the most unfinished jobs, this one included: in all,
-                                            and of this client; 0: any number */
+    const char *client;                  /* NULL: "" */
+    int64_t queue_max, client_queue_max; /* the most unfinished jobs, in all and of this client,
+                                            with this one; 0: any number */
     const char *idempotency_key;         /* of the client; NULL: none */
     const unsigned char *body_sha256;    /* 32 bytes; required with a key */
     const char *answer;                  /* stored with the key, returned to a repeated submit */
@@ -93,12 +93,11 @@ enum pen_submit_result {
 };
 
 /* Stores a job. A caller that does not know the outcome repeats the call with the same job. The
- * first answer is appended to *first_answer; a submit that was answered before needs no space.
- * Fails: PEN_STORAGE_FULL (the disk is nearly full, or the store holds keep_bytes, the results of
- * unfinished jobs counted as expected), PEN_TOO_LARGE (the job's results alone are expected to take
- * more than keep_bytes), PEN_STORAGE, PEN_UNAVAILABLE (busy too long), PEN_QUOTA (too many
- * unfinished jobs), PEN_CONFLICT (another job has this id), PEN_INTERNAL (a view without a batch),
- * PEN_NO_MEMORY. */
+ * first answer is appended to *first_answer. Fails: PEN_STORAGE_FULL (the disk is nearly full, or
+ * the store holds keep_bytes, the results of unfinished jobs counted as expected), PEN_TOO_LARGE
+ * (the job's results alone are expected to take more than keep_bytes), PEN_STORAGE, PEN_UNAVAILABLE
+ * (busy too long), PEN_QUOTA (too many unfinished jobs), PEN_CONFLICT (another job has this id),
+ * PEN_INTERNAL (a view without a batch), PEN_NO_MEMORY. */
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
                       struct pen_status *st);
@@ -125,8 +124,7 @@ struct pen_job_record {
     int64_t estimate_ms; /* how long workers are expected to work on it in all; 0: not estimated */
     int64_t told_us;     /* how long they had worked on it when `work` was last told */
     /* The time since the submit: up to the last change; up to when `work` was last told, 0: never;
-     * up to the first claim. Measured by the clock of the boot. From one boot to the next it is the
-     * difference of the store's clock, or none if that was set back. */
+     * up to the first claim. By the clock of the boot; from one boot to the next by the store's. */
     int64_t elapsed_us, told_elapsed_us, queue_us;
 };
 
@@ -142,26 +140,20 @@ bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_recor
 struct pen_queue {
     struct pen_buf ids; /* of the first PEN_QUEUE_TOLD open jobs, PEN_ID_BYTES each, in the order in
                          * which their next batches are claimed */
-    int64_t hand_us;    /* what the batches in hand still take, as far as it is known, each at most
-                         * a minute: by then its turn is over */
+    int64_t hand_us;    /* what the batches in hand still take, each at most a minute */
     int64_t workers;    /* that are there now */
-    int64_t job_us;     /* how long workers took for a job: the mean of the last 50 jobs that took
-                         * any time and have ended. 0: there were none */
+    int64_t job_us;     /* the mean time that workers took for each of the last 50 jobs; 0: none */
 };
-
-/* Open jobs are told their place up to here. */
 enum { PEN_QUEUE_TOLD = 1000 };
 
 /* Reads the queue; the caller releases its ids, also after a failure. Fails: PEN_NO_MEMORY. Cost:
- * an index of open batches, as far as PEN_QUEUE_TOLD jobs. */
+ * an index of open batches. */
 bool pen_store_queue(struct pen_store *store, struct pen_queue *queue, struct pen_status *st);
 
 struct pen_job_filter {
-    int state;        /* enum pen_job_state, or -1: any */
-    const char *kind; /* NULL: any */
-    /* Of the request, which is a JSON object here: its member `name`, and a member of its `labels`.
-     * NULL: any. */
-    const char *name, *label_key, *label_value;
+    int state;                                  /* enum pen_job_state, or -1: any */
+    const char *kind;                           /* NULL: any */
+    const char *name, *label_key, *label_value; /* of the request: `name`, a label; NULL: any */
     int64_t below; /* the cursor: only jobs with smaller numbers; 0: all */
     int limit;
     /* The list ends with the job whose texts, request and error, bring those of all to more than

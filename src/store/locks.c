@@ -43,17 +43,11 @@ bool pen_job_number(struct pen_store *store, const char *id, int64_t *number, in
     return found || pen_fail(st, PEN_NOT_FOUND, "there is no job %s", id);
 }
 
-bool pen_job_lock(struct pen_store *store, int64_t job, int64_t *state, struct pen_status *st)
+bool pen_job_lock(struct pen_store *store, int64_t job, struct pen_status *st)
 {
     const struct pen_moment now = pen_clock_moment();
-    int64_t found;
-    if (!pen_db_run(store->db, st, &found, "UPDATE job SET " MOVE_ON " WHERE number = $1", "iii",
-                    job, now.boot, now.us) ||
-        !pen_db_value(store->db, st, state, "SELECT state FROM job WHERE number = $1", "i", job))
-        return false;
-    if (found == 0)
-        *state = -1;
-    return true;
+    return pen_db_run(store->db, st, NULL, "UPDATE job SET " MOVE_ON " WHERE number = $1", "iii",
+                      job, now.boot, now.us);
 }
 
 bool pen_job_start(struct pen_store *store, int64_t job, struct pen_status *st)
@@ -63,14 +57,6 @@ bool pen_job_start(struct pen_store *store, int64_t job, struct pen_status *st)
                       "UPDATE job SET " START " WHERE number = (SELECT number FROM job "
                       "WHERE number = $1 AND state = 0 {skip_locked})",
                       "iii", job, now.boot, now.us);
-}
-
-bool pen_job_changed(struct pen_store *store, int64_t job, struct pen_status *st)
-{
-    return pen_db_run(store->db, st, NULL,
-                      "UPDATE job SET revision = revision + 1, updated_ms = (SELECT now_ms()) "
-                      "WHERE number = $1",
-                      "i", job);
 }
 
 bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state, const char *error,
@@ -85,35 +71,7 @@ bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state,
                store->db, st, NULL,
                "UPDATE batch SET state = 3, worker = NULL WHERE job = $1 AND state IN (0, 1)", "i",
                job) &&
-           pen_objects_drop(store, job, -2, "kept:", st);
-}
-
-/* The job's lock suffices: without it, others change open batches alone. */
-static bool read_batch(struct pen_store *store, const struct pen_claim *claim,
-                       struct pen_batch *batch, struct pen_status *st)
-{
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "SELECT kind, first_tile, tile_count, pixels, told_pixels, work, state, "
-                    "attempt, lease_ms, claimed_ms, spent_us, view FROM batch WHERE number = $1",
-                    "i", claim->batch);
-    if (pen_db_next(rows)) {
-        batch->kind = pen_db_int(rows, 0);
-        batch->first_tile = pen_db_int(rows, 1);
-        batch->tile_count = pen_db_int(rows, 2);
-        batch->pixels = pen_db_int(rows, 3);
-        batch->told_pixels = pen_db_int(rows, 4);
-        batch->work = pen_db_int(rows, 5);
-        batch->state = pen_db_int(rows, 6);
-        batch->attempt = pen_db_int(rows, 7);
-        batch->lease_ms = pen_db_int(rows, 8);
-        batch->claimed_ms = pen_db_int(rows, 9);
-        batch->spent_us = pen_db_int(rows, 10);
-        batch->view = pen_db_int(rows, 11);
-        batch->held = batch->attempt == claim->attempt && batch->state == PEN_BATCH_LEASED;
-        batch->done = batch->attempt == claim->attempt && batch->state == PEN_BATCH_DONE;
-    }
-    return pen_db_done(rows);
+           pen_kept_drop(store, job, -2, st);
 }
 
 static bool add_time(struct pen_store *store, const struct pen_claim *claim,
@@ -128,16 +86,31 @@ static bool add_time(struct pen_store *store, const struct pen_claim *claim,
                        "ii", claim->batch, claim->spent_us));
 }
 
+/* The job's lock suffices for reading the batch: without it, others change open batches alone. */
 bool pen_claim_lock(struct pen_store *store, const struct pen_claim *claim, struct pen_batch *batch,
                     struct pen_status *st)
 {
-    int64_t state;
+    const struct pen_moment now = pen_clock_moment();
+    int64_t job_state, state, attempt;
     *batch = (struct pen_batch){.number = claim->batch};
-    if (!pen_db_value(store->db, st, &batch->job, "SELECT job FROM batch WHERE number = $1", "i",
-                      claim->batch) ||
-        !pen_job_lock(store, batch->job, &state, st) || !read_batch(store, claim, batch, st))
+    if (!pen_db_run(store->db, st, NULL,
+                    "UPDATE job SET " MOVE_ON
+                    " WHERE number = (SELECT job FROM batch WHERE number = $1)",
+                    "iii", claim->batch, now.boot, now.us) ||
+        !pen_row_numbers(
+            pen_db_rows(store->db, st,
+                        "SELECT job.number, job.state, batch.state, batch.attempt, batch.kind, "
+                        "batch.tile_count, batch.pixels, batch.told_pixels, batch.work, "
+                        "batch.spent_us, batch.view FROM batch "
+                        "JOIN job ON job.number = batch.job WHERE batch.number = $1",
+                        "i", claim->batch),
+            &batch->job, &job_state, &state, &attempt, &batch->kind, &batch->tile_count,
+            &batch->pixels, &batch->told_pixels, &batch->work, &batch->spent_us, &batch->view,
+            NULL))
         return false;
-    return !batch->held || ((state != PEN_JOB_QUEUED || pen_job_start(store, batch->job, st)) &&
+    batch->held = attempt == claim->attempt && state == PEN_BATCH_LEASED;
+    batch->done = attempt == claim->attempt && state == PEN_BATCH_DONE;
+    return !batch->held || ((job_state != PEN_JOB_QUEUED || pen_job_start(store, batch->job, st)) &&
                             add_time(store, claim, batch, st));
 }
 
@@ -148,22 +121,20 @@ bool pen_claim_hold(struct pen_store *store, const struct pen_claim *claim, cons
            (batch->held || pen_fail(st, PEN_STALE, "the batch is no longer held; %s", what));
 }
 
-bool pen_work_of_pixels(struct pen_store *store, int64_t job, int64_t pixels, int64_t *work,
-                        struct pen_status *st)
-{
-    int64_t total = 0;
-    if (!pen_db_value(store->db, st, &total, "SELECT total_pixels FROM job WHERE number = $1", "i",
-                      job))
-        return false;
-    *work = total > 0 ? (int64_t)(PEN_WORK_ALL * ((double)pixels / (double)total)) : 0;
-    return true;
-}
-
 bool pen_claim_tell(struct pen_store *store, const struct pen_batch *batch, int64_t pixels,
                     int64_t work, int64_t estimate_ms, struct pen_status *st)
 {
-    const int64_t told_pixels = pixels > batch->told_pixels ? pixels : batch->told_pixels;
-    const int64_t told_work = work > batch->work ? work : batch->work;
+    int64_t total = 0;
+    if (work < 0 &&
+        !pen_db_value(store->db, st, &total, "SELECT total_pixels FROM job WHERE number = $1", "i",
+                      batch->job))
+        return false;
+    if (total > 0)
+        work = (int64_t)(PEN_WORK_ALL * ((double)pixels / (double)total));
+    if (pixels < batch->told_pixels)
+        pixels = batch->told_pixels;
+    if (work < batch->work)
+        work = batch->work;
     return pen_db_run(
                store->db, st, NULL,
                "UPDATE job SET done_pixels = done_pixels + $2, "
@@ -171,9 +142,8 @@ bool pen_claim_tell(struct pen_store *store, const struct pen_batch *batch, int6
                "told_us = spent_us, told_elapsed_us = elapsed_us, "
                "estimate_ms = CASE WHEN CAST($4 AS BIGINT) > 0 THEN $4 ELSE estimate_ms END, "
                "revision = revision + 1, updated_ms = (SELECT now_ms()) WHERE number = $1",
-               "iiii", batch->job, told_pixels - batch->told_pixels, told_work - batch->work,
-               estimate_ms) &&
+               "iiii", batch->job, pixels - batch->told_pixels, work - batch->work, estimate_ms) &&
            pen_db_run(store->db, st, NULL,
                       "UPDATE batch SET told_pixels = $2, work = $3 WHERE number = $1", "iii",
-                      batch->number, told_pixels, told_work);
+                      batch->number, pixels, work);
 }

@@ -3,40 +3,36 @@
  * start-time fair queueing (Goyal, Vin, Cheng, SIGCOMM 1996): a client's new batches come behind
  * its own open ones, and behind the open batch that is next. Nothing else is remembered: an idle
  * client has neither credit nor debt. */
-#include <string.h>
-
 #include "store/internal/handle.h"
 
 enum {
-    TURN_MS = 60000,   /* how long a batch keeps others of its priority waiting */
-    THERE_MS = 300000, /* a worker that was seen so long ago is there */
-    SLOTS = 4 * PEN_QUEUE_TOLD
+    TURN_MS = 60000,  /* how long a batch keeps others of its priority waiting */
+    THERE_MS = 300000 /* a worker that was seen so long ago is there */
 };
 
-bool pen_turn_next(struct pen_store *store, const char *client, int64_t priority, int64_t *turn,
-                   struct pen_status *st)
+bool pen_turn_next(struct pen_store *store, int64_t job, int64_t *turn, struct pen_status *st)
 {
-    int64_t least = 0, own = 0;
+    int64_t least, own;
     if (!pen_db_run(store->db, st, NULL,
-                    "INSERT INTO turn (client, priority, turn) VALUES ($1, $2, 0) "
-                    "ON CONFLICT (client, priority) DO UPDATE SET turn = turn.turn + 1",
-                    "ti", client, priority))
+                    "INSERT INTO turn (client, priority, turn) SELECT client, priority, 0 FROM job "
+                    "WHERE number = $1 ON CONFLICT (client, priority) "
+                    "DO UPDATE SET turn = turn.turn + 1",
+                    "i", job))
         return false;
     /* A statement of its own, since its snapshot must be later than the lock. Batches that wait
      * after lost workers are passed by others and tell nothing. */
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "SELECT (SELECT turn FROM batch WHERE state = 0 AND priority = $2 "
-                    "AND not_before_ms <= (SELECT now_ms()) ORDER BY turn LIMIT 1), "
-                    "(SELECT turn FROM batch WHERE state = 0 AND client = $1 AND priority = $2 "
-                    "ORDER BY turn DESC LIMIT 1)",
-                    "ti", client, priority);
-    if (pen_db_next(rows)) {
-        least = pen_db_int(rows, 0);
-        own = pen_db_int(rows, 1);
-    }
+    if (!pen_row_numbers(
+            pen_db_rows(store->db, st,
+                        "SELECT (SELECT turn FROM batch WHERE state = 0 "
+                        "AND priority = job.priority AND not_before_ms <= (SELECT now_ms()) "
+                        "ORDER BY turn LIMIT 1), (SELECT turn FROM batch WHERE state = 0 "
+                        "AND client = job.client AND priority = job.priority "
+                        "ORDER BY turn DESC LIMIT 1) FROM job WHERE number = $1",
+                        "i", job),
+            &least, &own, NULL))
+        return false;
     *turn = (least > own ? least : own) + 1;
-    return pen_db_done(rows);
+    return true;
 }
 
 bool pen_claim_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
@@ -64,40 +60,20 @@ bool pen_store_outranked(struct pen_store *store, const struct pen_claim *claim,
            pen_db_end(store->db, pen_claim_outranked(store, claim, outranked, st), st);
 }
 
-/* Whether a job is new in a set of at most PEN_QUEUE_TOLD. */
-static bool add_to_set(int64_t set[SLOTS], int64_t job)
-{
-    size_t at = (size_t)((uint64_t)job * UINT64_C(0x9e3779b97f4a7c15) >> 32) % SLOTS;
-    while (set[at] != 0 && set[at] != job)
-        at = (at + 1) % SLOTS;
-    const bool is_new = set[at] == 0;
-    set[at] = job;
-    return is_new;
-}
-
-static bool add_id(struct pen_store *store, struct pen_queue *queue, int64_t job,
-                   struct pen_status *st)
-{
-    char id[PEN_ID_BYTES] = "";
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st, "SELECT id FROM job WHERE number = $1", "i", job);
-    if (pen_db_next(rows))
-        strncpy(id, pen_db_text(rows, 0), sizeof id - 1);
-    return pen_db_done(rows) && (pen_buf_add(&queue->ids, id, sizeof id) ||
-                                 pen_fail(st, PEN_NO_MEMORY, "no memory for the queue"));
-}
-
 static bool read_ids(struct pen_store *store, struct pen_queue *queue, struct pen_status *st)
 {
-    int64_t set[SLOTS] = {0};
     bool ok = true;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st, "SELECT job FROM batch WHERE state = 0 ORDER BY priority DESC, turn, number",
-        "");
-    while (ok && queue->ids.bytes < (size_t)PEN_QUEUE_TOLD * PEN_ID_BYTES && pen_db_next(rows)) {
-        const int64_t job = pen_db_int(rows, 0);
-        ok = !add_to_set(set, job) || add_id(store, queue, job, st);
-    }
+    struct pen_rows *rows =
+        pen_db_rows(store->db, st,
+                    "SELECT id FROM (SELECT job, max(priority) AS priority, min(turn) AS turn, "
+                    "min(number) AS number FROM batch WHERE state = 0 GROUP BY job "
+                    "ORDER BY priority DESC, turn, number LIMIT $1) AS queue "
+                    "JOIN job ON job.number = queue.job "
+                    "ORDER BY queue.priority DESC, queue.turn, queue.number",
+                    "i", (int64_t)PEN_QUEUE_TOLD);
+    while (ok && pen_db_next(rows))
+        ok = pen_buf_add(&queue->ids, pen_db_text(rows, 0), PEN_ID_BYTES) ||
+             pen_fail(st, PEN_NO_MEMORY, "no memory for the queue");
     return pen_db_done(rows) && ok;
 }
 
@@ -121,24 +97,17 @@ static bool read_hand(struct pen_store *store, struct pen_queue *queue, struct p
     return pen_db_done(rows);
 }
 
-static bool read_mean(struct pen_store *store, struct pen_queue *queue, struct pen_status *st)
+/* The mean of a job's time, and the workers. */
+static bool read_pace(struct pen_store *store, struct pen_queue *queue, struct pen_status *st)
 {
-    int64_t now_ms;
-    if (!pen_db_now(store->db, &now_ms, st))
-        return false;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "SELECT CAST(sum(spent_us) AS BIGINT), count(*), (SELECT count(*) FROM worker "
-        "WHERE seen_ms > $1) FROM (SELECT spent_us FROM job WHERE finished_ms > 0 "
-        "AND removed_ms = 0 AND spent_us > 0 ORDER BY finished_ms DESC, number DESC LIMIT 50) "
-        "AS ended",
-        "i", now_ms - THERE_MS);
-    if (pen_db_next(rows)) {
-        const int64_t jobs = pen_db_int(rows, 1);
-        queue->job_us = jobs > 0 ? pen_db_int(rows, 0) / jobs : 0;
-        queue->workers = pen_db_int(rows, 2);
-    }
-    return pen_db_done(rows);
+    return pen_row_numbers(
+        pen_db_rows(store->db, st,
+                    "SELECT CAST(sum(spent_us) AS BIGINT) / count(*), (SELECT count(*) "
+                    "FROM worker WHERE seen_ms > (SELECT now_ms()) - $1) FROM "
+                    "(SELECT spent_us FROM job WHERE finished_ms > 0 AND removed_ms = 0 "
+                    "AND spent_us > 0 ORDER BY finished_ms DESC, number DESC LIMIT 50) AS ended",
+                    "i", (int64_t)THERE_MS),
+        &queue->job_us, &queue->workers, NULL);
 }
 
 bool pen_store_queue(struct pen_store *store, struct pen_queue *queue, struct pen_status *st)
@@ -147,6 +116,6 @@ bool pen_store_queue(struct pen_store *store, struct pen_queue *queue, struct pe
     return pen_db_begin(store->db, PEN_DB_READ, st) &&
            pen_db_end(store->db,
                       read_ids(store, queue, st) && read_hand(store, queue, st) &&
-                          read_mean(store, queue, st),
+                          read_pace(store, queue, st),
                       st);
 }

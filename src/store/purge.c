@@ -3,7 +3,6 @@
  * go here, in short transactions, so that no other writer waits long. A row of `meta` is locked by
  * each, so that one process at a time does it. After a crash the next slice goes on. */
 #include "store/internal/objects.h"
-#include "store/internal/retention.h"
 
 enum {
     SLICE_PARTS = 4,                            /* of an object, */
@@ -13,22 +12,18 @@ enum {
     DAY_MS = 86400000,
     STATS_PART = 8 /* statistics of removed jobs: an eighth of keep_bytes at most */
 };
-static const int64_t stats_age_ms = INT64_C(1827) * DAY_MS; /* five years */
 
 /* Removes parts of objects that are gone, and their rows. */
 static bool remove_gone(struct pen_store *store, int64_t *removed, struct pen_status *st)
 {
     int64_t left = SLICE_BYTES, changed;
     for (*removed = 0; left > 0 && *removed < SLICE_ROWS; (*removed)++) {
-        int64_t number = 0, bytes = 0;
-        struct pen_rows *rows = pen_db_rows(
-            store->db, st,
-            "SELECT number, bytes FROM object WHERE state = 2 ORDER BY number LIMIT 1", "");
-        if (pen_db_next(rows)) {
-            number = pen_db_int(rows, 0);
-            bytes = pen_db_int(rows, 1);
-        }
-        if (!pen_db_done(rows))
+        int64_t number, bytes;
+        if (!pen_row_numbers(pen_db_rows(store->db, st,
+                                         "SELECT number, bytes FROM object WHERE state = 2 "
+                                         "ORDER BY number LIMIT 1",
+                                         ""),
+                             &number, &bytes, NULL))
             return false;
         if (number == 0)
             return true;
@@ -114,21 +109,20 @@ static bool end_futures(struct pen_store *store, struct pen_status *st)
                       "i", (int64_t)SELDOM_MS);
 }
 
-/* Rows that are old: keys hold for a day, statistics for five years, workers that died unnoticed
- * are told for a day. */
-static bool remove_old(struct pen_store *store, int64_t now_ms, struct pen_status *st)
+/* Keys hold for a day, statistics for five years, and workers that died unnoticed are told for a
+ * day. */
+static bool remove_old(struct pen_store *store, struct pen_status *st)
 {
-    return pen_db_run(store->db, st, NULL, "DELETE FROM key WHERE created_ms < $1", "i",
-                      now_ms - DAY_MS) &&
-           pen_db_run(store->db, st, NULL, "DELETE FROM removed WHERE removed_ms < $1", "i",
-                      now_ms - stats_age_ms) &&
-           pen_db_run(store->db, st, NULL,
-                      "DELETE FROM removed WHERE removed_ms < $1 AND bytes = 0", "i",
-                      now_ms - DAY_MS) &&
-           pen_db_run(store->db, st, NULL,
-                      "DELETE FROM worker WHERE seen_ms < $1 AND NOT EXISTS "
-                      "(SELECT 1 FROM batch WHERE batch.worker = worker.id AND batch.state = 1)",
-                      "i", now_ms - DAY_MS);
+    static const char *const old[] = {
+        "DELETE FROM key WHERE created_ms < (SELECT now_ms()) - 86400000",
+        "DELETE FROM removed WHERE removed_ms < (SELECT now_ms()) - 157852800000",
+        "DELETE FROM removed WHERE removed_ms < (SELECT now_ms()) - 86400000 AND bytes = 0",
+        "DELETE FROM worker WHERE seen_ms < (SELECT now_ms()) - 86400000 AND NOT EXISTS "
+        "(SELECT 1 FROM batch WHERE batch.worker = worker.id AND batch.state = 1)"};
+    bool ok = true;
+    for (size_t i = 0; ok && i < sizeof old / sizeof old[0]; i++)
+        ok = pen_db_run(store->db, st, NULL, old[i], "");
+    return ok;
 }
 
 /* Statistics of removed jobs have an eighth of keep_bytes; the oldest go. */
@@ -156,7 +150,7 @@ static bool trim_stats(struct pen_store *store, struct pen_status *st)
 /* What is done once a minute. Notes a clock that has jumped ahead. */
 static bool do_seldom(struct pen_store *store, int64_t *changed, struct pen_status *st)
 {
-    int64_t now_ms, last_ms, collected = 0, dropped = 0;
+    int64_t now_ms, last_ms, collected = 0;
     bool wait;
     if (!pen_db_now(store->db, &now_ms, st) || !pen_meta_get(store, "purged_ms", &last_ms, st))
         return false;
@@ -165,11 +159,9 @@ static bool do_seldom(struct pen_store *store, int64_t *changed, struct pen_stat
     const bool ok = (last_ms == 0 || now_ms - last_ms <= DAY_MS ||
                      pen_meta_set(store, "ages_from_ms", now_ms + DAY_MS, st)) &&
                     pen_meta_set(store, "purged_ms", now_ms, st) && end_futures(store, st) &&
-                    pen_ages_wait(store, now_ms, &wait, st) &&
-                    (wait || remove_old(store, now_ms, st)) &&
-                    collect_loading(store, &collected, st) && trim_stats(store, st) &&
-                    pen_cache_trim(store, &dropped, st);
-    *changed += collected + dropped;
+                    pen_ages_wait(store, now_ms, &wait, st) && (wait || remove_old(store, st)) &&
+                    collect_loading(store, &collected, st) && trim_stats(store, st);
+    *changed += collected;
     return ok;
 }
 

@@ -2,42 +2,35 @@
 /* Reads what was committed: pixels, statistics, commits, artefacts, scenes. A committed row never
  * changes, so reads of different moments fit together. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "store/internal/objects.h"
 
-enum { TOUCH_MS = 60000 }; /* a use of a cached artefact is noted once a minute */
-
 /* A stored batch of pixels. */
 struct piece {
-    int64_t first_tile, tile_count, pixels;
+    int64_t object, first_tile, tile_count, pixels; /* object 0: there are no more */
     struct pen_buf encoded;
 };
 
 static bool next_piece(struct pen_store *store, int64_t job, int view, struct piece *piece,
-                       bool *found, struct pen_status *st)
+                       struct pen_status *st)
 {
-    int64_t object = 0;
     piece->encoded.bytes = 0;
     if (!pen_db_begin(store->db, PEN_DB_READ, st))
         return false;
-    struct pen_rows *rows = pen_db_rows(
-        store->db, st,
-        "SELECT batch.first_tile, batch.tile_count, batch.pixels, object.number FROM batch "
-        "JOIN object ON object.batch = batch.number AND object.layer = '' AND object.state = 1 "
-        "WHERE batch.job = $1 AND batch.view = $2 AND batch.first_tile > $3 AND batch.state = 2 "
-        "AND batch.kind = 0 AND object.batch > 0 ORDER BY batch.first_tile LIMIT 1",
-        "iii", job, (int64_t)view, piece->first_tile);
-    *found = pen_db_next(rows);
-    if (*found) {
-        piece->first_tile = pen_db_int(rows, 0);
-        piece->tile_count = pen_db_int(rows, 1);
-        piece->pixels = pen_db_int(rows, 2);
-        object = pen_db_int(rows, 3);
-    }
-    const bool ok =
-        pen_db_done(rows) && (!*found || pen_object_read_row(store, object, &piece->encoded, st));
-    return pen_db_end(store->db, ok, st);
+    const bool ok = pen_row_numbers(
+        pen_db_rows(
+            store->db, st,
+            "SELECT object.number, batch.first_tile, batch.tile_count, batch.pixels FROM batch "
+            "JOIN object ON object.batch = batch.number AND object.layer = '' AND object.state = 1 "
+            "WHERE batch.job = $1 AND batch.view = $2 AND batch.first_tile > $3 "
+            "AND batch.state = 2 AND batch.kind = 0 AND object.batch > 0 "
+            "ORDER BY batch.first_tile LIMIT 1",
+            "iii", job, (int64_t)view, piece->first_tile),
+        &piece->object, &piece->first_tile, &piece->tile_count, &piece->pixels, NULL);
+    return pen_db_end(store->db,
+                      ok && (piece->object == 0 ||
+                             pen_object_read_row(store, piece->object, &piece->encoded, st)),
+                      st);
 }
 
 bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pixels_fn *each,
@@ -46,12 +39,8 @@ bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pix
     struct piece piece = {.first_tile = -1};
     float *rgb = NULL;
     int64_t job, room = 0;
-    bool found = true,
-         ok = pen_store_documents(store, st) && pen_job_number(store, id, &job, NULL, st);
-    while (ok && found) {
-        ok = next_piece(store, job, view, &piece, &found, st);
-        if (!ok || !found)
-            break;
+    bool more = true, ok = pen_job_number(store, id, &job, NULL, st);
+    while (more && ok && (ok = next_piece(store, job, view, &piece, st)) && piece.object > 0) {
         if (piece.pixels > room) {
             free(rgb);
             rgb = malloc((size_t)piece.pixels * 3 * sizeof *rgb);
@@ -60,10 +49,9 @@ bool pen_store_pixels(struct pen_store *store, const char *id, int view, pen_pix
         const struct pen_bytes encoded = {piece.encoded.data, piece.encoded.bytes};
         ok = rgb ? pen_pixels_decode(store->documents, &encoded, rgb, piece.pixels, st)
                  : pen_fail(st, PEN_NO_MEMORY, "no memory for the pixels of a batch");
-        found = ok && each(user, (int)piece.first_tile, (int)piece.tile_count, rgb, piece.pixels);
+        more = ok && each(user, (int)piece.first_tile, (int)piece.tile_count, rgb, piece.pixels);
     }
-    ok = ok &&
-         pen_job_number(store, id, &job, NULL, st); /* it is still there, and so was all of it */
+    ok = ok && pen_job_number(store, id, &job, NULL, st); /* else a part of it may be gone */
     free(rgb);
     pen_buf_release(&piece.encoded);
     return ok;
@@ -112,68 +100,32 @@ bool pen_store_commits(struct pen_store *store, const char *id, int64_t after, p
     return pen_db_done(rows);
 }
 
-static bool read_artefact(struct pen_store *store, const char *id, struct pen_object_owner *owner,
-                          struct pen_buf *out, int64_t *used, struct pen_status *st)
-{
-    int64_t number;
-    *used = 0;
-    if (!pen_job_number(store, id, &owner->job, NULL, st) ||
-        !pen_object_find(store, owner, &number, st))
-        return false;
-    if (number == 0)
-        return pen_fail(st, PEN_NOT_FOUND, "job %s has no %s as %s of view %d", id, owner->layer,
-                        owner->format, owner->view);
-    return pen_db_value(store->db, st, used,
-                        "SELECT number FROM object WHERE number = $1 AND cached = 1 "
-                        "AND used_ms < (SELECT now_ms()) - $2",
-                        "ii", number, (int64_t)TOUCH_MS) &&
-           pen_object_read_row(store, number, out, st);
-}
-
-/* A use that cannot be noted is no failure. */
-static void note_use(struct pen_store *store, int64_t number)
-{
-    struct pen_status ignored;
-    if (pen_db_begin(store->db, PEN_DB_PART, &ignored))
-        pen_db_end(store->db,
-                   pen_db_run(store->db, &ignored, NULL,
-                              "UPDATE object SET used_ms = (SELECT now_ms()) "
-                              "WHERE number = $1 AND state = 1",
-                              "i", number),
-                   &ignored);
-}
-
 bool pen_store_artefact(struct pen_store *store, const char *id, int view, const char *layer,
                         const char *format, struct pen_buf *out, struct pen_status *st)
 {
-    struct pen_object_owner owner = {.view = view, .layer = layer, .format = format};
-    int64_t used;
-    if (!pen_db_begin(store->db, PEN_DB_READ, st) ||
-        !pen_db_end(store->db, read_artefact(store, id, &owner, out, &used, st), st))
-        return false;
-    if (used > 0)
-        note_use(store, used);
-    return true;
+    struct pen_object object = {.view = view, .layer = layer, .format = format};
+    return pen_object_read(store, id, &object, out, st) &&
+           (object.number > 0 || pen_fail(st, PEN_NOT_FOUND, "job %s has no %s as %s of view %d",
+                                          id, layer, format, view));
 }
 
 bool pen_store_artefact_put(struct pen_store *store, const struct pen_claim *claim,
                             const char *layer, const char *format, const void *data, size_t bytes,
                             struct pen_status *st)
 {
-    struct pen_object_owner owner = {.view = claim->view,
-                                     .batch = claim->batch,
-                                     .attempt = claim->attempt,
-                                     .layer = layer,
-                                     .format = format};
+    struct pen_object object = {.view = claim->view,
+                                .batch = claim->batch,
+                                .attempt = claim->attempt,
+                                .layer = layer,
+                                .format = format,
+                                .data = data,
+                                .bytes = bytes};
     struct pen_batch batch;
-    int64_t number;
-    if (!pen_object_load(store, &owner, claim, data, bytes, &number, st) ||
-        !pen_db_begin(store->db, PEN_DB_WRITE, st))
+    if (!pen_object_load(store, &object, claim, st) || !pen_db_begin(store->db, PEN_DB_WRITE, st))
         return false;
-    bool ok = pen_claim_hold(store, claim, "its artefact is not stored", &batch, st);
-    owner.job = batch.job;
-    ok = ok && pen_object_use(store, &owner, number, data, bytes, st);
-    return pen_db_end(store->db, ok, st);
+    const bool ok = pen_claim_hold(store, claim, "its artefact is not stored", &batch, st);
+    object.job = batch.job;
+    return pen_db_end(store->db, ok && pen_object_use(store, &object, st), st);
 }
 
 static bool read_scene(struct pen_store *store, const char *id, struct pen_buf *out,
@@ -195,7 +147,7 @@ bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *sc
 {
     struct pen_buf stored = {0};
     struct pen_bytes plain;
-    bool ok = pen_store_documents(store, st) && pen_db_begin(store->db, PEN_DB_READ, st) &&
+    bool ok = pen_db_begin(store->db, PEN_DB_READ, st) &&
               pen_db_end(store->db, read_scene(store, id, &stored, st), st);
     if (ok) {
         const struct pen_bytes packed = {stored.data, stored.bytes};

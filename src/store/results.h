@@ -49,10 +49,4 @@ bool pen_store_artefact_put(struct pen_store *store, const struct pen_claim *cla
                             const char *layer, const char *format, const void *data, size_t bytes,
                             struct pen_status *st);
 
-/* Stores an artefact of a job that can be made again, from what is committed; one that exists is
- * replaced. It is dropped when others are used later, or space runs short; it is not stored at all
- * if it is too large or space is short. Fails: PEN_NOT_FOUND. */
-bool pen_store_cache_put(struct pen_store *store, const char *id, int view, const char *layer,
-                         const char *format, const void *data, size_t bytes, struct pen_status *st);
-
 #endif

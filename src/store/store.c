@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Handles: open, close, failures, the clock, signals. */
+#include <stdarg.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "store/internal/handle.h"
 
@@ -10,14 +10,15 @@ enum { LEVEL = 3 }; /* zstd's, of scene documents */
 struct pen_store *pen_store_open(const char *url, bool make, struct pen_status *st)
 {
     struct pen_store *store = calloc(1, sizeof *store);
-    if (!store) {
+    if (store)
+        store->documents = pen_compressor_new(LEVEL);
+    if (!store || !store->documents)
         pen_fail(st, PEN_NO_MEMORY, "no memory for a store");
-        return NULL;
-    }
-    store->db = pen_db_open(url, make, st);
-    if (store->db)
+    else
+        store->db = pen_db_open(url, make, st);
+    if (store && store->db)
         return store;
-    free(store);
+    pen_store_close(store);
     return NULL;
 }
 
@@ -29,13 +30,6 @@ void pen_store_close(struct pen_store *store)
     pen_compressor_free(store->documents);
     pen_pixels_free(store->pixels);
     free(store);
-}
-
-struct pen_compressor *pen_store_documents(struct pen_store *store, struct pen_status *st)
-{
-    if (!store->documents && !(store->documents = pen_compressor_new(LEVEL)))
-        pen_fail(st, PEN_NO_MEMORY, "no memory to compress scenes");
-    return store->documents;
 }
 
 bool pen_store_check(struct pen_store *store, int limit_ms, bool *finished, struct pen_status *st)
@@ -81,6 +75,18 @@ bool pen_write_end(struct pen_store *store, bool ok, struct pen_status *st)
     if (ok)
         pen_db_wake(store->db);
     return ok;
+}
+
+bool pen_row_numbers(struct pen_rows *rows, int64_t *first, ...)
+{
+    va_list numbers;
+    const bool found = pen_db_next(rows);
+    int column = 0;
+    va_start(numbers, first);
+    for (int64_t *number = first; number; number = va_arg(numbers, int64_t *))
+        *number = found ? pen_db_int(rows, column++) : 0;
+    va_end(numbers);
+    return pen_db_done(rows);
 }
 
 void pen_store_wait(struct pen_store *store, uint32_t *seen, int timeout_ms)

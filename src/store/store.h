@@ -98,9 +98,9 @@ bool pen_store_expired(struct pen_store *store, char id[PEN_ID_BYTES], bool *fou
                        struct pen_status *st);
 
 /* A slice of what deletes, retention and time leave to do, in a short transaction: parts of removed
- * jobs and of objects that nothing uses, cached artefacts beyond their share, scenes without a job,
- * old keys, statistics and workers, free space for the file system. *more is false if there was
- * nothing to do. One process at a time does it; a caller pauses between slices. */
+ * jobs and of objects that nothing uses, scenes without a job, old keys, statistics and workers,
+ * free space for the file system. *more is false if there was nothing to do. One process at a time
+ * does it; a caller pauses between slices. */
 bool pen_store_purge(struct pen_store *store, bool *more, struct pen_status *st);
 
 struct pen_backup {
@@ -108,18 +108,18 @@ struct pen_backup {
     int64_t jobs, bytes;     /* of the copy */
 };
 
-/* Copies a store, which may be in use, to a file. The copy is the store as of one moment, with
- * everything that was acknowledged before the call. It is made under another name,
- * FILE.part-XXXXXX, checked, synced and then renamed (a symbolic link FILE is replaced itself).
- * Copies under such names that a killed process has left are removed. Fails: PEN_TIMEOUT (stopped),
- * PEN_CONFLICT (the file exists, and `replace` is false), PEN_USAGE (the name is a folder, the
- * store itself, or too long), PEN_IO, PEN_STORAGE_FULL (the copy cannot be written), PEN_STORAGE
- * (the store is damaged or cannot be read), PEN_NOT_FOUND (there is no store), PEN_UNAVAILABLE,
- * PEN_NO_MEMORY. A failed call leaves no file. Cost: reads every page, and the copy twice. */
+/* Copies a store, which may be in use, to a file, as of one moment, with everything that was
+ * acknowledged before the call. The copy is made as FILE.part-new, checked, synced and then renamed
+ * (a symbolic link FILE is replaced itself); one that a killed process left is written over. Fails:
+ * PEN_TIMEOUT (stopped), PEN_CONFLICT (the file exists, and `replace` is false; or another backup
+ * to it is being made), PEN_USAGE (the name is a folder, the store itself, or too long), PEN_IO,
+ * PEN_STORAGE_FULL (the copy cannot be written), PEN_STORAGE (the store is damaged or cannot be
+ * read), PEN_NOT_FOUND (there is no store), PEN_UNAVAILABLE, PEN_NO_MEMORY. A failed call leaves no
+ * file. Cost: reads every page, and the copy twice. */
 bool pen_store_backup(const char *url, const char *file, bool replace, struct pen_backup *out,
                       struct pen_status *st);
 
-/* Removes the unfinished copies that killed processes have left of this backup. */
+/* Removes the unfinished copy that a killed process has left of this backup. */
 void pen_store_backup_remove_left(const char *file);
 
 /* A counter that grows when a process may have changed the store, as far as this process knows:

@@ -6,27 +6,22 @@
 
 #include "store/internal/objects.h"
 
-enum { TRIES = 2 }; /* a document may be removed between look and submit */
-
 struct submission {
     const struct pen_job_new *job;
     const char *client;
     enum pen_submit_result *result;
     struct pen_buf *first_answer;
-    json_t *request;           /* NULL: it is none that JSON allows */
-    struct pen_bytes document; /* compressed; no data: the scene is stored already */
-    int64_t loaded;            /* its object, 0: none */
+    json_t *request;            /* NULL: it is none that JSON allows */
+    struct pen_object document; /* compressed; without data: the scene is stored already */
     int64_t number;
     bool missing; /* out: the scene is not stored, and there is no document */
 };
 
 /* Where the key was used before: the answer given then, unless it came with another body. */
-static bool find_key(struct pen_store *store, struct submission *in, bool *found,
-                     struct pen_status *st)
+static bool find_key(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
     size_t bytes;
     bool ok = true;
-    *found = false;
     if (!in->job->idempotency_key)
         return true;
     struct pen_rows *rows = pen_db_rows(
@@ -35,7 +30,6 @@ static bool find_key(struct pen_store *store, struct submission *in, bool *found
     if (pen_db_next(rows)) {
         const void *body = pen_db_bytes(rows, 0, &bytes);
         const bool same = bytes == 32 && memcmp(body, in->job->body_sha256, 32) == 0;
-        *found = true;
         *in->result = same ? PEN_SUBMIT_REPEATED : PEN_SUBMIT_REUSED;
         ok = !same || pen_buf_puts(in->first_answer, pen_db_text(rows, 1)) ||
              pen_fail(st, PEN_NO_MEMORY, "no memory for the answer of a key");
@@ -44,58 +38,38 @@ static bool find_key(struct pen_store *store, struct submission *in, bool *found
 }
 
 /* Where the job is stored already: the same job, or another one. */
-static bool find_job(struct pen_store *store, struct submission *in, bool *found,
-                     struct pen_status *st)
+static bool find_job(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
     const struct pen_job_new *job = in->job;
-    size_t bytes;
-    bool same = false;
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "SELECT job.client, job.kind, job.request, scene.sha256 FROM job "
-                    "LEFT JOIN scene ON scene.number = job.scene WHERE job.id = $1",
-                    "t", job->id);
-    *found = pen_db_next(rows);
-    if (*found) {
-        const void *scene = pen_db_bytes(rows, 3, &bytes);
-        same = strcmp(pen_db_text(rows, 0), in->client) == 0 &&
-               strcmp(pen_db_text(rows, 1), job->kind) == 0 &&
-               strcmp(pen_db_text(rows, 2), job->request) == 0 && bytes == 32 &&
-               memcmp(scene, job->scene_sha256, 32) == 0;
+    int64_t found; /* 1: the same, 2: another one */
+    if (!pen_db_value(store->db, st, &found,
+                      "SELECT CASE WHEN job.client = $2 AND job.kind = $3 AND job.request = $4 "
+                      "AND scene.sha256 = $5 THEN 1 ELSE 2 END FROM job "
+                      "LEFT JOIN scene ON scene.number = job.scene WHERE job.id = $1",
+                      "ttttb", job->id, in->client, job->kind, job->request,
+                      (const void *)job->scene_sha256, (size_t)32))
+        return false;
+    if (found == 1)
         *in->result = PEN_SUBMIT_KNOWN;
-    }
-    return pen_db_done(rows) &&
-           (!*found || same || pen_fail(st, PEN_CONFLICT, "another job has the id %s", job->id));
-}
-
-static bool find_known(struct pen_store *store, struct submission *in, bool *known,
-                       struct pen_status *st)
-{
-    return find_key(store, in, known, st) && (*known || find_job(store, in, known, st));
+    return found < 2 || pen_fail(st, PEN_CONFLICT, "another job has the id %s", job->id);
 }
 
 static bool check_queue(struct pen_store *store, const struct submission *in, struct pen_status *st)
 {
     const int64_t all_max = in->job->queue_max, own_max = in->job->client_queue_max;
-    int64_t all = 0, own = 0;
+    int64_t all, own;
     if (all_max == 0 && own_max == 0)
         return true;
-    struct pen_rows *rows =
-        pen_db_rows(store->db, st,
-                    "SELECT (SELECT count(*) FROM job WHERE state < 2), "
-                    "(SELECT count(*) FROM job WHERE client = $1 AND state < 2)",
-                    "t", in->client);
-    if (pen_db_next(rows)) {
-        all = pen_db_int(rows, 0);
-        own = pen_db_int(rows, 1);
-    }
-    if (!pen_db_done(rows))
+    if (!pen_row_numbers(pen_db_rows(store->db, st,
+                                     "SELECT (SELECT count(*) FROM job WHERE state < 2), (SELECT "
+                                     "count(*) FROM job WHERE client = $1 AND state < 2)",
+                                     "t", in->client),
+                         &all, &own, NULL))
         return false;
     const bool of_all = all_max > 0 && all >= all_max;
     const int64_t jobs = of_all ? all : own, most = of_all ? all_max : own_max;
-    if (!of_all && (own_max == 0 || own < own_max))
-        return true;
-    return pen_fail(st, PEN_QUOTA, "%lld job%s%s%s %s, at most %lld %s allowed; try again later",
+    return most == 0 || jobs < most ||
+           pen_fail(st, PEN_QUOTA, "%lld job%s%s%s %s, at most %lld %s allowed; try again later",
                     (long long)jobs, jobs == 1 ? "" : "s", of_all ? "" : " of client ",
                     of_all ? "" : in->client, jobs == 1 ? "waits or runs" : "wait or run",
                     (long long)most, most == 1 ? "is" : "are");
@@ -144,8 +118,7 @@ static bool add_scene(struct pen_store *store, struct submission *in, int64_t *s
         return false;
     in->missing = *scene == 0 && !in->document.data;
     return *scene > 0 || in->missing ||
-           pen_scene_add(store, in->job->scene_sha256, in->loaded, in->document.data,
-                         in->document.bytes, scene, st);
+           pen_scene_add(store, in->job->scene_sha256, &in->document, scene, st);
 }
 
 static bool add_job(struct pen_store *store, struct submission *in, int64_t scene, int64_t bytes,
@@ -155,23 +128,18 @@ static bool add_job(struct pen_store *store, struct submission *in, int64_t scen
     int64_t pixels = 0;
     for (int i = 0; i < job->batch_count; i++)
         pixels += job->batches[i].pixels;
-    return pen_db_run(
-               store->db, st, NULL,
-               "INSERT INTO job (id, client, kind, priority, state, revision, scene, request, "
-               "max_attempts, charges, losses, timeout_ms, open_views, done_pixels, total_pixels, "
-               "work, "
-               "spent_us, told_us, told_elapsed_us, estimate_ms, elapsed_us, queue_us, "
-               "moment_boot, "
-               "moment_us, moment_ms, created_ms, started_ms, finished_ms, updated_ms, removed_ms, "
-               "results_bytes) VALUES ($1, $2, $3, $4, 0, 1, $5, $6, $7, 0, 0, $8, $9, 0, $10, 0, "
-               "0, 0, "
-               "0, "
-               "0, 0, 0, $11, $12, $13, $13, 0, 0, $13, 0, $14)",
-               "tttiitiiiiiiii", job->id, in->client, job->kind, (int64_t)job->priority, scene,
-               job->request, (int64_t)job->max_attempts, job->timeout_ms, (int64_t)job->view_count,
-               pixels, job->created.boot, job->created.us, job->created_ms, bytes) &&
-           pen_db_value(store->db, st, &in->number, "SELECT number FROM job WHERE id = $1", "t",
-                        job->id);
+    return pen_db_value(
+        store->db, st, &in->number,
+        "INSERT INTO job (id, client, kind, priority, scene, request, max_attempts, "
+        "timeout_ms, open_views, total_pixels, moment_boot, moment_us, moment_ms, "
+        "created_ms, updated_ms, results_bytes, revision, state, charges, losses, "
+        "done_pixels, work, spent_us, told_us, told_elapsed_us, estimate_ms, elapsed_us, "
+        "queue_us, started_ms, finished_ms, removed_ms) VALUES ($1, $2, $3, $4, $5, $6, $7, "
+        "$8, $9, $10, $11, $12, $13, $13, $13, $14, 1, "
+        "0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0) RETURNING number",
+        "tttiitiiiiiiii", job->id, in->client, job->kind, (int64_t)job->priority, scene,
+        job->request, (int64_t)job->max_attempts, job->timeout_ms, (int64_t)job->view_count, pixels,
+        job->created.boot, job->created.us, job->created_ms, bytes);
 }
 
 static bool add_views(struct pen_store *store, const struct submission *in, struct pen_status *st)
@@ -197,7 +165,7 @@ static bool add_batches(struct pen_store *store, const struct submission *in, st
 {
     const struct pen_job_new *job = in->job;
     int64_t turn;
-    bool ok = pen_turn_next(store, in->client, job->priority, &turn, st);
+    bool ok = pen_turn_next(store, in->number, &turn, st);
     for (int i = 0; ok && i < job->batch_count; i++) {
         const struct pen_batch_new *batch = &job->batches[i];
         ok = pen_db_run(store->db, st, NULL,
@@ -213,26 +181,29 @@ static bool add_batches(struct pen_store *store, const struct submission *in, st
     return ok;
 }
 
-/* `layers` of the request has the picture too. */
+/* What the results are expected to take: of a pixel, 10 bytes (its picture and what its batch has
+ * stored, 2 to 8), and 12 of each layer beside the picture, which `layers` has too. */
 static int64_t results_bytes(const struct submission *in)
 {
     const size_t layers = json_array_size(json_object_get(in->request, "layers"));
     int64_t pixels = 0;
     for (int i = 0; i < in->job->view_count; i++)
         pixels += (int64_t)in->job->views[i].width * in->job->views[i].height;
-    return pen_results_bytes(pixels, layers > 1 ? (int64_t)layers - 1 : 0);
+    return pixels * (10 + 12 * (layers > 1 ? (int64_t)layers - 1 : 0));
 }
 
 static bool write_submission(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
     const int64_t bytes = results_bytes(in);
     int64_t scene;
-    bool known;
-    if (!find_known(store, in, &known, st))
-        return false;
-    if (known)
-        return true;
+    in->missing = false;
     *in->result = PEN_SUBMIT_CREATED;
+    if (!find_key(store, in, st))
+        return false;
+    if (*in->result == PEN_SUBMIT_CREATED && !find_job(store, in, st))
+        return false;
+    if (*in->result != PEN_SUBMIT_CREATED)
+        return true;
     if (!check_queue(store, in, st) || !pen_intake(store, bytes, st) ||
         !add_scene(store, in, &scene, st))
         return false;
@@ -241,46 +212,22 @@ static bool write_submission(struct pen_store *store, struct submission *in, str
                            add_batches(store, in, st));
 }
 
-/* Reads whether the submit, or its scene, is known; else makes the document ready to be stored. */
-static bool prepare(struct pen_store *store, struct submission *in, bool *known,
-                    struct pen_status *st)
+/* Makes the document ready to be stored, unless it is. */
+static bool prepare(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
-    const struct pen_object_owner owner = {.layer = "", .format = "scene"};
+    struct pen_bytes document;
     int64_t stored = 0;
-    if (!pen_db_begin(store->db, PEN_DB_READ, st) ||
-        !pen_db_end(store->db,
-                    find_known(store, in, known, st) &&
-                        pen_db_value(store->db, st, &stored,
-                                     "SELECT 1 FROM scene WHERE sha256 = $1", "b",
-                                     (const void *)in->job->scene_sha256, (size_t)32),
-                    st))
+    if (!in->missing &&
+        !pen_db_value(store->db, st, &stored, "SELECT 1 FROM scene WHERE sha256 = $1", "b",
+                      (const void *)in->job->scene_sha256, (size_t)32))
         return false;
-    if (*known || (stored && !in->missing))
+    if (stored)
         return true;
-    return pen_store_documents(store, st) &&
-           pen_compress(store->documents, in->job->scene, in->job->scene_bytes, &in->document,
-                        st) &&
-           pen_object_load(store, &owner, NULL, in->document.data, in->document.bytes, &in->loaded,
-                           st);
-}
-
-static bool submit(struct pen_store *store, struct submission *in, struct pen_status *st)
-{
-    for (int i = 0; i < TRIES; i++) {
-        bool known;
-        if (!prepare(store, in, &known, st))
-            return false;
-        if (known)
-            return true;
-        if (!pen_db_begin(store->db, PEN_DB_WRITE, st))
-            return false;
-        const bool ok = write_submission(store, in, st);
-        if (!pen_db_end(store->db, ok && !in->missing, st) && !(ok && in->missing))
-            return false;
-        if (!in->missing)
-            return true;
-    }
-    return pen_fail(st, PEN_UNAVAILABLE, "the job's scene was removed meanwhile");
+    if (!pen_compress(store->documents, in->job->scene, in->job->scene_bytes, &document, st))
+        return false;
+    in->document = (struct pen_object){
+        .layer = "", .format = "scene", .data = document.data, .bytes = document.bytes};
+    return pen_object_load(store, &in->document, NULL, st);
 }
 
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
@@ -292,7 +239,11 @@ bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                             .result = result,
                             .first_answer = first_answer,
                             .request = json_loads(job->request, JSON_DECODE_ANY, NULL)};
-    const bool ok = submit(store, &in, st);
+    bool ok;
+    do /* twice, if the scene is removed between look and submit */
+        ok = prepare(store, &in, st) && pen_db_begin(store->db, PEN_DB_WRITE, st) &&
+             pen_db_end(store->db, write_submission(store, &in, st), st);
+    while (ok && in.missing);
     json_decref(in.request);
     if (ok && *result == PEN_SUBMIT_CREATED)
         pen_db_wake(store->db);

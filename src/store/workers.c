@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* The list of workers, whose processes still exist, and their counters. */
+#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <unistd.h>
 
 #include "store/internal/counters.h"
-#include "store/internal/retention.h"
+#include "store/internal/handle.h"
 
 /* A process, so that it is never taken for a later one of its number. */
 struct process {
-    char host[65], boot[40];
+    char host[65], boot[24];
     int64_t pid, start; /* start: in clock ticks since the boot; 0: there is no such process */
 };
 
@@ -39,24 +39,15 @@ static void this_process(struct process *own)
 {
     *own = (struct process){.pid = getpid()};
     gethostname(own->host, sizeof own->host - 1);
-    FILE *file = fopen("/proc/sys/kernel/random/boot_id", "re");
-    if (file) {
-        if (!fgets(own->boot, sizeof own->boot, file))
-            own->boot[0] = '\0';
-        own->boot[strcspn(own->boot, "\n")] = '\0';
-        fclose(file);
-    }
+    snprintf(own->boot, sizeof own->boot, "%lld", (long long)pen_clock_moment().boot);
     own->start = start_of(own->pid);
 }
 
-bool pen_worker_id_make(char id[PEN_WORKER_ID_BYTES], struct pen_status *st)
+void pen_worker_id_make(char id[PEN_WORKER_ID_BYTES])
 {
     unsigned char bits[(PEN_WORKER_ID_BYTES - 1) / 2];
-    if (getrandom(bits, sizeof bits, 0) != (ssize_t)sizeof bits)
-        return pen_fail(st, PEN_IO, "the system gives no random bytes");
-    for (size_t i = 0; i < sizeof bits; i++)
-        snprintf(id + 2 * i, 3, "%02x", bits[i]);
-    return true;
+    randombytes_buf(bits, sizeof bits);
+    sodium_bin2hex(id, PEN_WORKER_ID_BYTES, bits, sizeof bits);
 }
 
 /* Adds the sums of what processes have moved there, as numbers with spaces. */
@@ -113,30 +104,33 @@ static bool write_seen(struct pen_store *store, const struct pen_worker_new *wor
         (int64_t)worker->threads, worker->rays_per_s, worker->lease_ms);
 }
 
-bool pen_store_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
-                           struct pen_status *st)
+/* Renews a worker's row, or removes that of the id, and moves what this process has counted. */
+static bool change_worker(struct pen_store *store, const struct pen_worker_new *worker,
+                          const char *id, struct pen_status *st)
 {
     struct pen_counters own;
     pen_counters_own(&own);
-    if (!pen_db_begin(store->db, PEN_DB_PART, st) ||
-        !pen_db_end(store->db, write_seen(store, worker, st) && move_counters(store, &own, st), st))
-        return false;
-    pen_counters_take(&own);
-    return true;
-}
-
-bool pen_store_worker_gone(struct pen_store *store, const char *id, struct pen_status *st)
-{
-    struct pen_counters own;
-    pen_counters_own(&own);
-    if (!pen_db_begin(store->db, PEN_DB_WRITE, st) ||
+    if (!pen_db_begin(store->db, worker ? PEN_DB_PART : PEN_DB_WRITE, st) ||
         !pen_db_end(store->db,
-                    pen_db_run(store->db, st, NULL, "DELETE FROM worker WHERE id = $1", "t", id) &&
+                    (worker ? write_seen(store, worker, st)
+                            : pen_db_run(store->db, st, NULL, "DELETE FROM worker WHERE id = $1",
+                                         "t", id)) &&
                         move_counters(store, &own, st),
                     st))
         return false;
     pen_counters_take(&own);
     return true;
+}
+
+bool pen_store_worker_seen(struct pen_store *store, const struct pen_worker_new *worker,
+                           struct pen_status *st)
+{
+    return change_worker(store, worker, NULL, st);
+}
+
+bool pen_store_worker_gone(struct pen_store *store, const char *id, struct pen_status *st)
+{
+    return change_worker(store, NULL, id, st);
 }
 
 /* Whether a process exists; `unknown` is the answer if its start was not known. */

@@ -123,9 +123,11 @@ START_TEST(test_keep__progress_is_told_once_and_does_not_go_back)
     expect_told(0, 0, 0, 0);
     claim.spent_us = 1000;
     claim.estimate_ms = 70;
-    store_must(pen_store_progress(bed.store, &claim, 4, &st), &st, "progress");
+    struct pen_kept progress = {.done = 4};
+    store_must(pen_store_keep(bed.store, &claim, &progress, NULL, &st), &st, "progress");
     expect_told(4, PEN_WORK_ALL / 10 * 4, 70, 1000);
-    store_must(pen_store_progress(bed.store, &claim, 3, &st), &st, "progress");
+    progress.done = 3;
+    store_must(pen_store_keep(bed.store, &claim, &progress, NULL, &st), &st, "progress");
     expect_told(4, PEN_WORK_ALL / 10 * 4, 70, 1000);
     claim.work = PEN_WORK_ALL / 2;
     claim.spent_us = 3000;

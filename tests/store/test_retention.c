@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is kept: by age, number and bytes; clocks that jump; cached artefacts. */
+/* What is kept: by age, number and bytes; clocks that jump. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -101,33 +101,6 @@ START_TEST(test_retention__a_store_that_is_full_refuses_jobs_and_removes_ended_o
     ck_assert_int_eq(st.code, PEN_STORAGE_FULL);
     ck_assert_int_eq(expire(0), 1);
     pen_buf_release(&answer);
-    store_bed_close(&bed);
-}
-END_TEST
-
-START_TEST(test_retention__cached_artefacts_have_a_share_and_the_one_used_longest_ago_goes)
-{
-    enum { BYTES = 1 << 20 };
-    char *data = calloc(1, BYTES);
-    struct pen_buf out = {0};
-    begin(1);
-    keep(0, 20 * BYTES, 0); /* a share of 2.5 MiB */
-    for (int i = 0; i < 3; i++) {
-        const char layer[] = {(char)('a' + i), '\0'};
-        now_ms += 100000;
-        store_must(pen_store_cache_put(bed.store, jobs[0].id, 0, layer, "png", data, BYTES, &st),
-                   &st, "cache");
-        if (i == 1) {
-            now_ms += 100000;
-            store_must(pen_store_artefact(bed.store, jobs[0].id, 0, "a", "png", &out, &st), &st,
-                       "use");
-        }
-    }
-    ck_assert(pen_store_artefact(bed.store, jobs[0].id, 0, "a", "png", &out, &st));
-    ck_assert(!pen_store_artefact(bed.store, jobs[0].id, 0, "b", "png", &out, &st));
-    ck_assert(pen_store_artefact(bed.store, jobs[0].id, 0, "c", "png", &out, &st));
-    pen_buf_release(&out);
-    free(data);
     store_bed_close(&bed);
 }
 END_TEST
@@ -297,5 +270,4 @@ PEN_SUITE("store retention", test_retention__makes_room_for_a_job_that_was_refus
           test_retention__never_removes_a_job_that_has_not_ended,
           test_retention__an_end_in_the_future_counts_as_now,
           test_retention__unfinished_jobs_are_expected_to_take_half_of_the_limit,
-          test_retention__a_store_that_is_full_refuses_jobs_and_removes_ended_ones,
-          test_retention__cached_artefacts_have_a_share_and_the_one_used_longest_ago_goes)
+          test_retention__a_store_that_is_full_refuses_jobs_and_removes_ended_ones)

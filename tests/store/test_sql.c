@@ -13,7 +13,7 @@
 #include "support/store.h"
 #include "support/suite.h"
 
-enum { MOST = 400, LEAST = 120 };
+enum { MOST = 400, LEAST = 100 };
 
 static char *statements[MOST];
 static int count;

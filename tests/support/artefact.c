@@ -6,18 +6,17 @@
 
 void store_put(struct pen_store *store, const struct store_artefact *artefact)
 {
-    struct pen_object_owner owner = {
-        .view = artefact->view, .layer = artefact->layer, .format = artefact->format};
+    struct pen_object object = {.view = artefact->view,
+                                .layer = artefact->layer,
+                                .format = artefact->format,
+                                .data = artefact->data,
+                                .bytes = artefact->bytes};
     struct pen_status st;
-    int64_t loaded;
-    store_must(
-        pen_db_begin(store->db, PEN_DB_READ, &st) &&
-            pen_db_end(store->db, pen_job_number(store, artefact->id, &owner.job, NULL, &st),
-                       &st) &&
-            pen_object_load(store, &owner, NULL, artefact->data, artefact->bytes, &loaded, &st) &&
-            pen_db_begin(store->db, PEN_DB_WRITE, &st) &&
-            pen_db_end(store->db,
-                       pen_object_use(store, &owner, loaded, artefact->data, artefact->bytes, &st),
-                       &st),
-        &st, "put");
+    store_must(pen_db_begin(store->db, PEN_DB_READ, &st) &&
+                   pen_db_end(store->db,
+                              pen_job_number(store, artefact->id, &object.job, NULL, &st), &st) &&
+                   pen_object_load(store, &object, NULL, &st) &&
+                   pen_db_begin(store->db, PEN_DB_WRITE, &st) &&
+                   pen_db_end(store->db, pen_object_use(store, &object, &st), &st),
+               &st, "put");
 }

@@ -208,18 +208,14 @@ static int64_t schedule_restart(struct pen_child *child, bool counts)
 }
 
 /* Makes what each worker process has of its own: its id in the store, its crash record. */
-static bool prepare_worker(struct pen_child *child)
+static void prepare_worker(struct pen_child *child)
 {
-    struct pen_status st;
     close_fd(&child->trace_fd);
     pen_crash_record_unmap(child->trace);
     child->trace_fd = pen_crash_record_new();
     child->trace = pen_crash_record_map(child->trace_fd);
     child->oom_kills = pen_oom_kills();
-    if (pen_worker_id_make(child->name, &st))
-        return true;
-    pen_log(PEN_LOG_ERROR, "%s", st.msg);
-    return false;
+    pen_worker_id_make(child->name);
 }
 
 void pen_child_start(struct pen_child *child, const struct pen_config *config, int listen_fd)
@@ -228,10 +224,8 @@ void pen_child_start(struct pen_child *child, const struct pen_config *config, i
     child->started_ns = pen_clock_ns();
     child->ready = child->stopping = child->killed = child->has_fault = false;
     pid_t pid = -1;
-    if (is_worker(child) && !prepare_worker(child)) {
-        schedule_restart(child, true);
-        return;
-    }
+    if (is_worker(child))
+        prepare_worker(child);
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) == 0) {
         pid = fork();
         if (pid == 0)

@@ -30,11 +30,6 @@ bool pen_compress(struct pen_compressor *compressor, const void *data, size_t by
 bool pen_decompress(struct pen_compressor *compressor, const void *data, size_t bytes,
                     struct pen_bytes *out, struct pen_status *st);
 
-/* A checksum for stored bytes that are no zstd frame (checksum.c). It finds any change within one
- * aligned word of eight bytes, any change of the length, and any other change with probability
- * 1 - 2^-64. It does not protect against deliberate changes. Cost: about that of reading. */
-int64_t pen_checksum(const void *data, size_t bytes);
-
 /* Encodes pixels (pixels.c). Owns: free with pen_pixels_free. Fails: NULL when out of memory. */
 struct pen_pixels;
 struct pen_pixels *pen_pixels_new(void);

@@ -9,15 +9,16 @@
 
 struct pen_store {
     struct pen_db *db;
-    struct pen_compressor *documents; /* made by pen_store_documents */
+    struct pen_compressor *documents; /* of scenes */
     struct pen_pixels *pixels;        /* made when the first ones are encoded */
 };
 
-/* The compressor of scene documents. Fails: NULL with PEN_NO_MEMORY. */
-struct pen_compressor *pen_store_documents(struct pen_store *store, struct pen_status *st);
-
 /* Ends a write; if it is committed, wakes those who wait for changes. */
 bool pen_write_end(struct pen_store *store, bool ok, struct pen_status *st);
+
+/* Reads the first row's columns, which are numbers, into those given, up to NULL, and ends the
+ * statement. Without a row they are 0. */
+bool pen_row_numbers(struct pen_rows *rows, int64_t *first, ...) __attribute__((sentinel));
 
 /* Every write about a job locks its row first, then views, then batches. The lock moves the job's
  * elapsed time on to now. All within a transaction. */
@@ -27,14 +28,11 @@ bool pen_write_end(struct pen_store *store, bool ok, struct pen_status *st);
 bool pen_job_number(struct pen_store *store, const char *id, int64_t *number, int64_t *state,
                     struct pen_status *st);
 
-/* Locks a job; *state is -1 if there is none. */
-bool pen_job_lock(struct pen_store *store, int64_t job, int64_t *state, struct pen_status *st);
+/* Locks a job. */
+bool pen_job_lock(struct pen_store *store, int64_t job, struct pen_status *st);
 
 /* Makes a queued job running, unless another transaction has locked it. */
 bool pen_job_start(struct pen_store *store, int64_t job, struct pen_status *st);
-
-/* Gives a locked job its next revision. */
-bool pen_job_changed(struct pen_store *store, int64_t job, struct pen_status *st);
 
 /* Ends a locked job and its batches, and drops what these keep; `error`: of a failed one. */
 bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state, const char *error,
@@ -42,8 +40,7 @@ bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state,
 
 /* A batch as its holder's calls need it. */
 struct pen_batch {
-    int64_t number, job, view, kind, first_tile, tile_count, pixels, told_pixels, work, state;
-    int64_t attempt, lease_ms, claimed_ms, spent_us;
+    int64_t number, job, view, kind, tile_count, pixels, told_pixels, work, spent_us;
     bool held, done; /* it is leased, or done, under the claim's attempt */
 };
 
@@ -56,12 +53,9 @@ bool pen_claim_lock(struct pen_store *store, const struct pen_claim *claim, stru
 bool pen_claim_hold(struct pen_store *store, const struct pen_claim *claim, const char *what,
                     struct pen_batch *batch, struct pen_status *st);
 
-/* The share of a job's expected work, of PEN_WORK_ALL, if it is that of so many of its pixels. */
-bool pen_work_of_pixels(struct pen_store *store, int64_t job, int64_t pixels, int64_t *work,
-                        struct pen_status *st);
-
-/* Tells the work and the pixels that a held batch has done so far, and the job's estimate (0: as it
- * was); none of them goes back. For a job's readers it is a change. */
+/* Tells the work (below 0: the share of its pixels) and the pixels that a held batch has done so
+ * far, and the job's estimate (0: as it was); none of them goes back. For a job's readers it is a
+ * change. */
 bool pen_claim_tell(struct pen_store *store, const struct pen_batch *batch, int64_t pixels,
                     int64_t work, int64_t estimate_ms, struct pen_status *st);
 
@@ -77,9 +71,8 @@ struct pen_opening {
 bool pen_batches_open(struct pen_store *store, const struct pen_opening *opening, int64_t *opened,
                       struct pen_status *st);
 
-/* The first turn that new batches of a client get at a priority, whose row is locked (order.c). */
-bool pen_turn_next(struct pen_store *store, const char *client, int64_t priority, int64_t *turn,
-                   struct pen_status *st);
+/* The first turn that new batches of a job get, whose row of turns is locked (order.c). */
+bool pen_turn_next(struct pen_store *store, int64_t job, int64_t *turn, struct pen_status *st);
 
 /* A leased batch as a claim (claims.c); not found: there is no such batch. */
 bool pen_claim_read(struct pen_store *store, int64_t batch, struct pen_claim *claim, bool *found,
@@ -92,12 +85,22 @@ bool pen_claim_next(struct pen_store *store, struct pen_next *next, struct pen_s
 bool pen_claim_outranked(struct pen_store *store, const struct pen_claim *claim, bool *outranked,
                          struct pen_status *st);
 
-/* The bytes that the results of so many pixels are expected to take, with so many layers beside
- * the picture (retention.c). */
-int64_t pen_results_bytes(int64_t pixels, int64_t layers);
-
 /* Fails if a job whose results are expected to take so many bytes is not accepted now
  * (retention.c). Within a transaction. `bytes` 0: any job. */
 bool pen_intake(struct pen_store *store, int64_t bytes, struct pen_status *st);
+
+/* A number by its name in `meta`; 0: there is none. */
+bool pen_meta_get(struct pen_store *store, const char *name, int64_t *value, struct pen_status *st);
+bool pen_meta_set(struct pen_store *store, const char *name, int64_t value, struct pen_status *st);
+
+/* A text in `meta`. */
+bool pen_meta_put(struct pen_store *store, const char *name, const char *text,
+                  struct pen_status *st);
+
+/* Fails with PEN_STORAGE_FULL if keep_bytes does not allow so many bytes that a batch keeps. */
+bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *st);
+
+/* Whether removal by age waits, because the clock has jumped ahead. */
+bool pen_ages_wait(struct pen_store *store, int64_t now_ms, bool *wait, struct pen_status *st);
 
 #endif
