@@ -8,18 +8,26 @@
 #   install-deps.sh --bench   also what the comparisons in tests/bench use
 #   install-deps.sh --promtool   also Prometheus, whose promtool then checks /metrics; where the machine
 #                             has systemd, its server is started, too
+#   install-deps.sh --all     all of these, and what tests skip without: PostgreSQL (where the machine has
+#                             systemd, its server is started, too), PgBouncer, nginx, valgrind, groff, mandoc,
+#                             zsh, faketime
 set -eu
 
 packages="gcc g++ make libc6-dev pkg-config libjansson-dev libpng-dev zlib1g-dev libsqlite3-dev
     libzstd-dev libsodium-dev libmicrohttpd-dev libpq-dev libgnutls28-dev libcurl4-openssl-dev libexpat1-dev check curl ca-certificates openssl jq procps
     python3-minimal python3-yaml python3-jsonschema"
+lint="clang clang-format libclang-rt-14-dev binutils"
+bench=povray
+promtool=prometheus
+tests="postgresql postgresql-client pgbouncer nginx valgrind groff mandoc zsh faketime"
 for option in "$@"; do
     case $option in
-    --lint) packages="$packages clang clang-format libclang-rt-14-dev binutils" ;;
-    --bench) packages="$packages povray" ;;
-    --promtool) packages="$packages prometheus" ;;
+    --lint) packages="$packages $lint" ;;
+    --bench) packages="$packages $bench" ;;
+    --promtool) packages="$packages $promtool" ;;
+    --all) packages="$packages $lint $bench $promtool $tests" ;;
     *)
-        echo "install-deps.sh: unknown option '$option' (allowed: --lint, --bench, --promtool)" >&2
+        echo "install-deps.sh: unknown option '$option' (allowed: --lint, --bench, --promtool, --all)" >&2
         exit 2
         ;;
     esac

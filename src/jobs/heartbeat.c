@@ -171,6 +171,7 @@ static void check_claim(struct pen_heartbeat *heart)
     if (!pen_store_heartbeat(heart->store, &claim, heart->lease_ms, &held, &st)) {
         pen_worker_check_store(heart->options, heart->store);
         log_failure(heart, &about, &st);
+        held = true; /* as far as is known */
     }
     pthread_mutex_lock(&heart->lock);
     if (!held)
