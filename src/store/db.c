@@ -24,12 +24,11 @@ bool pen_store_has_postgres(void)
 #endif
 }
 
-/* The end of a URL's user and password, the "@"; NULL: it has neither. */
+/* The end of a URL's user and password, the last "@" before its parameters; NULL: it has neither.
+ */
 static const char *end_of_user(const char *url)
 {
-    const char *at = strstr(url, "://");
-    const char *end = at ? strchr(at + 3, '@') : NULL;
-    return end && end < at + 3 + strcspn(at + 3, "/?") ? end : NULL;
+    return memrchr(url, '@', strcspn(url, "?"));
 }
 
 bool pen_store_has_password(const char *url)

@@ -61,9 +61,13 @@ static bool fail_connect(const char *text, struct pen_status *st)
     } advices[] = {
         {"database", "does not exist", "make it: createdb -E UTF8 NAME"},
         {"role", "does not exist", "make the user: createuser NAME"},
-        {"password", "", "write it into ~/.pgpass, PGPASSFILE or PGPASSWORD"},
+        {"password", "", "libpq takes it from PENUMBRA_STORE, PGPASSWORD, PGPASSFILE or ~/.pgpass"},
         {"no pg_hba.conf entry", "", "let the server's pg_hba.conf admit this user and host"},
+        {"permission denied", "", "let the database's owner GRANT CONNECT to this user"},
+        {"too many", "", "raise max_connections, or the user's limit (deploy/FARM.md)"},
+        {"certificate", "", "see sslmode and sslrootcert in the store's URL (deploy/FARM.md)"},
         {"translate host name", "", "check the host's name in the store's URL"},
+        {"accepting connections", "", "let its owner allow connections"},
         {"", "", "check the host and the port in the store's URL, and that PostgreSQL runs there"}};
     size_t i = 0;
     while (!strstr(text, advices[i].found) || !strstr(text, advices[i].found_too))
@@ -77,9 +81,33 @@ static bool fail_sql(PGconn *conn, struct pen_status *st)
     char text[256];
     copy_line(text, sizeof text, PQerrorMessage(conn));
     return pen_fail(st, PEN_STORAGE, "the database: %s%s", text,
-                    strstr(text, "permission denied")
+                    strstr(text, "denied for schema")
                         ? "; let its owner GRANT CREATE ON SCHEMA public TO this user"
+                    : strstr(text, "denied") ? "; connect as the user that has made the tables"
+                    : strstr(text, "already exists")
+                        ? "; make a database for Penumbra alone, with createdb -E UTF8 NAME"
                         : "");
+}
+
+/* A password whose signs are not encoded could be shown as a part of something else. */
+static bool check_url(const char *url, struct pen_status *st)
+{
+    char *error = NULL;
+    PQconninfoOption *options = PQconninfoParse(url, &error);
+    bool ok = options != NULL, split = pen_store_has_password(url);
+    for (const PQconninfoOption *o = options; ok && o->keyword; o++)
+        ok = strcmp(o->keyword, "host") != 0 || !o->val || !strchr(o->val, '@');
+    if (!ok && split)
+        pen_fail(st, PEN_STORAGE,
+                 "the store's URL cannot be read: write %%, @, / and : of the password as %%25, "
+                 "%%40, %%2F and %%3A");
+    else if (!ok)
+        pen_fail(st, PEN_STORAGE,
+                 "the store's URL cannot be read: %.*s; write postgresql://USER@HOST/DATABASE",
+                 error ? (int)strcspn(error, "\n") : 0, error ? error : "");
+    PQconninfoFree(options);
+    PQfreemem(error);
+    return ok;
 }
 
 /* Whether two connections share a server process, as behind a pooler in transaction mode. */
@@ -201,8 +229,12 @@ static bool make_tables(PGconn *conn, struct pen_status *st)
 static bool check_version(PGconn *conn, struct pen_status *st)
 {
     PGresult *result = PQexec(conn, "SELECT value FROM meta WHERE name = 'schema_version'");
+    const char *state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
+    const bool denied = state && strcmp(state, "42501") == 0;
     const int version = PQntuples(result) == 1 ? atoi(PQgetvalue(result, 0, 0)) : 0;
     PQclear(result);
+    if (denied)
+        return fail_sql(conn, st);
     if (version == 0)
         return pen_fail(st, PEN_STORAGE,
                         "the database has tables of another program: make one "
@@ -226,7 +258,7 @@ static bool prepare(const char *url, PGconn *conn, bool make, struct pen_status 
 struct pen_db *pen_postgres_open(const char *url, bool make, struct pen_status *st)
 {
     struct pen_postgres *pg = calloc(1, sizeof *pg);
-    char text[256];
+    char text[256] = "";
     if (!pg || !(pg->url = strdup(url))) {
         free(pg);
         pen_fail(st, PEN_NO_MEMORY, "no memory for a store");
@@ -234,9 +266,9 @@ struct pen_db *pen_postgres_open(const char *url, bool make, struct pen_status *
     }
     pg->base.engine = &pen_postgres_engine;
     pg->connection = 1;
-    pg->conn = pen_postgres_connect(url, text, sizeof text);
+    pg->conn = check_url(url, st) ? pen_postgres_connect(url, text, sizeof text) : NULL;
     if (pg->conn ? prepare(url, pg->conn, make, st) && PQenterPipelineMode(pg->conn)
-                 : fail_connect(text, st)) {
+                 : text[0] && fail_connect(text, st)) {
         if (!make) /* not a process that ends soon, or has children which listen */
             pen_postgres_listen(url);
         return &pg->base;

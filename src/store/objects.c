@@ -44,8 +44,8 @@ static bool add_object(struct pen_store *store, struct pen_object *object, int64
 {
     return pen_db_value(store->db, st, &object->number,
                         "INSERT INTO object (job, view, batch, attempt, layer, format, state, "
-                        "bytes, checksum, touched_ms, cached, used_ms) VALUES ($1, $2, $3, $4, $5, "
-                        "$6, $7, $8, $9, (SELECT now_ms()), 0, 0) RETURNING number",
+                        "bytes, checksum, touched_ms) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, "
+                        "(SELECT now_ms())) RETURNING number",
                         "iiiittiii", object->job, (int64_t)object->view, object->batch,
                         object->attempt, object->layer, object->format, state,
                         (int64_t)object->bytes, checksum_of(object->data, object->bytes));

@@ -136,15 +136,12 @@ CREATE TABLE object (
     state BIGINT NOT NULL,
     bytes BIGINT NOT NULL,
     checksum BIGINT NOT NULL,
-    touched_ms BIGINT NOT NULL,        -- when a part was last written
-    cached BIGINT NOT NULL,            -- 1: it can be made again
-    used_ms BIGINT NOT NULL            -- when a cached one was last read
+    touched_ms BIGINT NOT NULL         -- when a part was last written
 );
 CREATE INDEX object_used ON object (job, view, layer, format) WHERE state = 1;
 CREATE INDEX object_of_batch ON object (batch) WHERE batch > 0;
 CREATE INDEX object_loading ON object (number) WHERE state = 0;
 CREATE INDEX object_gone ON object (number) WHERE state = 2;
-CREATE INDEX object_cached ON object (used_ms) WHERE cached = 1 AND state = 1;
 
 CREATE TABLE part (
     object BIGINT NOT NULL,

@@ -279,7 +279,7 @@ START_TEST(test_removal__values_that_nobody_uses_go)
     put_layers(&claim, 1, BYTES);
     store_change(bed.url,
                  "INSERT INTO object SELECT 999, job, view, batch, attempt, layer, format, 0, "
-                 "bytes, checksum, touched_ms, cached, used_ms FROM object WHERE layer = 'layer0' "
+                 "bytes, checksum, touched_ms FROM object WHERE layer = 'layer0' "
                  "AND state = 1",
                  NULL, 0);
     store_purge_slices(bed.store);

@@ -118,7 +118,7 @@ static const struct {
     {"a view of a job that has succeeded without a result",
      "SELECT v.job FROM view v, job j WHERE j.number = v.job AND j.state = 2 AND j.removed_ms = 0"
      " AND NOT EXISTS (SELECT 1 FROM object o WHERE o.job = v.job AND o.view = v.view"
-     " AND o.state = 1 AND o.cached = 0 AND o.layer <> '')"},
+     " AND o.state = 1 AND o.layer <> '')"},
     {"an object of a job that is not there",
      "SELECT o.number FROM object o WHERE o.job > 0 AND o.state < 2 AND NOT EXISTS"
      " (SELECT 1 FROM job j WHERE j.number = o.job)"},
