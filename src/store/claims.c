@@ -7,19 +7,21 @@
 
 /* Leases the first open batch. A quarantined one needs a worker that holds nothing, and so does a
  * study, which is not passed over: it waits for such a worker. Batches that wait after lost workers
- * come after all others (until_ms: which waits have ended). */
-static bool lease(struct pen_store *store, const struct pen_next *next, int64_t held,
-                  int64_t until_ms, int64_t *batch, int64_t *job, struct pen_status *st)
+ * come after all others (`waiting`: they are taken, too). */
+static bool lease(struct pen_store *store, const struct pen_next *next, int64_t held, bool waiting,
+                  int64_t *batch, int64_t *job, struct pen_status *st)
 {
     return pen_row_numbers(
         pen_db_rows(
             store->db, st,
             "UPDATE batch SET state = 1, attempt = attempt + 1, worker = $1, serial = $2, "
             "claimed_ms = (SELECT now_ms()), lease_ms = (SELECT now_ms()) + $3, spent_us = 0 "
-            "WHERE number = (SELECT number FROM batch WHERE state = 0 AND not_before_ms <= $5 "
-            "AND alone <= $4 ORDER BY priority DESC, turn, number LIMIT 1 {skip_locked}) "
+            "WHERE number = (SELECT number FROM batch WHERE state = 0 AND "
+            "($5 = 1 OR not_before_ms <= (SELECT now_ms())) AND alone <= $4 ORDER BY priority "
+            "DESC, turn, number LIMIT 1 {skip_locked}) "
             "AND (kind <> 2 OR $4 = 1) RETURNING number, job",
-            "tiiii", next->worker, next->serial, next->lease_ms, (int64_t)(held == 0), until_ms),
+            "tiiii", next->worker, next->serial, next->lease_ms, (int64_t)(held == 0),
+            (int64_t)waiting),
         batch, job, NULL);
 }
 
@@ -67,17 +69,16 @@ bool pen_claim_read(struct pen_store *store, int64_t batch, struct pen_claim *cl
 static bool take(struct pen_store *store, const struct pen_next *next, int64_t *batch,
                  struct pen_status *st)
 {
-    int64_t held, alone, now_ms, job;
+    int64_t held, alone, job;
     if (!pen_row_numbers(pen_db_rows(store->db, st,
                                      "SELECT count(*), CAST(sum(CASE WHEN alone = 1 OR kind = 2 "
                                      "THEN 1 ELSE 0 END) AS BIGINT) "
                                      "FROM batch WHERE state = 1 AND worker = $1",
                                      "t", next->worker),
-                         &held, &alone, NULL) ||
-        !pen_db_now(store->db, &now_ms, st))
+                         &held, &alone, NULL))
         return false;
-    return alone > 0 || (lease(store, next, held, now_ms, batch, &job, st) &&
-                         (*batch > 0 || lease(store, next, held, INT64_MAX, batch, &job, st)) &&
+    return alone > 0 || (lease(store, next, held, false, batch, &job, st) &&
+                         (*batch > 0 || lease(store, next, held, true, batch, &job, st)) &&
                          (*batch == 0 || pen_job_start(store, job, st)));
 }
 

@@ -101,17 +101,16 @@ static bool tell(struct pen_store *store, const struct commit *commit, struct pe
 }
 
 /* A commit ends the quarantine of its batch, and the charges, losses and waits of its job. */
-static bool forgive(struct pen_store *store, int64_t job, struct pen_status *st)
+static bool forgive(struct pen_store *store, const struct pen_batch *batch, struct pen_status *st)
 {
-    int64_t changed;
-    return pen_db_run(store->db, st, &changed,
-                      "UPDATE job SET charges = 0, losses = 0 WHERE number = $1 "
-                      "AND (charges > 0 OR losses > 0)",
-                      "i", job) &&
-           (changed == 0 || pen_db_run(store->db, st, NULL,
-                                       "UPDATE batch SET not_before_ms = 0 WHERE job = $1 "
-                                       "AND state = 0 AND not_before_ms > 0",
-                                       "i", job));
+    return batch->troubles == 0 ||
+           (pen_db_run(store->db, st, NULL,
+                       "UPDATE job SET charges = 0, losses = 0 WHERE number = $1", "i",
+                       batch->job) &&
+            pen_db_run(store->db, st, NULL,
+                       "UPDATE batch SET not_before_ms = 0 WHERE job = $1 AND state = 0 "
+                       "AND not_before_ms > 0",
+                       "i", batch->job));
 }
 
 static bool set_done(struct pen_store *store, const struct commit *commit, struct pen_status *st)
@@ -179,7 +178,7 @@ static bool write_commit(struct pen_store *store, struct commit *commit, bool *d
         return pen_fail(st, PEN_STALE, "the batch is no longer held; its result was refused");
     return (*duplicate ||
             (check_result(commit, st) && split(store, commit, st) && tell(store, commit, st) &&
-             forgive(store, commit->batch.job, st) && set_done(store, commit, st) &&
+             forgive(store, &commit->batch, st) && set_done(store, commit, st) &&
              use_values(store, commit, st) && count_off(store, commit, st))) &&
            (!commit->next || pen_claim_next(store, commit->next, st));
 }

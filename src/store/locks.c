@@ -101,12 +101,12 @@ bool pen_claim_lock(struct pen_store *store, const struct pen_claim *claim, stru
             pen_db_rows(store->db, st,
                         "SELECT job.number, job.state, batch.state, batch.attempt, batch.kind, "
                         "batch.tile_count, batch.pixels, batch.told_pixels, batch.work, "
-                        "batch.spent_us, batch.view FROM batch "
+                        "batch.spent_us, batch.view, job.charges + job.losses FROM batch "
                         "JOIN job ON job.number = batch.job WHERE batch.number = $1",
                         "i", claim->batch),
             &batch->job, &job_state, &state, &attempt, &batch->kind, &batch->tile_count,
             &batch->pixels, &batch->told_pixels, &batch->work, &batch->spent_us, &batch->view,
-            NULL))
+            &batch->troubles, NULL))
         return false;
     batch->held = attempt == claim->attempt && state == PEN_BATCH_LEASED;
     batch->done = attempt == claim->attempt && state == PEN_BATCH_DONE;

@@ -42,7 +42,7 @@ static void submit(struct pen_store *store, int n)
     struct pen_status st;
     enum pen_submit_result result;
     snprintf(id, sizeof id, "01900000-0000-7000-8000-%012d", n);
-    snprintf(client, sizeof client, "10.0.0.%d", n % 8);
+    snprintf(client, sizeof client, "10.0.0.%d", n); /* so their jobs take turns */
     for (int i = 0; i < BATCHES; i++)
         batch[i] = (struct pen_batch_new){.first_tile = i, .tile_count = 1, .pixels = PIXELS};
     const struct pen_job_new job = {.id = id,
@@ -65,7 +65,8 @@ static void submit(struct pen_store *store, int n)
 
 static void *work(void *user)
 {
-    static const struct pen_result result = {.rgb = rgb, .pixels = PIXELS, .stats = "{}"};
+    static const struct pen_result result = {
+        .rgb = rgb, .pixels = PIXELS, .stats = "{}", .work = 1000};
     struct pen_store *store = open_store();
     struct pen_next next = {.worker = user, .lease_ms = 60000, .serial = 1};
     struct pen_status st;
