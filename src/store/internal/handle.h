@@ -42,7 +42,7 @@ bool pen_job_end(struct pen_store *store, int64_t job, enum pen_job_state state,
 struct pen_batch {
     int64_t number, job, view, kind, tile_count, pixels, told_pixels, work, spent_us;
     int64_t troubles; /* charges and losses of the job since its last commit */
-    bool held, done; /* it is leased, or done, under the claim's attempt */
+    bool held, done;  /* it is leased, or done, under the claim's attempt */
 };
 
 /* Locks the claim's job, which becomes running, and reads its batch; and adds the claim's time to
