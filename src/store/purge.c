@@ -117,8 +117,8 @@ static bool remove_old(struct pen_store *store, struct pen_status *st)
         "DELETE FROM key WHERE created_ms < (SELECT now_ms()) - 86400000",
         "DELETE FROM removed WHERE removed_ms < (SELECT now_ms()) - 157852800000",
         "DELETE FROM removed WHERE removed_ms < (SELECT now_ms()) - 86400000 AND bytes = 0",
-        "DELETE FROM worker WHERE seen_ms < (SELECT now_ms()) - 86400000 AND NOT EXISTS "
-        "(SELECT 1 FROM batch WHERE batch.worker = worker.id AND batch.state = 1)"};
+        ("DELETE FROM worker WHERE seen_ms < (SELECT now_ms()) - 86400000 AND NOT EXISTS "
+         "(SELECT 1 FROM batch WHERE batch.worker = worker.id AND batch.state = 1)")};
     bool ok = true;
     for (size_t i = 0; ok && i < sizeof old / sizeof old[0]; i++)
         ok = pen_db_run(store->db, st, NULL, old[i], "");
