@@ -5,7 +5,7 @@
 #include "store/internal/objects.h"
 
 enum {
-    SLICE_PARTS = 4,                            /* of an object, */
+    SLICE_PARTS = 2,                            /* of an object, */
     SLICE_BYTES = SLICE_PARTS * PEN_PART_BYTES, /* of all objects, or of free space, in one slice */
     SLICE_ROWS = 500,
     SELDOM_MS = 60000,
