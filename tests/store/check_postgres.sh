@@ -203,6 +203,7 @@ exits "the job that ran meanwhile succeeds" 0 "$penumbra" wait "$id" -q
 "$penumbra" fetch "$id" -o farm.png
 "$penumbra" render "$@" -q -o local.png
 check "its picture has the same bytes" cmp farm.png local.png
+expect "and its batches were held while the database was away" "$(grep -c 'leases ran out' log)" 0
 # shellcheck disable=SC2086 # process ids
 kill $workers
 for one in $workers; do
