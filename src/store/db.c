@@ -208,11 +208,6 @@ const void *pen_db_bytes(struct pen_rows *rows, int column, size_t *bytes)
     return rows->db->engine->bytes(rows, column, bytes);
 }
 
-bool pen_db_is_null(struct pen_rows *rows, int column)
-{
-    return rows->db->engine->is_null(rows, column);
-}
-
 bool pen_db_now(struct pen_db *db, int64_t *now_ms, struct pen_status *st)
 {
     return db->engine->now(db, now_ms, st);
@@ -241,12 +236,13 @@ bool pen_db_space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_st
 
 bool pen_db_give_reserve(struct pen_db *db)
 {
-    return db->engine->give_reserve(db);
+    return db->engine->give_reserve && db->engine->give_reserve(db);
 }
 
 bool pen_db_maintain(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st)
 {
-    return db->engine->maintain(db, bytes, more, st);
+    *more = false;
+    return !db->engine->maintain || db->engine->maintain(db, bytes, more, st);
 }
 
 bool pen_db_check(struct pen_db *db, int limit_ms, bool *finished, struct pen_status *st)

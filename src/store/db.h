@@ -80,7 +80,6 @@ bool pen_db_done(struct pen_rows *rows);
 int64_t pen_db_int(struct pen_rows *rows, int column);
 const char *pen_db_text(struct pen_rows *rows, int column);
 const void *pen_db_bytes(struct pen_rows *rows, int column, size_t *bytes);
-bool pen_db_is_null(struct pen_rows *rows, int column);
 
 /* The store's clock, as now_ms() in statements. Units: ms since 1970. */
 bool pen_db_now(struct pen_db *db, int64_t *now_ms, struct pen_status *st);

@@ -306,12 +306,6 @@ static int64_t changed(struct pen_rows *base)
     return strtoll(PQcmdTuples(rows->result), NULL, 10);
 }
 
-static bool is_null(struct pen_rows *base, int column)
-{
-    const struct pen_postgres_rows *rows = (struct pen_postgres_rows *)base;
-    return PQgetisnull(rows->result, rows->row, column) == 1;
-}
-
 /* Integers come with four or eight bytes, the highest first. */
 static int64_t integer(struct pen_rows *base, int column)
 {
@@ -319,7 +313,7 @@ static int64_t integer(struct pen_rows *base, int column)
     const char *at = PQgetvalue(rows->result, rows->row, column);
     uint64_t eight;
     uint32_t four;
-    if (is_null(base, column))
+    if (PQgetisnull(rows->result, rows->row, column))
         return 0;
     if (PQgetlength(rows->result, rows->row, column) == (int)sizeof eight) {
         memcpy(&eight, at, sizeof eight);
@@ -332,7 +326,9 @@ static int64_t integer(struct pen_rows *base, int column)
 static const char *text(struct pen_rows *base, int column)
 {
     const struct pen_postgres_rows *rows = (struct pen_postgres_rows *)base;
-    return is_null(base, column) ? NULL : PQgetvalue(rows->result, rows->row, column);
+    return PQgetisnull(rows->result, rows->row, column)
+               ? NULL
+               : PQgetvalue(rows->result, rows->row, column);
 }
 
 static const void *bytes(struct pen_rows *base, int column, size_t *size)
@@ -360,23 +356,7 @@ static bool space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_st
                         "SELECT CAST(coalesce(sum(bytes), 0) + 327680 AS BIGINT) FROM object", "");
 }
 
-static bool give_reserve(struct pen_db *db)
-{
-    (void)db;
-    return false;
-}
-
-/* PostgreSQL's autovacuum does it. */
-static bool maintain(struct pen_db *db, int64_t most, bool *more, struct pen_status *st)
-{
-    (void)db;
-    (void)most;
-    (void)st;
-    *more = false;
-    return true;
-}
-
-/* A start looks at nothing: PostgreSQL finds damage when it reads. */
+/* A start checks nothing: PostgreSQL finds damage when it reads. */
 static bool check(struct pen_db *db, int limit_ms, bool *finished, struct pen_status *st)
 {
     (void)db;
@@ -419,11 +399,8 @@ const struct pen_engine pen_postgres_engine = {.close = close_connection,
                                                .integer = integer,
                                                .text = text,
                                                .bytes = bytes,
-                                               .is_null = is_null,
                                                .now = now,
                                                .wait = wait_change,
                                                .wake = wake,
                                                .space = space,
-                                               .give_reserve = give_reserve,
-                                               .maintain = maintain,
                                                .check = check};

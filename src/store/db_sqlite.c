@@ -257,11 +257,6 @@ static const void *bytes(struct pen_rows *rows, int column, size_t *size)
     return data;
 }
 
-static bool is_null(struct pen_rows *rows, int column)
-{
-    return sqlite3_column_type(statement(rows), column) == SQLITE_NULL;
-}
-
 static bool now(struct pen_db *db, int64_t *now_ms, struct pen_status *st)
 {
     (void)st;
@@ -337,7 +332,6 @@ static bool maintain(struct pen_db *base, int64_t room, bool *more, struct pen_s
     const int64_t most = room / PEN_SQLITE_PAGE;
     int64_t pages, unused, left = 0;
     char sql[64];
-    *more = false;
     if (!read_space(db, &pages, &unused, &left, st))
         return false;
     if (left >= PEN_RESERVE_FREE + PEN_RESERVE)
@@ -370,7 +364,6 @@ const struct pen_engine pen_sqlite_engine = {.close = close_file,
                                              .integer = integer,
                                              .text = text,
                                              .bytes = bytes,
-                                             .is_null = is_null,
                                              .now = now,
                                              .wait = wait_change,
                                              .wake = wake,

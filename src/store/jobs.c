@@ -274,9 +274,11 @@ bool pen_store_removed_stats(struct pen_store *store, const char *id, struct pen
     bool ok = true;
     struct pen_rows *rows =
         pen_db_rows(store->db, st, "SELECT stats FROM removed WHERE id = $1", "t", id);
-    const bool found = pen_db_next(rows), any = found && !pen_db_is_null(rows, 0);
+    const bool found = pen_db_next(rows);
+    const char *text = found ? pen_db_text(rows, 0) : NULL;
+    const bool any = text != NULL;
     if (any)
-        ok = pen_buf_puts(stats, pen_db_text(rows, 0));
+        ok = pen_buf_puts(stats, text);
     if (!pen_db_done(rows))
         return false;
     if (!ok)
@@ -292,10 +294,9 @@ bool pen_store_cost_map(struct pen_store *store, const char *id, struct pen_buf 
     bool ok = true;
     struct pen_rows *rows =
         pen_db_rows(store->db, st, "SELECT cost_map FROM job WHERE id = $1", "t", id);
-    if (pen_db_next(rows) && !pen_db_is_null(rows, 0)) {
-        const void *map = pen_db_bytes(rows, 0, &bytes);
+    const void *map = pen_db_next(rows) ? pen_db_bytes(rows, 0, &bytes) : NULL;
+    if (map)
         ok = pen_buf_add(out, map, bytes) || pen_fail(st, PEN_NO_MEMORY, "no memory for a map");
-    }
     return pen_db_done(rows) && ok;
 }
 

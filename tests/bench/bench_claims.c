@@ -2,14 +2,11 @@
 /* How long a claim takes while many jobs wait: bench_claims STORE [JOBS [CLIENTS]] fills a new
  * store and prints the time of a submit and of a claim; and that of the submit of one job with as
  * many batches as a job may have. Nothing is rendered. */
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "base/clock.h"
-#include "store/store.h"
+#include "bench/submit.h"
 
-enum { JOBS = 24000, CLAIMS = 400, BATCHES = 16384 };
+enum { JOBS = 24000, CLAIMS = 400 };
 
 static int by_value(const void *a, const void *b)
 {
@@ -21,44 +18,6 @@ static int number(char **argv, int argc, int i, int otherwise)
 {
     const int given = argc > i ? atoi(argv[i]) : 0;
     return given > 0 ? given : otherwise;
-}
-
-static void die(const char *what, const struct pen_status *st)
-{
-    fprintf(stderr, "bench_claims: %s: %s\n", what, st->msg);
-    exit(1);
-}
-
-/* Stores job n, of so many batches, from one of so many clients. */
-static void submit(struct pen_store *store, int n, int clients, int batches)
-{
-    static const unsigned char sha256[32];
-    static struct pen_batch_new batch[BATCHES];
-    const struct pen_view_new view = {"main", 4, 4 * batches};
-    char id[PEN_ID_BYTES], address[32];
-    struct pen_buf answer = {0};
-    struct pen_status st;
-    enum pen_submit_result result;
-    snprintf(id, sizeof id, "01900000-0000-7000-8000-%012d", n);
-    snprintf(address, sizeof address, "10.0.%d.%d", n % clients / 250, n % clients % 250);
-    for (int i = 0; i < batches; i++)
-        batch[i] = (struct pen_batch_new){.first_tile = i, .tile_count = 1, .pixels = 16};
-    const struct pen_job_new job = {.id = id,
-                                    .created_ms = pen_clock_wall_ms(),
-                                    .kind = "render",
-                                    .request = "{}",
-                                    .scene = "{}",
-                                    .scene_bytes = 2,
-                                    .scene_sha256 = sha256,
-                                    .max_attempts = 3,
-                                    .view_count = 1,
-                                    .views = &view,
-                                    .batch_count = batches,
-                                    .batches = batch,
-                                    .client = address};
-    if (!pen_store_submit(store, &job, &result, &answer, &st))
-        die("submit", &st);
-    pen_buf_release(&answer);
 }
 
 /* Claims a batch and commits it; returns the time of the claim. */
@@ -100,7 +59,7 @@ int main(int argc, char **argv)
         die("open", &st);
     int64_t begun_ns = pen_clock_ns();
     for (int n = 0; n < jobs; n++)
-        submit(store, n, clients, 1);
+        submit(store, n, n % clients, 1, 16);
     printf("%d jobs of %d clients: %.3f ms per submit\n", jobs, clients,
            (double)(pen_clock_ns() - begun_ns) * 1e-6 / jobs);
     for (int i = 0; i < claims; i++)
@@ -109,8 +68,8 @@ int main(int argc, char **argv)
     printf("a claim takes %.3f ms (median), %.3f ms (95 of 100)\n", ms[claims / 2],
            ms[claims * 95 / 100]);
     begun_ns = pen_clock_ns();
-    submit(store, jobs, clients, BATCHES);
-    printf("a submit of %d batches takes %.1f ms\n", BATCHES,
+    submit(store, jobs, jobs % clients, SUBMIT_BATCHES, 16);
+    printf("a submit of %d batches takes %.1f ms\n", SUBMIT_BATCHES,
            (double)(pen_clock_ns() - begun_ns) * 1e-6);
     pen_store_close(store);
     return 0;

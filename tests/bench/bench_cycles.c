@@ -7,8 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "base/clock.h"
-#include "store/store.h"
+#include "bench/submit.h"
 
 enum { CONNECTIONS = 16, SECONDS = 10, JOBS = 64, BATCHES = 1024, PIXELS = 6272 };
 
@@ -17,12 +16,6 @@ static atomic_bool stop;
 static atomic_llong cycles;
 static float rgb[3 * PIXELS]; /* random, so that they take their full size */
 
-static void die(const char *what, const struct pen_status *st)
-{
-    fprintf(stderr, "bench_cycles: %s: %s\n", what, st->msg);
-    exit(1);
-}
-
 static struct pen_store *open_store(void)
 {
     struct pen_status st;
@@ -30,37 +23,6 @@ static struct pen_store *open_store(void)
     if (!store)
         die("open", &st);
     return store;
-}
-
-static void submit(struct pen_store *store, int n)
-{
-    static const unsigned char sha256[32];
-    static struct pen_batch_new batch[BATCHES];
-    const struct pen_view_new view = {"main", PIXELS, BATCHES};
-    char id[PEN_ID_BYTES], client[32];
-    struct pen_buf answer = {0};
-    struct pen_status st;
-    enum pen_submit_result result;
-    snprintf(id, sizeof id, "01900000-0000-7000-8000-%012d", n);
-    snprintf(client, sizeof client, "10.0.0.%d", n); /* so their jobs take turns */
-    for (int i = 0; i < BATCHES; i++)
-        batch[i] = (struct pen_batch_new){.first_tile = i, .tile_count = 1, .pixels = PIXELS};
-    const struct pen_job_new job = {.id = id,
-                                    .created_ms = pen_clock_wall_ms(),
-                                    .kind = "render",
-                                    .request = "{}",
-                                    .scene = "{}",
-                                    .scene_bytes = 2,
-                                    .scene_sha256 = sha256,
-                                    .max_attempts = 3,
-                                    .view_count = 1,
-                                    .views = &view,
-                                    .batch_count = BATCHES,
-                                    .batches = batch,
-                                    .client = client};
-    if (!pen_store_submit(store, &job, &result, &answer, &st))
-        die("submit", &st);
-    pen_buf_release(&answer);
 }
 
 static void *work(void *user)
@@ -98,7 +60,7 @@ int main(int argc, char **argv)
         rgb[i] = (float)rand() / (float)RAND_MAX;
     struct pen_store *store = open_store();
     for (int n = 0; n < JOBS; n++)
-        submit(store, n);
+        submit(store, n, n, BATCHES, PIXELS); /* each of its own client: they take turns */
     for (int i = 0; i < connections; i++) {
         snprintf(names[i], sizeof names[i], "worker%d", i);
         pthread_create(&threads[i], NULL, work, names[i]);

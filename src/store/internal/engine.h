@@ -21,12 +21,12 @@ struct pen_engine {
     int64_t (*integer)(struct pen_rows *rows, int column);
     const char *(*text)(struct pen_rows *rows, int column);
     const void *(*bytes)(struct pen_rows *rows, int column, size_t *bytes);
-    bool (*is_null)(struct pen_rows *rows, int column);
     bool (*now)(struct pen_db *db, int64_t *now_ms, struct pen_status *st);
     void (*wait)(struct pen_db *db, uint32_t *seen, int timeout_ms);
     void (*wake)(struct pen_db *db);
     bool (*space)(struct pen_db *db, int64_t *used, int64_t *left, struct pen_status *st);
-    bool (*give_reserve)(struct pen_db *db);
+    bool (*give_reserve)(struct pen_db *db); /* NULL: there is none */
+    /* NULL: the database does it by itself. */
     bool (*maintain)(struct pen_db *db, int64_t bytes, bool *more, struct pen_status *st);
     bool (*check)(struct pen_db *db, int limit_ms, bool *finished, struct pen_status *st);
 };
