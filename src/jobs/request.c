@@ -25,24 +25,31 @@ static void fail_unknown_scene(const char *name, struct pen_errors *errors)
                      name, pen_did_you_mean(pen_builtin_nearest(name)).text);
 }
 
+/* Parses a scene that is a text of its own. `text` must outlive the request. */
+static void read_own(struct pen_request *request, const char *text, size_t bytes, bool xml,
+                     const struct pen_limits *limits, struct pen_errors *errors)
+{
+    struct pen_status st;
+    if (!pen_document_parse(text, bytes, xml, limits, &request->own, &st))
+        pen_errors_add(errors, &st);
+    request->has = &request->own;
+    request->scene = request->own.json;
+    request->scene_text = text;
+    request->scene_bytes = bytes;
+}
+
 /* Finds and parses the scene that "builtin:NAME" names. */
 static void find_builtin(struct pen_request *request, const char *text,
                          const struct pen_limits *limits, struct pen_errors *errors)
 {
     const char *name = text + strlen(builtin_prefix);
-    struct pen_status st;
     size_t bytes = 0;
     const char *document = pen_builtin_find(name, &bytes);
     if (!document) {
         fail_unknown_scene(name, errors);
         return;
     }
-    request->builtin = pen_json_parse(document, bytes, limits, &st);
-    if (!request->builtin)
-        pen_errors_add(errors, &st);
-    request->scene = request->builtin;
-    request->scene_text = document;
-    request->scene_bytes = bytes;
+    read_own(request, document, bytes, false, limits, errors);
 }
 
 /* The body is neither a job nor a scene. Names the key that was meant, if one is misspelt. */
@@ -84,9 +91,12 @@ static void find_scene(struct pen_request *request, const struct pen_submission 
         request->scene_text = pen_json_member(in->body, in->bytes, "scene", &request->scene_bytes);
     } else if (text && strncmp(text, builtin_prefix, strlen(builtin_prefix)) == 0) {
         find_builtin(request, text, limits, errors);
+    } else if (text && pen_text_is_xml(text, json_string_length(scene))) {
+        read_own(request, text, json_string_length(scene), true, limits, errors);
     } else if (scene) {
         pen_request_fail(errors, PEN_INVALID, "", "scene",
-                         "must be a scene, or \"builtin:\" and a name, found %s",
+                         "must be a scene, \"builtin:\" and a name, or a scene in XML as a string, "
+                         "found %s",
                          pen_found(scene).text);
     } else {
         fail_neither(request, errors);
@@ -270,7 +280,7 @@ static void check_limits(struct pen_request *request, const struct pen_limits *l
         allowed.seconds = 0; /* it is not rendered, and may be asked how long it would take */
     if (is_within_limits(request, &allowed, &st))
         return;
-    pen_document_locate(&request->document, &st);
+    pen_document_locate(request->has, &st);
     pen_errors_add(errors, &st);
 }
 
@@ -278,10 +288,10 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
                        struct pen_errors *errors)
 {
     const json_t *render = request->bare ? NULL : json_object_get(request->body, "render");
-    bool ok = request->document.xml ? pen_document_read(&request->document, limits, request->arena,
-                                                        &request->desc, errors)
-                                    : pen_scene_read(request->scene, request->scene_at, limits,
-                                                     request->arena, &request->desc, errors);
+    bool ok = request->has->xml
+                  ? pen_document_read(request->has, limits, request->arena, &request->desc, errors)
+                  : pen_scene_read(request->scene, request->scene_at, limits, request->arena,
+                                   &request->desc, errors);
     request->settings = ok ? request->desc.settings : pen_settings_default();
     if (render)
         pen_settings_read(render, "/render", &request->settings, errors);
@@ -312,6 +322,7 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
     out->timeout_ms = (int64_t)1000 * (timeout_s < TIMEOUT_S ? timeout_s : TIMEOUT_S);
     bool parsed = pen_document_parse(in->body, in->bytes, in->xml, limits, &out->document, &st);
     out->body = parsed ? out->document.json : NULL;
+    out->has = &out->document;
     out->arena = out->body ? pen_arena_new(0) : NULL;
     if (out->body && !out->arena)
         pen_fail(&st, PEN_NO_MEMORY, "no memory to read a scene");
@@ -337,6 +348,6 @@ void pen_request_release(struct pen_request *request)
     pen_document_release(&request->document);
     pen_bench_spec_release(&request->spec);
     pen_accuracy_spec_release(&request->accuracy);
-    json_decref(request->builtin);
+    pen_document_release(&request->own);
     *request = (struct pen_request){0};
 }

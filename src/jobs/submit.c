@@ -356,7 +356,7 @@ bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, j
     if (ok) {
         pen_scene_warnings(request.scene, request.scene_at, &request.desc, &warnings);
         for (size_t i = 0; i < warnings.count; i++)
-            pen_document_locate(&request.document, &warnings.item[i]);
+            pen_document_locate(request.has, &warnings.item[i]);
         *answer = json_pack("{s:b, s:o}", "valid", 1, "warnings", warnings_json(&warnings));
         ok = *answer != NULL;
         if (!ok)

@@ -20,12 +20,13 @@ enum {
 };
 
 struct pen_request {
-    struct pen_arena *arena;      /* of desc */
-    struct pen_document document; /* the body, parsed */
-    json_t *body;                 /* the document's JSON; the document owns it */
-    json_t *builtin;              /* the built-in scene that the body names, parsed; else NULL */
-    const json_t *scene;          /* the scene document, in body or builtin */
-    const char *scene_text;       /* the text of that document; NULL: not found in the body */
+    struct pen_arena *arena;        /* of desc */
+    struct pen_document document;   /* the body, parsed */
+    json_t *body;                   /* the document's JSON; the document owns it */
+    struct pen_document own;        /* a scene that the body names or holds as XML text, parsed */
+    const struct pen_document *has; /* the document that holds the scene: one of the two */
+    const json_t *scene;            /* the scene's values in that document */
+    const char *scene_text;         /* the text of the scene; NULL: not found in the body */
     size_t scene_bytes;
     const char *scene_at; /* JSON Pointer to it in the body: "" or "/scene" */
     bool bare;            /* the body is the scene */
