@@ -78,7 +78,7 @@ SVC_SRC := $(filter-out $(if $(filter 1,$(FARM)),,src/store/db_postgres%),$(fore
 ISA_SRC := $(filter %_isa.c,$(LIB_SRC))
 ISA_OBJ := $(foreach isa,$(ISAS),$(ISA_SRC:%.c=$(BUILD)/%_$(isa).o))
 LIB_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(ISA_SRC),$(LIB_SRC))) $(ISA_OBJ) $(BUILD)/gen/builtin_scenes.o
-SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o $(BUILD)/gen/schema.o
+SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o $(BUILD)/gen/page_files.o $(BUILD)/gen/schema.o
 CMD_COMMON := $(sort $(wildcard src/cmd/*.c))
 CMD_OBJ := $(CMD_COMMON:%.c=$(BUILD)/%.o)
 CLIENT_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard src/cmd/client/*.c)))
@@ -147,13 +147,17 @@ $(ISA_SRC:%.c=$(BUILD)/%_$(1).o): $(BUILD)/%_$(1).o: %.c Makefile
 endef
 $(foreach isa,$(ISAS),$(eval $(call isa_rules,$(isa))))
 
-# Files that are compiled into the programs: scenes/*.json, api/* and the tables of the store.
+# Files that are compiled into the programs: scenes/*.json, api/*, api/page/* and the tables of the store.
 $(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh --stem pen_builtin_files $(sort $(wildcard scenes/*.json)) > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/api_files.c: $(sort $(wildcard api/*.yaml api/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_api_files $(sort $(wildcard api/*.yaml api/*.json)) > $@.tmp && mv $@.tmp $@
+PAGE_FILES := $(sort $(filter-out api/page/report.%,$(wildcard api/page/*)))
+$(BUILD)/gen/page_files.c: $(PAGE_FILES) deploy/embed.sh
+	@mkdir -p $(@D)
+	$(Q)sh deploy/embed.sh pen_page_files $(PAGE_FILES) > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/schema.c: src/store/schema.sql deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_store_schema src/store/schema.sql > $@.tmp && mv $@.tmp $@

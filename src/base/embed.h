@@ -20,4 +20,7 @@ extern const struct pen_embedded_file pen_builtin_files[];
 /* The files api/ *.yaml and *.json. The last entry's name is NULL. Not part of libpenumbra. */
 extern const struct pen_embedded_file pen_api_files[];
 
+/* The files of the page at "/": all of api/page but the template of reports. As pen_api_files. */
+extern const struct pen_embedded_file pen_page_files[];
+
 #endif

@@ -121,12 +121,13 @@ static void change_tag(struct reply *reply)
     pen_http_reply_remove(reply, at);
 }
 
-/* Whether compression makes the body smaller: pictures are compressed already. */
+/* Whether compression makes the body smaller: pictures of pixels are compressed already. */
 static bool is_compressible(const struct reply *reply)
 {
     const int type = find_field(reply, "Content-Type");
     return !reply->failed && reply->body && type >= 0 &&
-           strncmp(reply->field[type].value, "image/", 6) != 0;
+           (strncmp(reply->field[type].value, "image/", 6) != 0 ||
+            strcmp(reply->field[type].value, "image/svg+xml") == 0);
 }
 
 void pen_http_request_encode(struct request *request)

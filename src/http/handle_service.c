@@ -12,20 +12,34 @@
 static const int64_t probe_again_ns = INT64_C(1000000000);
 static const int64_t probe_late_ns = 5 * INT64_C(1000000000);
 
-/* The file that the path ends with; a scene is in a folder. */
+/* The file of static_files.h that a path names: those of a folder have the folder's name before
+ * theirs. */
+static const struct static_file *find_file(const struct request *request, struct pen_status *st)
+{
+    const struct pen_target *target = &request->target;
+    const int last = target->segment_count - 1;
+    char name[64] = "page/index.html";
+    if (request->arg)
+        snprintf(name, sizeof name, "%s/%s", target->segment[last - 1], request->arg);
+    else if (last >= 0)
+        snprintf(name, sizeof name, "%s", target->segment[last]);
+    const struct static_file *file = pen_http_static_files_find(request->http->static_files, name);
+    if (!file)
+        pen_fail(st, PEN_NOT_FOUND, "there is no built-in file \"%.80s\"%s", name,
+                 strncmp(name, "scenes/", 7) == 0 ? "; GET /v1/scenes lists all scenes" : "");
+    return file;
+}
+
 enum outcome pen_http_handle_file(struct request *request, struct pen_jobs *jobs)
 {
     (void)jobs;
-    const struct pen_target *target = &request->target;
-    char name[64];
     struct pen_status st;
-    snprintf(name, sizeof name, "%s%s", request->arg ? "scenes/" : "",
-             target->segment[target->segment_count - 1]);
-    const struct static_file *file = pen_http_static_files_find(request->http->static_files, name);
-    if (!file) {
-        pen_fail(&st, PEN_NOT_FOUND,
-                 "there is no built-in file \"%.80s\"; GET /v1/scenes lists all scenes", name);
+    const struct static_file *file = find_file(request, &st);
+    if (!file)
         return pen_http_request_fail(request, &st);
+    if (file->policy) {
+        pen_http_reply_field(&request->reply, "Content-Security-Policy", "%s", file->policy);
+        pen_http_reply_field(&request->reply, "Referrer-Policy", "no-referrer");
     }
     const struct content content = {.blob = pen_http_blob_ref(file->blob),
                                     .type = file->type,

@@ -65,6 +65,8 @@ static const struct route table[] = {
     ROUTE("GET", "/v1/scenes", READ, file, .queue = QUEUE_NONE),
     ROUTE("GET", "/v1/scenes/{name}", READ, file, .queue = QUEUE_NONE),
     ROUTE("GET", "/v1/workers", READ, workers, .queue = QUEUE_STORE),
+    ROUTE("GET", "/", NONE, file, .queue = QUEUE_NONE),
+    ROUTE("GET", "/page/{name}", NONE, file, .queue = QUEUE_NONE),
     ROUTE("GET", "/healthz", NONE, healthz, .queue = QUEUE_NONE),
     ROUTE("GET", "/readyz", NONE, readyz, .queue = QUEUE_CHANGES),
     ROUTE("GET", "/metrics", READ, metrics, .queue = QUEUE_STORE),
@@ -76,7 +78,7 @@ enum { LARGE_BODY = 64 << 10 }; /* bytes; larger bodies take some milliseconds t
 enum { ROUTES = sizeof table / sizeof table[0] };
 
 /* Paths of resources that are not supported yet: they get a 404 with that explanation. */
-static const char *const unsupported[] = {"/v1/plan", "/v1/assets/{sha256}", "/"};
+static const char *const unsupported[] = {"/v1/plan", "/v1/assets/{sha256}"};
 
 bool pen_http_route(int i, const char **method, const char **path, int *scope)
 {

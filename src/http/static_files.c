@@ -10,6 +10,13 @@
 #include "io/builtin.h"
 #include "jobs/jobs.h"
 
+/* Of the page: everything comes from this server, and nothing is inline. A report that the page
+ * shows in a frame (blob:) inherits this policy. */
+static const char page_policy[] =
+    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
+    "img-src 'self' blob: data:; frame-src blob:; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
+
 struct static_files {
     size_t count;
     struct static_file file[];
@@ -45,6 +52,35 @@ static bool add_api_files(struct static_files *files)
     return true;
 }
 
+static const char *type_of(const char *name)
+{
+    static const char *const types[][2] = {{".html", "text/html; charset=utf-8"},
+                                           {".css", "text/css; charset=utf-8"},
+                                           {".js", "text/javascript; charset=utf-8"},
+                                           {".svg", "image/svg+xml"},
+                                           {".json", "application/json"}};
+    const char *ending = strrchr(name, '.');
+    for (size_t i = 0; ending && i < sizeof types / sizeof types[0]; i++) {
+        if (strcmp(ending, types[i][0]) == 0)
+            return types[i][1];
+    }
+    return "application/octet-stream";
+}
+
+static bool add_page(struct static_files *files)
+{
+    for (const struct pen_embedded_file *file = pen_page_files; file->name; file++) {
+        char name[64];
+        snprintf(name, sizeof name, "page/%s", file->name);
+        const char *type = type_of(file->name);
+        if (!add(files, name, type, copy(file->data, file->bytes)))
+            return false;
+        if (strncmp(type, "text/html", 9) == 0)
+            files->file[files->count - 1].policy = page_policy;
+    }
+    return true;
+}
+
 static bool add_builtin_scenes(struct static_files *files)
 {
     for (size_t i = 0; i < pen_builtin_count(); i++) {
@@ -66,8 +102,10 @@ struct static_files *pen_http_static_files_new(struct pen_status *st)
     size_t count = 1 + pen_builtin_count();
     for (const struct pen_embedded_file *file = pen_api_files; file->name; file++)
         count++;
+    for (const struct pen_embedded_file *file = pen_page_files; file->name; file++)
+        count++;
     struct static_files *files = calloc(1, sizeof *files + count * sizeof files->file[0]);
-    if (files && add_api_files(files) && add_builtin_scenes(files))
+    if (files && add_api_files(files) && add_page(files) && add_builtin_scenes(files))
         return files;
     pen_http_static_files_free(files);
     pen_fail(st, PEN_NO_MEMORY, "no memory for the built-in files");

@@ -224,6 +224,8 @@ samples = {
     "listScenes": [("200", "", {}), ("400", "?x", {}), ("304", "", everything)],
     "getBuiltinScene": [("200", "spheres", {}), ("304", "spheres", everything), ("404", "x", {})],
     "listWorkers": [("200", "", {}), ("400", "?x", {})],
+    "page": [("200", "", {}), ("400", "?x", {}), ("304", "", everything)],
+    "pageFile": [("200", "app.js", {}), ("304", "index.html", everything), ("404", "x", {})],
     "health": [("200", "", {}), ("400", "?x", {})],
     "readiness": [("200", "", {}), ("400", "?x", {})],
     "metrics": [("200", "", {}), ("400", "?x", {})],

@@ -113,11 +113,11 @@ START_TEST(test_routes__no_route_twice)
 }
 END_TEST
 
-/* All but four paths need a token, and everything that changes something one of scope submit. */
+/* All but six paths need a token, and everything that changes something one of scope submit. */
 START_TEST(test_routes__have_scopes)
 {
-    static const char *const open[] = {"/healthz", "/readyz", "/openapi.yaml",
-                                       "/scene.schema.json"};
+    static const char *const open[] = {"/",       "/page/{name}",  "/healthz",
+                                       "/readyz", "/openapi.yaml", "/scene.schema.json"};
     const char *method, *path;
     int scope;
     for (int i = 0; pen_http_route(i, &method, &path, &scope); i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The files that are embedded in the program: the API definition, the scene schema and the built-in
- * scenes. Their blobs and entity tags are made once, at start.
+/* The files that are embedded in the program: the API definition, the scene schema, the built-in
+ * scenes and the page. Their blobs and entity tags are made once, at start.
  *
  * Threads: any, after the start. */
 #ifndef PEN_HTTP_INTERNAL_STATIC_FILES_H
@@ -10,8 +10,10 @@
 #include "http/internal/reply.h"
 
 struct static_file {
-    char name[64]; /* "openapi.yaml"; "scenes" is the list, "scenes/room" a built-in scene */
+    char name[64]; /* "openapi.yaml"; "scenes" is the list, "scenes/room" a built-in scene,
+                    * "page/app.js" a file of the page */
     const char *type;
+    const char *policy; /* Content-Security-Policy; NULL: it is no HTML */
     char etag[ETAG_BYTES];
     struct blob *blob;
 };

@@ -1,0 +1,2 @@
+const health = await (await fetch("/healthz")).json();
+document.getElementById("version").textContent = `Penumbra ${health.version}`;
