@@ -20,6 +20,7 @@ tsan      60 $make tsan TESTS="tests/base/ tests/render/ tests/accel/ tests/stor
 load      10 PEN_TIMED=1 $make load
 mutate    12 $make mutate MINUTES=10
 front      2 $make front
+page       3 $make page
 soak      11 $make soak MINUTES=10
 crash      5 PEN_TIMED=1 $make crash ROUNDS=200
 postgres  15 $make postgres POSTGRES_ROUNDS=100

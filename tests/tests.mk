@@ -164,6 +164,12 @@ $(RECORD): $(RECORD).o
 front: all $(LOAD) $(RECORD)
 	@sh tests/front/nginx.sh $(BUILD) || [ $$? -eq 77 ]
 
+# The page at / and the reports, in headless Chromium.
+.PHONY: page
+page: all
+	@sh deploy/install-deps.sh --page
+	@sh tests/page/page.sh $(BUILD) $(PARTS)
+
 # A daemon that is used for MINUTES (30): jobs of all kinds, readers, cancels, kills, restarts, limits of what is kept.
 .PHONY: soak
 soak: all $(LOAD)
