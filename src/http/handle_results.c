@@ -58,13 +58,14 @@ static enum outcome answer_image(struct request *request, struct pen_image *imag
 }
 
 /* Answers with a representation whose entity tag is its hash. */
-static enum outcome answer_hashed(struct request *request, struct blob *blob, const char *type)
+static enum outcome answer_hashed(struct request *request, struct blob *blob, const char *type,
+                                  const char *cache_control)
 {
     char etag[ETAG_BYTES] = "";
     if (blob)
         pen_http_etag(&blob->content, etag);
     const struct content content = {
-        .blob = blob, .type = type, .etag = etag, .cache_control = forever};
+        .blob = blob, .type = type, .etag = etag, .cache_control = cache_control};
     return pen_http_request_content(request, &content);
 }
 
@@ -129,12 +130,13 @@ enum outcome pen_http_handle_preview(struct request *request, struct pen_jobs *j
 enum outcome pen_http_handle_stats(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_status st;
-    json_t *stats = pen_jobs_stats(jobs, request->job_id, &st);
+    const bool so_far = pen_http_request_is_true(request, "so_far");
+    json_t *stats = (so_far ? pen_jobs_stats_so_far : pen_jobs_stats)(jobs, request->job_id, &st);
     if (!stats)
         return answer_status(request, jobs, &st);
     struct blob *text = pen_http_blob_json(stats);
     json_decref(stats);
-    return answer_hashed(request, text, "application/json");
+    return answer_hashed(request, text, "application/json", so_far ? "no-cache" : forever);
 }
 
 enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *jobs)
@@ -145,7 +147,7 @@ enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *job
         return answer_status(request, jobs, &st);
     const bool xml = pen_text_is_xml((const char *)text.data, text.bytes);
     return answer_hashed(request, pen_http_blob_take(&text),
-                         xml ? "application/xml" : "application/json");
+                         xml ? "application/xml" : "application/json", forever);
 }
 
 /* The format of a report that the client prefers; HTML if it accepts anything. */

@@ -38,6 +38,7 @@ static const struct param_rule compare_params[] = {{.name = "with", .is_job = tr
                                                    {0}};
 static const char *const booleans[] = {"false", "true", NULL};
 static const struct param_rule delete_params[] = {{.name = "stats", .allowed = booleans}, {0}};
+static const struct param_rule stats_params[] = {{.name = "so_far", .allowed = booleans}, {0}};
 static const struct param_rule preview_params[] = {{.name = "view", .longest = 200}, {0}};
 
 /* A route does not compile without its scope. */
@@ -62,7 +63,8 @@ static const struct route table[] = {
           .params = compare_params),
     ROUTE("GET", "/v1/jobs/{id}/preview", READ, preview, .queue = QUEUE_COMPUTE,
           .params = preview_params),
-    ROUTE("GET", "/v1/jobs/{id}/stats", READ, stats, .queue = QUEUE_COMPUTE),
+    ROUTE("GET", "/v1/jobs/{id}/stats", READ, stats, .queue = QUEUE_COMPUTE,
+          .params = stats_params),
     ROUTE("GET", "/v1/jobs/{id}/report", READ, report, .queue = QUEUE_COMPUTE),
     ROUTE("GET", "/v1/jobs/{id}/scene", READ, scene, .queue = QUEUE_COMPUTE),
     ROUTE("POST", "/v1/jobs/{id}/cancel", SUBMIT, cancel, .queue = QUEUE_CHANGES),

@@ -94,7 +94,8 @@ struct pen_list_query {
 };
 
 /* A page of jobs, newest first: {jobs: […], next: cursor | null}. It ends at the limit or at about
- * 1 MiB of JSON, but not before its first job. Owns: the caller. Fails:
+ * 1 MiB of JSON, but not before its first job. Without a cursor it also has `counts`, the number of
+ * all jobs in each state. Owns: the caller. Fails:
  * PEN_USAGE (limit, a label without a colon, or a cursor that no list has given). */
 json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
                       struct pen_status *st);
@@ -162,6 +163,9 @@ bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_jo
 /* The statistics object of a job that has ended, also if it was removed since. Owns: the caller.
  * Fails: PEN_NOT_FOUND; PEN_GONE (removed with its statistics); PEN_CONFLICT (it has not ended). */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
+
+/* The same, and of a job that has not ended that of its committed batches. */
+json_t *pen_jobs_stats_so_far(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
 /* The report of a job in one of the formats of pen_bench_report_formats. Fails: PEN_CONFLICT
  * (unfinished, failed, cancelled); PEN_NOT_FOUND (no such job, or of a kind without a report);

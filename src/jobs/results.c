@@ -393,17 +393,27 @@ static json_t *removed_stats(struct pen_jobs *jobs, const char *id, struct pen_s
     return stats;
 }
 
-json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st)
+static json_t *read_stats(struct pen_jobs *jobs, const char *id, bool so_far, struct pen_status *st)
 {
     struct pen_job_record job;
     if (!pen_store_job(jobs->store, id, &job, st))
         return st->code == PEN_GONE ? removed_stats(jobs, id, st) : NULL;
     json_t *stats = NULL;
-    if (pen_job_state_ended(job.state))
+    if (so_far || pen_job_state_ended(job.state))
         stats = pen_stats_of_job(jobs->store, &job, st);
     else
         pen_fail(st, PEN_CONFLICT, "job %s is %s; it has statistics when it has ended", id,
                  pen_job_state_name(job.state));
     pen_job_record_release(&job);
     return stats;
+}
+
+json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st)
+{
+    return read_stats(jobs, id, false, st);
+}
+
+json_t *pen_jobs_stats_so_far(struct pen_jobs *jobs, const char *id, struct pen_status *st)
+{
+    return read_stats(jobs, id, true, st);
 }

@@ -209,7 +209,7 @@ samples = {
                     ("409", f"{done}?with={busy}", {}), ("410", f"{done}?with={gone}", {})],
     "getPreview": [("200", done, {}), ("200", busy, {}), ("304", done, everything),
                    ("400", done + "?x", {}), ("404", NOBODY, {}), ("404", done + "?view=x", {}), ("410", gone, {})],
-    "getStatistics": [("200", done, {}), ("200", measured, {}), ("200", unrendered, {}), ("304", done, everything), ("404", NOBODY, {}),
+    "getStatistics": [("200", done, {}), ("200", busy + "?so_far=true", {}), ("400", done + "?so_far=1", {}), ("200", measured, {}), ("200", unrendered, {}), ("304", done, everything), ("404", NOBODY, {}),
                       ("409", busy, {}), ("200", kept, {}), ("410", gone, {})],
     "getReport": [("200", billed, {}), ("200", billed, {"Accept": "application/json"}),
                   ("200", billed, {"Accept": "text/csv"}), ("200", measured, {}), ("200", measured, {"Accept": "application/json"}),
