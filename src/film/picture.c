@@ -61,6 +61,18 @@ struct pen_picture *pen_picture_of_film(const struct pen_film *film, enum pen_tr
     return picture;
 }
 
+struct pen_picture *pen_picture_take_film(struct pen_film *film, enum pen_transfer transfer,
+                                          struct pen_status *st)
+{
+    struct pen_picture *picture = pen_picture_of_film(film, transfer, st);
+    if (picture) {
+        picture->owned = film->rgb;
+        film->rgb = NULL;
+    }
+    pen_film_free(film);
+    return picture;
+}
+
 void pen_picture_set_linear(struct pen_picture *picture)
 {
     picture->transfer = PEN_TRANSFER_LINEAR;

@@ -27,6 +27,11 @@ bool pen_pfm_load(const void *data, size_t bytes, struct pen_film *film, struct 
 struct pen_picture *pen_picture_of_film(const struct pen_film *film, enum pen_transfer transfer,
                                         struct pen_status *st);
 
+/* The picture of a film's PFM file, but with that transfer function. Takes the film, after failure
+ * too. Fails: PEN_NO_MEMORY. */
+struct pen_picture *pen_picture_take_film(struct pen_film *film, enum pen_transfer transfer,
+                                          struct pen_status *st);
+
 /* Reads the samples as they are, whatever the file says: as the values of the film, if the scene
  * has transfer display or linear. */
 void pen_picture_set_linear(struct pen_picture *picture);

@@ -4,7 +4,6 @@
  * that writes before it reads gets its answer. */
 #include "http/internal/request.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -106,19 +105,11 @@ static bool check_origin(struct request *request, struct pen_status *st)
            pen_fail(st, PEN_FORBIDDEN, "requests from pages of %.200s are not allowed", origin);
 }
 
-/* Job ids are UUIDs, for which upper and lower case are the same. Any other text names no job. */
+/* Job ids are UUIDs. Any other text names no job. */
 static bool read_job_id(struct request *request, struct pen_status *st)
 {
-    static const char form[] = "xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx";
-    const char *arg = request->arg;
-    for (size_t i = 0; i < sizeof form; i++) {
-        char c = arg[i];
-        bool good = form[i] == 'x' ? isxdigit((unsigned char)c) != 0 : c == form[i];
-        if (!good)
-            return pen_fail(st, PEN_NOT_FOUND, "there is no job \"%.80s\"", arg);
-        request->job_id[i] = (char)tolower((unsigned char)c);
-    }
-    return true;
+    return pen_uuid_parse(request->arg, request->job_id) ||
+           pen_fail(st, PEN_NOT_FOUND, "there is no job \"%.80s\"", request->arg);
 }
 
 /* Checks the token before anything is told of the path: an unknown path needs one, too. */

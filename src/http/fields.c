@@ -34,6 +34,18 @@ bool pen_number_parse(const char *text, long low, long high, long *number)
     return true;
 }
 
+bool pen_uuid_parse(const char *text, char uuid[PEN_UUID_BYTES])
+{
+    static const char form[PEN_UUID_BYTES] = "xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx";
+    for (size_t i = 0; i < sizeof form; i++) {
+        const unsigned char c = (unsigned char)text[i];
+        if (form[i] == 'x' ? !isxdigit(c) : c != (unsigned char)form[i])
+            return false;
+        uuid[i] = (char)tolower(c);
+    }
+    return true;
+}
+
 /* An empty port is allowed by RFC 3986. */
 static bool is_port(const char *text)
 {

@@ -344,8 +344,7 @@ enum outcome pen_http_handle_delete(struct request *request, struct pen_jobs *jo
     struct pen_status st;
     char text[CLIENT_BYTES];
     const char *owner = pen_http_request_owner(request, text);
-    const char *stats = pen_http_request_param(request, "stats");
-    bool keep_stats = !stats || strcmp(stats, "true") != 0;
+    const bool keep_stats = !pen_http_request_is_true(request, "stats");
     if (!pen_jobs_delete(jobs, request->job_id, owner, keep_stats, &st))
         return pen_http_request_fail(request, &st);
     request->changed = true;

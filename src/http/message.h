@@ -48,6 +48,10 @@ bool pen_text_is_plain(const char *text, const char *excluded);
 /* Whether text is an integer of one to nine digits, from low to high; stores it in *number. */
 bool pen_number_parse(const char *text, long low, long high, long *number);
 
+/* Whether text is a UUID; writes it in lower case, which is the same one. */
+enum { PEN_UUID_BYTES = 37 };
+bool pen_uuid_parse(const char *text, char uuid[PEN_UUID_BYTES]);
+
 /* Whether a Host names this machine: localhost, 127.0.0.1 or [::1], with or without a port. False
  * for NULL. */
 bool pen_host_is_loopback(const char *host);

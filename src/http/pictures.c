@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEPT = 64, KEY_BYTES = 300 };
+enum { KEPT = 256, KEY_BYTES = 340 }; /* a list of thumbnails is kept whole */
 
 struct kept {
     char key[KEY_BYTES];
@@ -53,8 +53,8 @@ static void write_key(const char *job, const struct pen_image_query *query, char
 {
     const char *layer = query->layer ? query->layer : "beauty";
     const char *format = query->format ? query->format : pen_image_formats[0];
-    snprintf(key, KEY_BYTES, "%s/%s/%s/%s%s", job, layer, format, query->view ? "=" : "",
-             query->view ? query->view : "");
+    snprintf(key, KEY_BYTES, "%s/%s/%s/%d/%s/%s%s", job, query->with ? query->with : "", layer,
+             query->max_edge, format, query->view ? "=" : "", query->view ? query->view : "");
 }
 
 /* Called with the lock held. */

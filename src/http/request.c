@@ -140,6 +140,12 @@ long pen_http_request_number(const struct request *request, const char *name, lo
     return text ? strtol(text, NULL, 10) : otherwise;
 }
 
+bool pen_http_request_is_true(const struct request *request, const char *name)
+{
+    const char *text = pen_http_request_param(request, name);
+    return text && strcmp(text, "true") == 0;
+}
+
 const char *pen_http_request_client(const struct request *request, char text[CLIENT_BYTES])
 {
     if (request->holder.name[0])

@@ -29,9 +29,16 @@ static const struct param_rule job_params[] = {{.name = "wait", .low = 0, .high 
 static const struct param_rule image_params[] = {{.name = "view", .longest = 200},
                                                  {.name = "layer", .allowed = pen_layer_names},
                                                  {.name = "format", .allowed = pen_image_formats},
+                                                 {.name = "max_edge", .low = 64, .high = 512},
                                                  {0}};
+static const char *const compare_formats[] = {"json", "png", NULL};
+static const struct param_rule compare_params[] = {{.name = "with", .is_job = true},
+                                                   {.name = "view", .longest = 200},
+                                                   {.name = "format", .allowed = compare_formats},
+                                                   {0}};
 static const char *const booleans[] = {"false", "true", NULL};
 static const struct param_rule delete_params[] = {{.name = "stats", .allowed = booleans}, {0}};
+static const struct param_rule stats_params[] = {{.name = "so_far", .allowed = booleans}, {0}};
 static const struct param_rule preview_params[] = {{.name = "view", .longest = 200}, {0}};
 
 /* A route does not compile without its scope. */
@@ -52,9 +59,12 @@ static const struct route table[] = {
     ROUTE("GET", "/v1/jobs/{id}/events", READ, events, .queue = QUEUE_STORE),
     ROUTE("GET", "/v1/jobs/{id}/image", READ, image, .queue = QUEUE_COMPUTE,
           .params = image_params),
+    ROUTE("GET", "/v1/jobs/{id}/compare", READ, compare, .queue = QUEUE_COMPUTE,
+          .params = compare_params),
     ROUTE("GET", "/v1/jobs/{id}/preview", READ, preview, .queue = QUEUE_COMPUTE,
           .params = preview_params),
-    ROUTE("GET", "/v1/jobs/{id}/stats", READ, stats, .queue = QUEUE_COMPUTE),
+    ROUTE("GET", "/v1/jobs/{id}/stats", READ, stats, .queue = QUEUE_COMPUTE,
+          .params = stats_params),
     ROUTE("GET", "/v1/jobs/{id}/report", READ, report, .queue = QUEUE_COMPUTE),
     ROUTE("GET", "/v1/jobs/{id}/scene", READ, scene, .queue = QUEUE_COMPUTE),
     ROUTE("POST", "/v1/jobs/{id}/cancel", SUBMIT, cancel, .queue = QUEUE_CHANGES),
@@ -180,6 +190,13 @@ static bool check_value(const struct param_rule *rule, const char *value, struct
                         "allowed",
                         rule->name, value, rule->low, rule->high);
     }
+    if (rule->is_job) {
+        char id[PEN_UUID_BYTES];
+        return pen_uuid_parse(value, id) ||
+               pen_fail(st, PEN_USAGE,
+                        "query parameter %s is \"%.80s\"; the id of a job is allowed", rule->name,
+                        value);
+    }
     size_t length = pen_utf8_count(value);
     return (length > 0 && length <= rule->longest) ||
            pen_fail(st, PEN_USAGE, "query parameter %s has %zu characters; 1 to %zu are allowed",
@@ -206,6 +223,11 @@ bool pen_http_route_check_params(const struct route *route, const struct pen_tar
         if (pen_target_param(target, param->name) != param->value)
             return pen_fail(st, PEN_USAGE, "query parameter %s is given twice", param->name);
     }
+    for (const struct param_rule *rule = route->params; rule && rule->name; rule++) {
+        if (rule->is_job && !pen_target_param(target, rule->name))
+            return pen_fail(st, PEN_USAGE, "query parameter %s is missing: the id of another job",
+                            rule->name);
+    }
     return true;
 }
 
@@ -220,8 +242,8 @@ enum queue_id pen_http_route_queue(const struct route *route, const struct reque
     const char *view = pen_target_param(target, "view");
     const char *layer = pen_target_param(target, "layer");
     const char *format = pen_target_param(target, "format");
-    const bool stored = (!view || strcmp(view, "all") != 0) &&
-                        (!layer || strcmp(layer, "beauty") == 0) &&
-                        (!format || strcmp(format, "png") == 0);
+    const bool stored =
+        (!view || strcmp(view, "all") != 0) && (!layer || strcmp(layer, "beauty") == 0) &&
+        (!format || strcmp(format, "png") == 0) && !pen_target_param(target, "max_edge");
     return stored ? QUEUE_STORE : QUEUE_COMPUTE;
 }

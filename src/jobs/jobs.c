@@ -148,6 +148,24 @@ static json_t *list_json(const struct pen_job_record *jobs, int count, int page,
     return answer;
 }
 
+/* Adds the number of jobs in each state; takes the answer. */
+static json_t *with_counts(json_t *answer, struct pen_store *store, struct pen_status *st)
+{
+    int64_t jobs[PEN_JOB_STATE_COUNT];
+    if (!pen_store_job_counts(store, jobs, st)) {
+        json_decref(answer);
+        return NULL;
+    }
+    json_t *counts = json_object();
+    for (int i = 0; i < PEN_JOB_STATE_COUNT; i++)
+        counts = pen_json_with(counts, pen_job_state_name((enum pen_job_state)i),
+                               json_integer((json_int_t)jobs[i]));
+    answer = pen_json_with(answer, "counts", counts);
+    if (!answer)
+        pen_fail(st, PEN_NO_MEMORY, "no memory for a list of jobs");
+    return answer;
+}
+
 json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
                       struct pen_status *st)
 {
@@ -169,7 +187,7 @@ json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
         return NULL;
     json_t *answer = list_json(list, count, page_count(list, count, query->limit), st);
     pen_job_records_free(list, count);
-    return answer;
+    return answer && !query->cursor ? with_counts(answer, jobs->store, st) : answer;
 }
 
 bool pen_jobs_cancel(struct pen_jobs *jobs, const char *id, const char *client,

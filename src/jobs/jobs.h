@@ -94,7 +94,8 @@ struct pen_list_query {
 };
 
 /* A page of jobs, newest first: {jobs: […], next: cursor | null}. It ends at the limit or at about
- * 1 MiB of JSON, but not before its first job. Owns: the caller. Fails:
+ * 1 MiB of JSON, but not before its first job. Without a cursor it also has `counts`, the number of
+ * all jobs in each state. Owns: the caller. Fails:
  * PEN_USAGE (limit, a label without a colon, or a cursor that no list has given). */
 json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
                       struct pen_status *st);
@@ -115,6 +116,8 @@ struct pen_image_query {
     const char *view;   /* "all": a contact sheet of all views; NULL: the first view */
     const char *layer;  /* NULL: beauty */
     const char *format; /* one of pen_image_formats; NULL: the first */
+    int max_edge;       /* pixels: a PNG with a longer edge is shrunk to that; 0: it is not */
+    const char *with;   /* of pen_jobs_compare: the other job */
 };
 
 struct pen_image {
@@ -125,9 +128,16 @@ struct pen_image {
 
 /* The picture of a job that has succeeded. Fails: PEN_CONFLICT (unfinished, failed, cancelled);
  * PEN_NOT_FOUND (no such job or view, a layer that was not requested, a job with a report);
- * PEN_USAGE (format, layer). */
+ * PEN_USAGE (format, layer, max_edge with another format than PNG). */
 bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                     struct pen_image *out, struct pen_status *st);
+
+/* The difference between the view of a job and that of the job `with`, which is the reference. Of
+ * the query, layer and max_edge do not count. Format "json" (NULL) has the figures
+ * (comparison.h), "png" FLIP's error of each pixel. Fails: PEN_NOT_FOUND, as pen_jobs_image;
+ * PEN_CONFLICT (a job that has not succeeded; views of different sizes). */
+bool pen_jobs_compare(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
+                      struct pen_image *out, struct pen_status *st);
 
 /* The pixels committed so far as an RGBA PNG; the others are transparent. Of the query, layer and
  * format do not count; NULL: of the first view. Fails: PEN_NOT_FOUND (no such job or view, a job
@@ -153,6 +163,9 @@ bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_jo
 /* The statistics object of a job that has ended, also if it was removed since. Owns: the caller.
  * Fails: PEN_NOT_FOUND; PEN_GONE (removed with its statistics); PEN_CONFLICT (it has not ended). */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
+
+/* The same, and of a job that has not ended that of its committed batches. */
+json_t *pen_jobs_stats_so_far(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
 /* The report of a job in one of the formats of pen_bench_report_formats. Fails: PEN_CONFLICT
  * (unfinished, failed, cancelled); PEN_NOT_FOUND (no such job, or of a kind without a report);

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures of jobs.
  *   - The PNG of a view is stored with the view's last commit.
- *   - Other formats, and the contact sheet of all views, are made from the committed pixels at the
- *     first request for them, and then stored as long as there is space for them.
- *   - The preview is made at each request, because the committed pixels may have changed. */
+ *   - Other formats, and the contact sheet of all views, are made from the committed pixels.
+ *   - A smaller picture is made from the PNG.
+ *   - The preview has the pixels that are committed when it is requested. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "film/picture.h"
+#include "film/shrink.h"
+#include "jobs/comparison.h"
 #include "jobs/internal/ids.h"
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/members.h"
@@ -78,11 +80,18 @@ static bool resolve_layer(struct wanted *want, const char *name, struct pen_stat
            pen_fail(st, PEN_NOT_FOUND, "the layer \"%s\" was not requested", name);
 }
 
-static bool resolve_format(struct wanted *want, const char *format, struct pen_status *st)
+static bool resolve_format(struct wanted *want, const struct pen_image_query *query,
+                           struct pen_status *st)
 {
+    const char *format = query->format;
     want->format = format ? pen_name_index(format, pen_image_formats) : FORMAT_PNG;
-    return want->format >= 0 ||
-           pen_fail(st, PEN_USAGE, "format must be one of png, png16, pfm; found \"%.60s\"",
+    if (want->format < 0)
+        return pen_fail(st, PEN_USAGE, "format must be one of png, png16, pfm; found \"%.60s\"",
+                        format);
+    return query->max_edge == 0 || want->format == FORMAT_PNG ||
+           pen_fail(st, PEN_USAGE,
+                    "max_edge makes a small png; the format \"%s\" has every pixel, so it must "
+                    "not be given with max_edge",
                     format);
 }
 
@@ -238,6 +247,24 @@ static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct
     return st->code == PEN_NOT_FOUND && make_picture(jobs, want, out, st);
 }
 
+/* Replaces a PNG whose longer edge has more pixels than that by a smaller one. */
+static bool shrink(struct pen_buf *png, int max_edge, struct pen_status *st)
+{
+    const struct pen_png_options options = {.bits = 8, .transfer = PEN_TRANSFER_SRGB};
+    struct pen_picture *picture = pen_picture_read(png->data, png->bytes, st);
+    if (!picture)
+        return false;
+    bool ok = true;
+    if (pen_picture_width(picture) > max_edge || pen_picture_height(picture) > max_edge) {
+        struct pen_film *film = pen_picture_shrink(picture, max_edge, st);
+        pen_buf_release(png);
+        ok = film && pen_png_write(film, &options, png, st);
+        pen_film_free(film);
+    }
+    pen_picture_free(picture);
+    return ok;
+}
+
 static bool fill_image(struct pen_image *image, const char *type)
 {
     strcpy(image->type, type);
@@ -261,13 +288,53 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
     struct wanted want = {.id = id};
     enum pen_job_state state;
     *out = (struct pen_image){0};
-    if (!resolve_format(&want, query->format, st) || !read_job(jobs, id, &want.request, &state, st))
+    if (!resolve_format(&want, query, st) || !read_job(jobs, id, &want.request, &state, st))
         return false;
     bool ok = resolve_layer(&want, query->layer, st) &&
               resolve_view(&want, query->view, true, st) && check_succeeded(id, state, st) &&
               get_picture(jobs, &want, &out->bytes, st) &&
+              (query->max_edge == 0 || shrink(&out->bytes, query->max_edge, st)) &&
               fill_image(out, media_types[want.format]);
     pen_stored_request_release(&want.request);
+    if (!ok)
+        pen_buf_release(&out->bytes);
+    return ok;
+}
+
+/* Reads a view of a job that has succeeded, as its PFM file has it. */
+static struct pen_picture *read_view(struct pen_jobs *jobs, const char *id, const char *view,
+                                     struct pen_status *st)
+{
+    struct wanted want = {.id = id, .layer = PEN_LAYER_BEAUTY};
+    enum pen_job_state state;
+    struct pen_picture *picture = NULL;
+    if (!read_job(jobs, id, &want.request, &state, st))
+        return NULL;
+    if (resolve_view(&want, view, false, st) && check_succeeded(id, state, st)) {
+        struct pen_film *film = make_view(jobs, &want, st);
+        const enum pen_transfer transfer = pen_settings_transfer(&want.request.settings);
+        picture = film ? pen_picture_take_film(film, transfer, st) : NULL;
+    }
+    pen_stored_request_release(&want.request);
+    return picture;
+}
+
+bool pen_jobs_compare(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
+                      struct pen_image *out, struct pen_status *st)
+{
+    const bool map = query->format && strcmp(query->format, "png") == 0;
+    *out = (struct pen_image){0};
+    struct pen_picture *a = read_view(jobs, id, query->view, st);
+    struct pen_picture *b = a ? read_view(jobs, query->with, query->view, st) : NULL;
+    bool ok = b != NULL;
+    if (ok && !pen_picture_same_size(a, b, st)) {
+        st->code = PEN_CONFLICT; /* of the two jobs */
+        ok = false;
+    }
+    ok = ok && pen_comparison_write(a, b, map, &out->bytes, st) &&
+         fill_image(out, map ? media_types[FORMAT_PNG] : "application/json");
+    pen_picture_free(a);
+    pen_picture_free(b);
     if (!ok)
         pen_buf_release(&out->bytes);
     return ok;
@@ -326,17 +393,27 @@ static json_t *removed_stats(struct pen_jobs *jobs, const char *id, struct pen_s
     return stats;
 }
 
-json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st)
+static json_t *read_stats(struct pen_jobs *jobs, const char *id, bool so_far, struct pen_status *st)
 {
     struct pen_job_record job;
     if (!pen_store_job(jobs->store, id, &job, st))
         return st->code == PEN_GONE ? removed_stats(jobs, id, st) : NULL;
     json_t *stats = NULL;
-    if (pen_job_state_ended(job.state))
+    if (so_far || pen_job_state_ended(job.state))
         stats = pen_stats_of_job(jobs->store, &job, st);
     else
         pen_fail(st, PEN_CONFLICT, "job %s is %s; it has statistics when it has ended", id,
                  pen_job_state_name(job.state));
     pen_job_record_release(&job);
     return stats;
+}
+
+json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st)
+{
+    return read_stats(jobs, id, false, st);
+}
+
+json_t *pen_jobs_stats_so_far(struct pen_jobs *jobs, const char *id, struct pen_status *st)
+{
+    return read_stats(jobs, id, true, st);
 }

@@ -149,24 +149,38 @@ bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter
     return ok;
 }
 
-static bool read_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st)
+static bool count_jobs(struct pen_store *store, int64_t jobs[PEN_JOB_STATE_COUNT],
+                       struct pen_status *st)
 {
     struct pen_rows *rows = pen_db_rows(
         store->db, st, "SELECT state, count(*) FROM job WHERE removed_ms = 0 GROUP BY state", "");
+    memset(jobs, 0, PEN_JOB_STATE_COUNT * sizeof *jobs);
     while (pen_db_next(rows)) {
         const int64_t state = pen_db_int(rows, 0);
         if (state >= 0 && state < PEN_JOB_STATE_COUNT)
-            counts->jobs[state] = pen_db_int(rows, 1);
+            jobs[state] = pen_db_int(rows, 1);
     }
-    if (!pen_db_done(rows))
-        return false;
-    return pen_row_numbers(
-        pen_db_rows(store->db, st,
-                    "SELECT (SELECT count(*) FROM batch WHERE state = 0), "
-                    "(SELECT count(*) FROM batch WHERE state = 1), (SELECT created_ms FROM job "
-                    "WHERE state = 0 AND removed_ms = 0 ORDER BY number LIMIT 1)",
-                    ""),
-        &counts->open_batches, &counts->leased_batches, &counts->oldest_queued_ms, NULL);
+    return pen_db_done(rows);
+}
+
+bool pen_store_job_counts(struct pen_store *store, int64_t jobs[PEN_JOB_STATE_COUNT],
+                          struct pen_status *st)
+{
+    return pen_db_begin(store->db, PEN_DB_READ, st) &&
+           pen_db_end(store->db, count_jobs(store, jobs, st), st);
+}
+
+static bool read_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st)
+{
+    return count_jobs(store, counts->jobs, st) &&
+           pen_row_numbers(
+               pen_db_rows(
+                   store->db, st,
+                   "SELECT (SELECT count(*) FROM batch WHERE state = 0), "
+                   "(SELECT count(*) FROM batch WHERE state = 1), (SELECT created_ms FROM job "
+                   "WHERE state = 0 AND removed_ms = 0 ORDER BY number LIMIT 1)",
+                   ""),
+               &counts->open_batches, &counts->leased_batches, &counts->oldest_queued_ms, NULL);
 }
 
 bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st)

@@ -167,6 +167,10 @@ bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter
                     struct pen_job_record **jobs, int *count, struct pen_status *st);
 void pen_job_records_free(struct pen_job_record *jobs, int count);
 
+/* The number of jobs in each state. Cost: reads an index entry for each job. */
+bool pen_store_job_counts(struct pen_store *store, int64_t jobs[PEN_JOB_STATE_COUNT],
+                          struct pen_status *st);
+
 /* The number of jobs in each state, and of batches that are open or leased. */
 struct pen_counts {
     int64_t jobs[PEN_JOB_STATE_COUNT];

@@ -198,15 +198,18 @@ samples = {
                ("400", done + "?wait=99", {}), ("404", NOBODY, {}), ("410", gone, {})],
     "getEvents": [("200", done, {}), ("204", done, known), ("404", NOBODY, {}), ("410", gone, {})],
     "cancelJob": [("404", NOBODY, {}), ("410", gone, {})],
-    "getImage": [("200", done, {}), ("404", measured, {}), ("200", done + "?format=pfm", {}),
+    "getImage": [("200", done, {}), ("404", measured, {}), ("200", done + "?format=pfm", {}), ("200", done + "?max_edge=64", {}),
                  ("206", done, {"Range": "bytes=0-9"}), ("304", done, everything),
                  ("400", done + "?format=gif", {}), ("404", done + "?view=x", {}),
                  ("404", done + "?view=" + "%C3%BC" * 200, {}), ("400", done + "?view=" + "x" * 201, {}),
                  ("404", done + "?layer=depth", {}), ("404", NOBODY, {}), ("409", busy, {}), ("410", gone, {}),
                  ("416", done, {"Range": "bytes=9999999-"})],
+    "compareJobs": [("200", f"{done}?with={done}", {}), ("200", f"{done}?with={done}&format=png", {}),
+                    ("304", f"{done}?with={done}", everything), ("400", done, {}), ("404", f"{done}?with={NOBODY}", {}),
+                    ("409", f"{done}?with={busy}", {}), ("410", f"{done}?with={gone}", {})],
     "getPreview": [("200", done, {}), ("200", busy, {}), ("304", done, everything),
                    ("400", done + "?x", {}), ("404", NOBODY, {}), ("404", done + "?view=x", {}), ("410", gone, {})],
-    "getStatistics": [("200", done, {}), ("200", measured, {}), ("200", unrendered, {}), ("304", done, everything), ("404", NOBODY, {}),
+    "getStatistics": [("200", done, {}), ("200", busy + "?so_far=true", {}), ("400", done + "?so_far=1", {}), ("200", measured, {}), ("200", unrendered, {}), ("304", done, everything), ("404", NOBODY, {}),
                       ("409", busy, {}), ("200", kept, {}), ("410", gone, {})],
     "getReport": [("200", billed, {}), ("200", billed, {"Accept": "application/json"}),
                   ("200", billed, {"Accept": "text/csv"}), ("200", measured, {}), ("200", measured, {"Accept": "application/json"}),
@@ -235,7 +238,7 @@ samples = {
                   ("404", NOBODY, {}), ("409", busy, {})],
 }
 samples["cancelJob"].append(("202", busy, {}))
-order = ["deleteJob", "getReport", "getImage", "getStatistics", "getPreview", "getJob"]  # while `busy` is busy
+order = ["deleteJob", "getReport", "getImage", "compareJobs", "getStatistics", "getPreview", "getJob"]  # while `busy` is busy
 operations = {}
 for path, item in definition["paths"].items():
     for method in ("get", "post", "delete", "put"):

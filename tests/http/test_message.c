@@ -274,6 +274,22 @@ START_TEST(test_message__etag_lists)
 }
 END_TEST
 
+START_TEST(test_message__uuid_has_its_form)
+{
+    static const char *const wrong[] = {"",
+                                        "x",
+                                        "01890a5d-ac96-774b-bcce-b302099a805",
+                                        "01890a5d-ac96-774b-bcce-b302099a80577",
+                                        "01890a5d-ac96-774b-bcce-b302099a805g",
+                                        "01890a5dfac96-774b-bcce-b302099a8057"};
+    char uuid[PEN_UUID_BYTES];
+    ck_assert(pen_uuid_parse("01890A5d-aC96-774b-bcce-b302099a8057", uuid));
+    ck_assert_str_eq(uuid, "01890a5d-ac96-774b-bcce-b302099a8057");
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        ck_assert_msg(!pen_uuid_parse(wrong[i], uuid), "%s", wrong[i]);
+}
+END_TEST
+
 START_TEST(test_message__ranges)
 {
     static const struct {
@@ -365,6 +381,6 @@ PEN_SUITE("message", test_message__target_splits_path_and_query,
           test_message__target_survives_random_bytes, test_message__template_gives_its_argument,
           test_message__number_takes_plain_digits_in_range,
           test_message__host_is_loopback_by_name_only, test_message__origin_must_be_the_host,
-          test_message__media_types, test_message__etag_lists, test_message__ranges,
-          test_message__empty_body_has_no_ranges,
+          test_message__media_types, test_message__etag_lists, test_message__uuid_has_its_form,
+          test_message__ranges, test_message__empty_body_has_no_ranges,
           test_message__accept_chooses_the_most_preferred_type)

@@ -34,8 +34,9 @@ START_TEST(test_pictures__readers_share_one_copy)
     struct pictures *pictures = pen_http_pictures_new(256 * PART);
     struct picture a, b, c;
     const struct pen_image_query same = {.layer = "beauty", .format = "png"};
-    const struct pen_image_query others[] = {
-        {.view = ""}, {.view = "a"}, {.layer = "depth"}, {.format = "pfm"}};
+    const struct pen_image_query others[] = {{.view = ""},       {.view = "a"},
+                                             {.layer = "depth"}, {.format = "pfm"},
+                                             {.max_edge = 64},   {.with = "other"}};
     ck_assert(take(pictures, "job", 10 * PART, &a));
     ck_assert(pen_http_pictures_find(pictures, "job", &same, &b));
     ck_assert_ptr_eq(a.blob, b.blob);
@@ -55,7 +56,7 @@ END_TEST
 
 START_TEST(test_pictures__the_last_ones_are_kept)
 {
-    enum { MANY = 100 };
+    enum { MANY = 300 };
     struct pictures *pictures = pen_http_pictures_new(256 * PART);
     const struct pen_image_query query = {0};
     struct picture picture;
@@ -65,7 +66,7 @@ START_TEST(test_pictures__the_last_ones_are_kept)
         ck_assert(take(pictures, job, 1000, &picture));
         pen_http_blob_unref(picture.blob);
     }
-    for (int i = MANY - 50; i < MANY; i++) {
+    for (int i = MANY - 200; i < MANY; i++) {
         snprintf(job, sizeof job, "job %d", i);
         ck_assert(pen_http_pictures_find(pictures, job, &query, &picture));
         pen_http_blob_unref(picture.blob);

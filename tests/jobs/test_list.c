@@ -66,6 +66,36 @@ START_TEST(test_list__pages_follow_one_another_without_gaps)
 }
 END_TEST
 
+/* The first page counts all jobs of the store, whatever it is filtered by. */
+START_TEST(test_list__counts_jobs_by_state)
+{
+    static const char *const states[] = {"queued", "running", "succeeded", "failed", "cancelled"};
+    static const int expected[] = {4, 0, 0, 0, 2};
+    struct pen_job_snapshot job;
+    struct pen_status st;
+    jobs_bed_open(&bed);
+    for (char name = 'a'; name <= 'g'; name++) {
+        submit_named(name);
+        if (name > 'd') {
+            ck_assert(pen_jobs_cancel(bed.jobs, id, NULL, &job, &st));
+            json_decref(job.json);
+        }
+    }
+    ck_assert(pen_jobs_delete(bed.jobs, id, NULL, false, &st));
+    struct pen_list_query query = {.state = PEN_JOB_QUEUED, .name = "a", .limit = 1};
+    json_t *page = list(&query), *counts = json_object_get(page, "counts");
+    ck_assert_uint_eq(json_object_size(counts), 5);
+    for (int i = 0; i < 5; i++)
+        ck_assert_int_eq(json_integer_value(json_object_get(counts, states[i])), expected[i]);
+    json_decref(page);
+    query.cursor = "j2";
+    page = list(&query);
+    ck_assert_ptr_null(json_object_get(page, "counts"));
+    json_decref(page);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 /* The jobs of all pages are those of the store, and no page is empty or long. */
 START_TEST(test_list__a_page_ends_at_a_mebibyte)
 {
@@ -526,7 +556,7 @@ START_TEST(test_list__workers_are_shown_with_host_and_work)
 }
 END_TEST
 
-PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps,
+PEN_SUITE("list", test_list__pages_follow_one_another_without_gaps, test_list__counts_jobs_by_state,
           test_list__a_page_ends_at_a_mebibyte, test_list__state_filters,
           test_list__name_and_label_filter, test_list__labels_do_not_affect_the_order_of_jobs,
           test_list__wrong_cursors_and_limits_are_refused,

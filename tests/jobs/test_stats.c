@@ -160,6 +160,7 @@ static json_t *stats_of_forks(void)
 /* In one batch, in several, and in several with an interruption. */
 START_TEST(test_stats__paths_cut_off_do_not_depend_on_the_batches)
 {
+    struct pen_status st;
     jobs_bed_open(&bed);
     jobs_worker_start(&bed);
     submit_forks(1, 24);
@@ -171,6 +172,12 @@ START_TEST(test_stats__paths_cut_off_do_not_depend_on_the_batches)
         usleep(2000);
     jobs_worker_stop(&bed);
     ck_assert_int_gt(done_pixels(), 0);
+    json_t *so_far = pen_jobs_stats_so_far(bed.jobs, id, &st);
+    ck_assert(number(json_object_get(so_far, "rays"), "total") > 0);
+    ck_assert(number(so_far, "mrays_per_second") > 0);
+    ck_assert(number(json_object_get(so_far, "rays"), "total") <
+              number(json_object_get(want, "rays"), "total"));
+    json_decref(so_far);
     jobs_worker_start(&bed);
     json_t *resumed = stats_of_forks();
     ck_assert(json_equal(several, want));
@@ -189,6 +196,9 @@ START_TEST(test_stats__come_only_after_the_end)
     jobs_submit(&bed, jobs_scene(""), id);
     ck_assert_ptr_null(pen_jobs_stats(bed.jobs, id, &st));
     ck_assert_int_eq(st.code, PEN_CONFLICT);
+    json_t *so_far = pen_jobs_stats_so_far(bed.jobs, id, &st);
+    ck_assert(number(json_object_get(so_far, "rays"), "total") == 0);
+    json_decref(so_far);
     store_must(pen_store_cancel(bed.bed.store, id, NULL, &st), &st, "cancel");
     json_t *stats = stats_of_job();
     ck_assert(number(json_object_get(stats, "rays"), "total") == 0);

@@ -2,7 +2,6 @@
 /* `penumbra compare`: measures the difference of two picture files, and draws where it is. Two
  * reports of benchmarks are compared by report_source.c. */
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,25 +12,13 @@
 #include "cmd/client/report_source.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
-#include "film/encode.h"
-#include "film/error_map.h"
-#include "film/flip.h"
-#include "film/metrics.h"
 #include "film/ssim.h"
+#include "jobs/comparison.h"
 
 struct values {
     double max_rmse, max_flip, min_ssim, max_error, tolerance;
     const char *output, *format;
     bool json, quiet, time;
-};
-
-/* What is measured. Without being asked for, ssim and flip stay 0. */
-struct figures {
-    int width, height;
-    struct pen_difference difference;
-    double ssim;
-    struct pen_flip flip;
-    bool tags_differ; /* although the samples are equal */
 };
 
 static const struct pen_option options[] = {
@@ -89,31 +76,7 @@ static struct pen_picture *read_picture(const char *path, struct pen_status *st)
     return picture;
 }
 
-/* JSON has no infinity: the PSNR of equal pictures is null. */
-static json_t *real_or_null(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
-static void print_json(const struct figures *f)
-{
-    const struct pen_difference *d = &f->difference;
-    const struct pen_flip *flip = &f->flip;
-    pen_report_exact(
-        json_pack("{s:f, s:o, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:[i, i], s:I, s:I, "
-                  "s:I, s:I, s:f, "
-                  "s:b}",
-                  "rmse", d->rmse, "relative_mse", real_or_null(d->relative_mse), "psnr",
-                  real_or_null(d->psnr), "ssim", f->ssim, "flip", flip->mean, "flip_min", flip->min,
-                  "flip_first_quartile", flip->first_quartile, "flip_weighted_median",
-                  flip->weighted_median, "flip_third_quartile", flip->third_quartile, "flip_max",
-                  flip->max, "max_error", d->max_error, "max_at", d->max_x, d->max_y, "pixels",
-                  (json_int_t)f->width * f->height, "differing", (json_int_t)d->differing,
-                  "alpha_differing", (json_int_t)d->alpha, "over_tolerance", (json_int_t)d->over,
-                  "rmse_within", d->rmse_within, "tags_differ", f->tags_differ));
-}
-
-static void print_text(const struct figures *f, const struct values *values)
+static void print_text(const struct pen_comparison *f, const struct values *values)
 {
     const struct pen_difference *d = &f->difference;
     printf("rmse          %.9g\n", d->rmse);
@@ -136,7 +99,8 @@ static void print_text(const struct figures *f, const struct values *values)
                d->over, d->rmse_within);
 }
 
-static bool within(const struct figures *f, const struct values *values, struct pen_status *st)
+static bool within(const struct pen_comparison *f, const struct values *values,
+                   struct pen_status *st)
 {
     const struct pen_difference *d = &f->difference;
     if (d->alpha > 0)
@@ -170,9 +134,10 @@ static bool check_values(const struct values *v, struct pen_status *st)
     return pen_output_format(v->output, v->format, st) && pen_file_check(v->output, st);
 }
 
-/* Measures what will be printed or judged. `errors` may be NULL. */
+/* Measures what will be printed or judged; of the rest ssim and flip stay 0. `errors` may be NULL.
+ */
 static bool measure(const struct pen_picture *a, const struct pen_picture *b,
-                    const struct values *values, struct figures *f, float *errors,
+                    const struct values *values, struct pen_comparison *f, float *errors,
                     struct pen_status *st)
 {
     const double tolerance = values->tolerance >= 0 ? values->tolerance : 0;
@@ -183,28 +148,12 @@ static bool measure(const struct pen_picture *a, const struct pen_picture *b,
             pen_picture_flip(a, b, errors, &f->flip, st));
 }
 
-/* Appends the map as a file of that format, one of pen_output_formats. */
-static bool encode_map(const float *errors, const struct figures *f, const char *format,
-                       struct pen_buf *out, struct pen_status *st)
-{
-    const bool numbers = strcmp(format, "pfm") == 0;
-    const struct pen_png_options png = {.bits = strcmp(format, "png16") == 0 ? 16 : 8,
-                                        .transfer = PEN_TRANSFER_SRGB,
-                                        .description = "FLIP: black is 0, pale yellow is 1"};
-    struct pen_film *film = pen_error_map(
-        errors, f->width, f->height, numbers ? PEN_ERROR_MAP_VALUES : PEN_ERROR_MAP_COLOURS, st);
-    const bool ok =
-        film && (numbers ? pen_pfm_write(film, out, st) : pen_png_write(film, &png, out, st));
-    pen_film_free(film);
-    return ok;
-}
-
-static bool write_map(const float *errors, const struct figures *f, const struct values *values,
-                      struct pen_status *st)
+static bool write_map(const float *errors, const struct pen_comparison *f,
+                      const struct values *values, struct pen_status *st)
 {
     const char *format = pen_output_format(values->output, values->format, st);
     struct pen_buf bytes = {0};
-    const bool ok = format && encode_map(errors, f, format, &bytes, st) &&
+    const bool ok = format && pen_comparison_map(errors, f->width, f->height, format, &bytes, st) &&
                     pen_file_write(values->output, bytes.data, bytes.bytes, st);
     pen_buf_release(&bytes);
     return ok;
@@ -212,9 +161,10 @@ static bool write_map(const float *errors, const struct figures *f, const struct
 
 /* Measures and draws. */
 static bool make_results(const struct pen_picture *a, const struct pen_picture *b,
-                         const struct values *values, struct figures *f, struct pen_status *st)
+                         const struct values *values, struct pen_comparison *f,
+                         struct pen_status *st)
 {
-    *f = (struct figures){.width = pen_picture_width(a), .height = pen_picture_height(a)};
+    *f = (struct pen_comparison){.width = pen_picture_width(a), .height = pen_picture_height(a)};
     if (!values->output)
         return measure(a, b, values, f, NULL, st);
     float *errors = malloc((size_t)f->width * (size_t)f->height * sizeof *errors);
@@ -229,13 +179,13 @@ static bool make_results(const struct pen_picture *a, const struct pen_picture *
 static int compare(struct pen_picture *a, struct pen_picture *b, const struct values *values)
 {
     struct pen_status st;
-    struct figures figures;
+    struct pen_comparison figures;
     const bool tags_differ = pen_picture_match(a, b);
     if (!make_results(a, b, values, &figures, &st))
         return pen_report_json(NULL, values->json, &st);
     figures.tags_differ = tags_differ;
     if (values->json)
-        print_json(&figures);
+        pen_report_exact(pen_comparison_json(&figures));
     else if (!values->quiet)
         print_text(&figures, values);
     if (within(&figures, values, &st))

@@ -143,6 +143,9 @@ enum outcome pen_http_request_fail(struct request *request, const struct pen_sta
 const char *pen_http_request_param(const struct request *request, const char *name);
 long pen_http_request_number(const struct request *request, const char *name, long otherwise);
 
+/* Whether a query parameter is "true". */
+bool pen_http_request_is_true(const struct request *request, const char *name);
+
 /* Writes the client, "token:NAME" or "address:IP". Returns the text. */
 const char *pen_http_request_client(const struct request *request, char text[CLIENT_BYTES]);
 

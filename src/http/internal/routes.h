@@ -30,7 +30,7 @@ typedef bool route_quick(struct request *request);
 route_handler pen_http_handle_submit, pen_http_handle_list, pen_http_handle_job,
     pen_http_handle_cancel, pen_http_handle_delete, pen_http_handle_explain;
 route_handler pen_http_handle_image, pen_http_handle_preview, pen_http_handle_stats,
-    pen_http_handle_scene, pen_http_handle_report;
+    pen_http_handle_scene, pen_http_handle_report, pen_http_handle_compare;
 route_handler pen_http_handle_events;
 route_handler pen_http_handle_validate, pen_http_handle_file, pen_http_handle_workers,
     pen_http_handle_healthz, pen_http_handle_readyz;
@@ -47,11 +47,13 @@ enum queue_id {
 };
 
 /* What a query parameter may be: if `allowed` is set, one of these words; else, if high > 0, a
- * number from low to high; else a text of 1 to `longest` characters. */
+ * number from low to high; else, if is_job, the id of a job, which must be given; else a text of 1
+ * to `longest` characters. */
 struct param_rule {
     const char *name;
     const char *const *allowed; /* ends with NULL */
     long low, high;
+    bool is_job;
     size_t longest;
 };
 
