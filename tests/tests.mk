@@ -164,11 +164,16 @@ $(RECORD): $(RECORD).o
 front: all $(LOAD) $(RECORD)
 	@sh tests/front/nginx.sh $(BUILD) || [ $$? -eq 77 ]
 
-# The page at / and the reports, in headless Chromium.
-.PHONY: page
+# The page at / and the reports, in headless Chromium; the pictures of the gallery and of README.md.
+.PHONY: page page-pictures
 page: all
 	@sh deploy/install-deps.sh --page
-	@sh tests/page/page.sh $(BUILD) $(PARTS)
+	@sh tests/page/page.sh $(BUILD) run.mjs $(PARTS)
+page-pictures: all
+	@sh deploy/install-deps.sh --page
+	@sh tests/page/page.sh $(BUILD) pictures.mjs thumbnails
+	@$(MAKE) -s all
+	@sh tests/page/page.sh $(BUILD) pictures.mjs
 
 # A daemon that is used for MINUTES (30): jobs of all kinds, readers, cancels, kills, restarts, limits of what is kept.
 .PHONY: soak
