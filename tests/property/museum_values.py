@@ -47,7 +47,8 @@ def rays(e):
 
 def off(colour, right):
     """The largest relative difference of the channels, in u."""
-    return max([abs(ours - r) / r for ours, r in zip(colour, right)]) / U
+    (a, b, c), (x, y, z) = colour, right
+    return max(abs(a - x) / x, abs(b - y) / y, abs(c - z) / z) / U
 
 
 def formula(e, what, differences):
@@ -85,7 +86,8 @@ def checker(pattern, *point):
 
 
 def near(colour, right):
-    return all([abs(ours - r) <= U * r for ours, r in zip(colour, right)])
+    (a, b, c), (x, y, z) = colour, right
+    return abs(a - x) <= U * x and abs(b - y) <= U * y and abs(c - z) <= U * z
 
 
 def fresnel(cosine, index):
@@ -219,15 +221,12 @@ def mirrored(e):
 
 def many_samples(e):
     pattern, n = material(e, 0)["emission"], 2**18
-    film = e.render(render={"width": 2, "height": 1, "samples_per_pixel": n})
-    for x, side in ((0, "left"), (1, "right")):
-        for channel, name in ((0, "red"), (2, "blue")):
-            a, b = pattern["a"][channel], pattern["b"][channel]
-            right = a + (b - a) * (x + 0.5) / 2
-            # each of n equal parts of the pixel's width has one sample
-            allowed = (b - a) / 2 / n + U * right
-            what, why = f"{name} of the {side} half", "a sample in each of 2¹⁸ strips, and u"
-            e.value(what, right, film.at(x, 0)[channel], allowed, why)
+    film = e.render(render={"width": 1, "height": 1, "samples_per_pixel": n})
+    for ours, a, b, name in zip(film.at(0, 0), pattern["a"], pattern["b"], ("red", "green", "blue")):
+        right = (a + b) / 2
+        # each of n equal parts of the pixel's width has one sample
+        allowed = (b - a) / n + U * right
+        e.value(name, right, ours, allowed, "a sample in each of 2¹⁸ strips, and u")
 
 
 def clipped(corners, axis, limit, sign):
@@ -264,10 +263,9 @@ def adaptive(e):
 
 
 def threads(e):
-    for key, values in (("threads", (1, 3)), ("tile", (7,))):
-        for value in values:
-            other = e.render(render={key: value})
-            e.value(f"pixels that differ with `{key}` {value}", 0, e.film.unlike(other))
+    for settings in ({"threads": 1}, {"threads": 3, "tile": 7}):
+        what = " and ".join(f"`{key}` {value}" for key, value in settings.items())
+        e.value(f"pixels that differ with {what}", 0, e.film.unlike(e.render(render=settings)))
 
 
 def cone_tip(e):
