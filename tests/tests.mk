@@ -91,6 +91,11 @@ $(STABILITY): $(STABILITY_OBJ) $(PROPERTY_LIB) $(TEST_SUPPORT_LIB) $(BUILD)/libr
 	$(call say,LD ,$@)
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS) $(MPFR_LIBS)
 
+# Numeric bugs of other renderers: writes tests/property/museum.md and its pictures.
+.PHONY: museum
+museum: all
+	@python3 -B tests/property/museum.py $(BUILD)
+
 # The golden films alone, quickly built: for comparing builds.
 $(FILMS): $(FILMS:%/films=%/main_films.o) $(FILMS).o $(BUILD)/librender.a
 	$(call say,LD ,$@)
