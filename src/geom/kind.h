@@ -62,7 +62,7 @@ enum { PEN_FLAT_KINDS = PEN_KINDS(FLAT_BIT) 0, PEN_INFINITE_KINDS = PEN_KINDS(IN
 #undef FLAT_BIT
 #undef INFINITE_BIT
 
-/* Whether primitives of the kind are flat; else they are round. */
+/* Whether primitives of the kind are flat; if not, they are round. */
 static inline bool pen_prim_flat(uint32_t kind)
 {
     return (unsigned)PEN_FLAT_KINDS >> kind & 1;

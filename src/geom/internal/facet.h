@@ -29,8 +29,8 @@ static inline struct dd dd_scale2(struct dd a, int e)
 }
 
 /* The facet through q with this normal, which is finite and not zero. A normal along an axis gets
- * length 1: then facets in one plane across an axis meet a ray at the same t, whatever their
- * outlines. All others are scaled by powers of two, which is exact. */
+ * length 1: then facets in one plane across an axis meet a ray at the same t, with any outlines.
+ * All others are scaled by powers of two, which is exact. */
 static inline struct pen_facet pen_facet_of(struct pen_vec3 q, struct dd3 normal)
 {
     struct pen_vec3 high = dd_round3(normal);
