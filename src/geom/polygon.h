@@ -19,8 +19,8 @@ struct pen_polygon {
     double scale;      /* pen_prim_scale: from the distance of the vertices from the facet */
     bool flat, convex; /* true only if it is so up to rounding of the vertices; may be false for a
                           polygon that is so */
-    const struct pen_triangle
-        *piece; /* its count - 2 triangles, borrowed; NULL: the polygon is not cut */
+    /* Its count - 2 triangles, borrowed; NULL: the polygon is not cut. */
+    const struct pen_triangle *piece;
 };
 
 /* Makes a polygon. The scene's reader has checked that the outline is simple and flat.

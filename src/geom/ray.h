@@ -152,9 +152,9 @@ struct pen_origin_surface {
     uint32_t prim;
     uint8_t part;
     bool through; /* the path passed through the surface: it arrived on the other side */
-    struct pen_vec3
-        toward; /* from the origin back to the start of the arriving ray; if that ray arrived at
-                   PEN_FIRST_T or at a layer, to the start of the ray before it */
+    /* From the origin back to the start of the arriving ray; if that ray arrived at PEN_FIRST_T
+     * or at a layer, to the start of the ray before it. */
+    struct pen_vec3 toward;
     struct pen_vec3 before; /* from the origin back to the start of an earlier ray; or zero */
     double bound; /* the distance by which the origin may miss its surface: pen_origin_at */
     double toward_bound, before_bound; /* the same for the starts of these two rays */

@@ -52,8 +52,8 @@ struct ray_group {
     unsigned part_bits;                             /* the parts that have rays */
     lane_mask in_group[PEN_RAY_PACKET_MAX / LANES]; /* `all` */
     double after_t[PEN_RAY_PACKET_MAX], tmax[PEN_RAY_PACKET_MAX];
-    double
-        met[PEN_RAY_PACKET_MAX]; /* nearest: the part that is met at tmax, as group_part_number */
+    /* Nearest: the part that is met at tmax, as group_part_number. */
+    double met[PEN_RAY_PACKET_MAX];
     /* By the ray's origin surface: pen_origin_surface.bound, struct trace's slack and near_sq. They
      * are 0, 0 and -1 for rays that start in free space. */
     double bound[PEN_RAY_PACKET_MAX], slack[PEN_RAY_PACKET_MAX], near_sq[PEN_RAY_PACKET_MAX];

@@ -164,8 +164,8 @@ struct pen_accel {
     const struct pen_generic4 *generic;
     double scale;  /* the largest pen_prim_scale of a finite primitive */
     double extent; /* the largest size of a coordinate of their boxes */
-    const struct pen_float_box
-        *prim_box;      /* by primitive, wide trees only; zero for infinite ones */
+    /* By primitive, wide trees only; zero for infinite ones. */
+    const struct pen_float_box *prim_box;
     const bool *convex; /* by primitive, wide trees only: see pack_boxes.c */
     bool packets;       /* rays of a packet are traced in groups */
     struct pen_accel_stats stats;
