@@ -84,7 +84,7 @@ static inline bool pen_prim_outlined(uint32_t kind)
 struct pen_outline {
     const struct pen_vec3 *v;
     uint32_t count;
-    double extent; /* the largest distance between two corners along an axis */
+    double extent; /* no two corners are farther apart along an axis */
 };
 
 /* The lengths that a primitive may have. */

@@ -15,7 +15,7 @@ struct pen_polygon {
     const struct pen_vec3 *v; /* borrowed */
     uint32_t count;
     struct pen_facet facet;
-    double extent;     /* the largest distance between two vertices along an axis */
+    double extent;     /* no two vertices are farther apart along an axis */
     double scale;      /* pen_prim_scale: from the distance of the vertices from the facet */
     bool flat, convex; /* true only if it is so up to rounding of the vertices; may be false for a
                           polygon that is so */
