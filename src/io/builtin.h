@@ -14,7 +14,7 @@ size_t pen_builtin_count(void);
 const char *pen_builtin_name(size_t i);
 const char *pen_builtin_text(size_t i, size_t *bytes);
 
-/* What scene i shows, in a line; its name if builtin.c has no line for it. */
+/* A description of scene i in one line; its name if builtin.c has no line for it. */
 const char *pen_builtin_summary(size_t i);
 
 /* The text of the scene with this name, or NULL. */

@@ -34,9 +34,9 @@ struct pen_document {
     struct pen_xml *xml; /* the positions of an XML document; NULL for JSON */
 };
 
-/* pen_text_is_xml, pen_text_is_json: whether the text is XML, or a JSON object. It begins with `<`,
- * or `{`, after an optional byte-order mark and white space. A text in UTF-16 is XML, since JSON is
- * UTF-8. */
+/* Whether the text is XML (pen_text_is_xml) or a JSON object (pen_text_is_object). It begins with
+ * `<`, or `{`, after an optional byte-order mark and white space. A text in UTF-16 is XML, since
+ * JSON is UTF-8. */
 bool pen_text_is_xml(const char *text, size_t bytes);
 bool pen_text_is_object(const char *text, size_t bytes);
 

@@ -30,8 +30,8 @@ struct pen_embed_caller {
 };
 
 /* Sets the default floating-point environment and the locale "C" for the calling thread alone, so
- * that neither changes a picture or a text. pen_embed_leave restores the caller's. glibc has the
- * locale "C" as a constant, so it takes no memory and the call cannot fail. */
+ * that neither changes a picture or a text. The function pen_embed_leave restores the caller's. In
+ * glibc the locale "C" is a constant, so it takes no memory and the call cannot fail. */
 void pen_embed_enter(struct pen_embed_caller *caller);
 void pen_embed_leave(const struct pen_embed_caller *caller);
 
