@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The builder of `auto`: the binned surface-area heuristic. It makes nodes of eight children on the
- * way down, by splitting the child with the largest surface until there are eight (Wald, Benthin,
- * Boulos, "Getting rid of packets", RT 2008; binning: Wald, "On fast construction of SAH-based
- * BVHs", RT 2007). It uses one thread, so the tree is a pure function of the primitives.
+ * way down, by splitting the child with the largest surface until there are eight. It uses one
+ * thread, so the tree is a pure function of the primitives.
  *
  * Below a depth of PEN_MAX_DEPTH / 2, and if all centroids are equal, ranges are split in half by
- * number. So no input makes a tree deeper than PEN_MAX_DEPTH. */
+ * number. So no input makes a tree deeper than PEN_MAX_DEPTH.
+ * Source: Wald, Benthin, Boulos, "Getting rid of packets", RT 2008; binning: Wald, "On fast
+ * construction of SAH-based BVHs", RT 2007. */
 #include <float.h>
 #include <stddef.h>
 #include <string.h>
@@ -37,7 +38,7 @@ struct bin {
     uint32_t lanes[CLASSES];
 };
 
-/* The bins along one axis. Most ranges are small, and leave most bins empty: those are not even
+/* The bins along one axis. Most ranges are small and leave most bins empty; empty bins are not
  * cleared. */
 struct bins {
     uint32_t filled; /* bit i: bin i holds a primitive */

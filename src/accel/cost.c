@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The expected cost of a ray, by the surface-area heuristic. A random line that meets the box
  * around all primitives meets a convex box inside it with a probability that is the ratio of their
- * surfaces (Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", IEEE
- * CG&A 7(5), 1987). It is computed from the finished layout, in the same way for every kind. */
+ * surfaces. It is computed from the finished layout, in the same way for every kind.
+ * Source: Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", IEEE
+ * CG&A 7(5), 1987. */
 #include "accel/internal/tree_layout.h"
 
 double pen_child_box_half_area(const struct pen_child_box *box)
