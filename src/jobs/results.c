@@ -28,7 +28,7 @@ static const char *const media_types[FORMAT_COUNT] = {[FORMAT_PNG] = "image/png"
                                                       [FORMAT_PNG16] = "image/png",
                                                       [FORMAT_PFM] = "image/x-portable-floatmap"};
 
-/* A request for a picture, its names looked up in the job. */
+/* A request for a picture, with its names looked up in the job. */
 struct wanted {
     const char *id;
     struct pen_stored_request request;
@@ -141,9 +141,9 @@ static void shrink_into(const struct pen_film *view, int shrink, int x0, int y0,
     }
 }
 
-/* The layout of a contact sheet: cells in a grid that is as square as the number of views allows,
- * with black gaps between them. Where the sheet would become too large all views are shrunk by the
- * same integer factor. */
+/* The layout of a contact sheet: cells in a grid as square as the number of views allows, with
+ * black gaps between them. If the sheet is too large, all views are shrunk by the same integer
+ * factor. */
 struct sheet_layout {
     int columns, rows, shrink, gap;
     int width, height;             /* of a cell */
@@ -379,7 +379,7 @@ bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const struct pen_im
     return ok;
 }
 
-/* The statistics that a removed job has left. */
+/* Returns the statistics that a removed job has left. */
 static json_t *removed_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st)
 {
     struct pen_buf text = {0};

@@ -155,7 +155,7 @@ bool pen_store_expire_leases(struct pen_store *store, int *opened, struct pen_st
 bool pen_store_release_gone(struct pen_store *store, int *opened, struct pen_status *st);
 
 enum pen_worker_end {
-    PEN_WORKER_LEFT,   /* it was told to stop, and returns its batches */
+    PEN_WORKER_LEFT,   /* it was asked to stop, and returns its batches */
     PEN_WORKER_DIED,   /* another process killed it, or the reason is unknown */
     PEN_WORKER_CRASHED /* its own batch caused its end */
 };

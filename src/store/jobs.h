@@ -96,9 +96,10 @@ enum pen_submit_result {
 /* Stores a job. A caller that does not know the outcome repeats the call with the same job. For a
  * repeated key, the first answer is appended to *first_answer.
  * Fails: PEN_STORAGE_FULL (the disk is nearly full; or keep_bytes is reached, where unfinished jobs
- * count with their expected results), PEN_TOO_LARGE (this job's expected results alone exceed
- * keep_bytes), PEN_STORAGE, PEN_UNAVAILABLE (busy too long), PEN_QUOTA (too many unfinished jobs),
- * PEN_CONFLICT (another job has this id), PEN_INTERNAL (a view without a batch), PEN_NO_MEMORY. */
+ * count with their expected results). PEN_TOO_LARGE (this job's expected results alone exceed
+ * keep_bytes). PEN_QUOTA (too many unfinished jobs), PEN_CONFLICT (another job has this id),
+ * PEN_INTERNAL (a view without a batch). PEN_UNAVAILABLE (busy too long), PEN_STORAGE,
+ * PEN_NO_MEMORY. */
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
                       struct pen_status *st);

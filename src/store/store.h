@@ -121,8 +121,8 @@ struct pen_backup {
  * renamed. A symbolic link FILE is itself replaced. An unfinished copy that a killed process left
  * is overwritten.
  * Fails: PEN_TIMEOUT (stopped), PEN_CONFLICT (the file exists, and `replace` is false; or another
- * backup to it is being made), PEN_USAGE (the name is a folder, the store itself, or too long),
- * PEN_IO, PEN_STORAGE_FULL (the copy cannot be written), PEN_STORAGE (the store is damaged or
+ * backup to it is being made). PEN_USAGE (the name is a folder, the store itself, or too long),
+ * PEN_IO, PEN_STORAGE_FULL (the copy cannot be written). PEN_STORAGE (the store is damaged or
  * cannot be read), PEN_NOT_FOUND (no store), PEN_UNAVAILABLE, PEN_NO_MEMORY. A failed call leaves
  * no file.
  * Cost: reads every page, and the copy twice. */

@@ -102,8 +102,7 @@ bool pen_meta_set(struct pen_store *store, const char *name, int64_t value, stru
 bool pen_meta_put(struct pen_store *store, const char *name, const char *text,
                   struct pen_status *st);
 
-/* Fails with PEN_STORAGE_FULL if keep_bytes leaves no space for so many bytes that a batch
- * keeps. */
+/* Fails with PEN_STORAGE_FULL if keep_bytes leaves no space for `bytes` that a batch keeps. */
 bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *st);
 
 /* Tells whether removal by age waits, because the clock has jumped ahead. */

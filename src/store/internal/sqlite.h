@@ -14,7 +14,7 @@ enum {
     PEN_SQLITE_BUSY_MS = 10000,
     PEN_SQLITE_PAGE = 8192,     /* page size of new files */
     PEN_RESERVE = 16 << 20,     /* size of the reserve file */
-    PEN_RESERVE_FREE = 64 << 20 /* it is made if so many bytes are free beside it */
+    PEN_RESERVE_FREE = 64 << 20 /* free bytes beside it that are needed to make it */
 };
 
 struct pen_sqlite_rows {
