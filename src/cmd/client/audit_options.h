@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What `penumbra render --audit` and `penumbra audit` share. */
+/* The part that `penumbra render --audit` and `penumbra audit` share. */
 #ifndef PEN_CMD_CLIENT_AUDIT_OPTIONS_H
 #define PEN_CMD_CLIENT_AUDIT_OPTIONS_H
 
@@ -8,7 +8,8 @@
 #include "cmd/options.h"
 #include "render/audit.h"
 
-/* The threshold, whose option has the member's name, and the number of pixels in audit_pixels. */
+/* The options of an audit: the threshold, whose option has the name of the member, and the number
+ * of pixels in audit_pixels. */
 #define PEN_AUDIT_OPTIONS(values, member)                                                          \
     {.name = #member,                                                                              \
      .kind = PEN_OPTION_NUMBER,                                                                    \
@@ -22,7 +23,7 @@
         .help = "how many pixels an audit renders again, 600 by default"                           \
     }
 
-/* Prints what an audit has found: a line, and one for each cluster of wrong pixels. */
+/* Prints the result of an audit: a line, and a line for each cluster of wrong pixels. */
 void pen_audit_print(const struct pen_audit *audit, const char *label, FILE *out);
 
 #endif

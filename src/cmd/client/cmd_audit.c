@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra audit`: how many pixels of a picture are wrong, wherever it was made. */
+/* `penumbra audit`: how many pixels of a picture are wrong, whatever program made it. */
 #include <inttypes.h>
 #include <stdlib.h>
 
@@ -44,7 +44,7 @@ static const struct pen_option options[] = {
     PEN_JSON_OPTION(struct values, "print what is found as a line of JSON"),
     {0}};
 
-/* Everything one audit holds. run() frees what has been allocated, at any stage. */
+/* All state of an audit. run() frees what has been allocated, at any stage. */
 struct audit {
     const struct values *values;
     struct pen_scene_input input;
@@ -54,7 +54,7 @@ struct audit {
     int view;
 };
 
-/* The errors name the file. */
+/* Its errors name the file. */
 static struct pen_picture *read_picture(const char *path, struct pen_status *st)
 {
     struct pen_source source; /* a path or - */
@@ -68,7 +68,7 @@ static struct pen_picture *read_picture(const char *path, struct pen_status *st)
     return picture;
 }
 
-/* Reads the picture as the film from which it may have been made. */
+/* Reads the picture as the film that it may have been made from. */
 static bool read_film(struct audit *a, const char *path, struct pen_status *st)
 {
     const struct pen_settings *s = &a->input.desc.settings;

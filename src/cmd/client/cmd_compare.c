@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra compare`: measures the difference of two picture files, and draws where it is. Two
- * reports of benchmarks are compared by report_source.c. */
+/* `penumbra compare`: measures the difference of two picture files, and draws a map of it.
+ * report_source.c compares two reports of benchmarks. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -29,7 +29,7 @@ static const struct pen_option options[] = {
     PEN_JSON_OPTION(struct values, "print the explanation as a line of JSON"),
     {0}};
 
-/* Everything one explanation holds. run() frees what has been allocated, at any stage. */
+/* All state of an explanation. run() frees what has been allocated, at any stage. */
 struct explain {
     const struct values *values;
     struct pen_scene_input input;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbrad token add|list|remove`: changes the token file, which a running daemon reads again.
- * Changes exclude each other by a lock on FILE.lock, which stays: a file that was removed while
- * another process waits for its lock would exclude nobody. */
+/* `penumbrad token add|list|remove`: changes the token file, which a running daemon reads again. A
+ * lock on FILE.lock allows one change at a time. This file stays: if it were removed while another
+ * process waits for its lock, it would exclude nobody. */
 #include "cmd/daemon/cmd_token.h"
 
 #include <errno.h>
@@ -64,7 +64,8 @@ static const struct pen_command command = {
     .max_args = 2,
 };
 
-/* Whose file it may be, besides root's: the user's. Root may change the file of a daemon's user. */
+/* Returns the user who may own the file besides root. For root this is the file's owner, because
+ * root may change the file of a daemon's user. */
 static uid_t owner_of(const char *path)
 {
     struct stat info;
@@ -109,7 +110,7 @@ static bool remove_from(struct pen_token_list *list, const char *name, struct pe
                     name);
 }
 
-/* Adds a token, or if that is NULL removes the token of that name. */
+/* Adds a token; if it is NULL, removes the token of this name. */
 static bool change_locked(const char *path, const struct pen_token *token, const char *name,
                           struct pen_status *st)
 {

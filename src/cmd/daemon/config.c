@@ -297,8 +297,8 @@ const struct pen_command pen_command_daemon = {
     .max_args = 0,
 };
 
-/* The store's default path: in the first of systemd's state folders, which $STATE_DIRECTORY lists
- * with colons between them; or in $XDG_STATE_HOME; or in ~/.local/state. */
+/* Makes the store's default path. It is in the first of systemd's state folders, which
+ * $STATE_DIRECTORY lists with colons between them; or in $XDG_STATE_HOME; or in ~/.local/state. */
 static bool make_default_store(struct pen_config *config, struct pen_status *st)
 {
     const char *systemd = getenv("STATE_DIRECTORY"), *state = getenv("XDG_STATE_HOME");
@@ -322,7 +322,8 @@ static bool make_default_store(struct pen_config *config, struct pen_status *st)
     return made >= 0 || pen_fail(st, PEN_NO_MEMORY, "out of memory");
 }
 
-/* Reads a size like 500M; at least a MiB, since a store has some pages of its own. */
+/* Reads a size like 500M. It must be at least a MiB, because an empty store already has some
+ * pages. */
 static bool read_size(const char *text, int64_t *bytes, struct pen_status *st)
 {
     static const char units[] = "KMGT";
@@ -350,8 +351,8 @@ bool pen_config_renders(const struct pen_config *config)
     return strcmp(config->role, "api") != 0;
 }
 
-/* Checks what depends on the role, and sets the address. A worker that was told where to listen, or
- * a service that was told to end, would silently do something else than was asked for. */
+/* Checks options that depend on the role, and sets the address. An option that the role cannot use
+ * is refused: a worker with an address to listen on, or a service with --until-idle. */
 static bool check_role(struct pen_config *config, struct pen_status *st)
 {
     if (!pen_config_serves(config))
@@ -382,7 +383,7 @@ static bool check(struct pen_config *config, struct pen_status *st)
            ((config->store && *config->store) || make_default_store(config, st));
 }
 
-/* Other users see a command line. */
+/* Refuses secrets on the command line, which other users can see. */
 static bool check_command_line(const struct pen_config *config, struct pen_status *st)
 {
     return !config->store || !pen_store_has_password(config->store) ||
