@@ -16,7 +16,8 @@
      .offset = offsetof(values, member),                                                           \
      .value = "D",                                                                                 \
      .max = 1,                                                                                     \
-     .help = "audit: how many pixels are off by more than D, of values from 0 to 1 as displayed"}, \
+     .help = "audit: count the pixels that are wrong by more than D, in displayed values from 0 "  \
+             "to 1"},                                                                              \
     {                                                                                              \
         .name = "audit-pixels", .kind = PEN_OPTION_INT, .offset = offsetof(values, audit_pixels),  \
         .value = "N", .min = 1, .max = PEN_AUDIT_PIXELS_MAX,                                       \

@@ -30,8 +30,8 @@ static const struct pen_option options[] = {
      .value = "N",
      .min = 8,
      .max = 1 << 30,
-     .help = "how many samples each of these pixels is rendered again with, 4096 by default; take "
-             "64 times as many as the picture was made with"},
+     .help = "samples of each pixel that is rendered again, 4096 by default; take 64 times the "
+             "samples of the picture"},
     {.name = "max-wrong",
      .kind = PEN_OPTION_NUMBER,
      .offset = offsetof(struct values, max_wrong),
@@ -177,11 +177,11 @@ const struct pen_command pen_command_audit = {
     .summary = "Says how many pixels of a picture can be wrong, by rendering some of them again.",
     .details =
         "SCENE is a file, - for standard input, or builtin:NAME. PICTURE is a PNG or PFM file of "
-        "it, "
-        "made by whatever program. A pixel is wrong if a channel is off by more than --threshold, "
-        "0.01 unless told, from its converged value at the scene's max_depth and min_contribution. "
-        "The pixels are drawn by a hash of the picture. One whose value stays too uncertain counts "
-        "as wrong. The rounding of an 8-bit PNG, up to 0.002, counts as an error of the picture.",
+        "it, made by any program. A pixel is wrong if a channel is off by more than --threshold, "
+        "0.01 by default, from its converged value at the scene's max_depth and min_contribution. "
+        "The pixels are drawn by a hash of the picture. A pixel whose value stays too uncertain "
+        "counts as wrong. The rounding of an 8-bit PNG, up to 0.002, counts as an error of the "
+        "picture.",
     .options = options,
     .min_args = 2,
     .max_args = 2,

@@ -137,7 +137,8 @@ static const struct pen_option delete_options[] = {
     {.name = "stats",
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct values, stats),
-     .help = "remove also the statistics, which stay for five years otherwise; later, too"},
+     .help = "remove the statistics too, which otherwise stay for five years; also of a job that "
+             "was deleted before"},
     PEN_QUIET_OPTION(struct values, "print nothing"),
     PEN_JSON_OPTION(struct values, "print each job as a line of JSON"),
     PEN_REMOTE_OPTIONS(struct values),

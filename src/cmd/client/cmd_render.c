@@ -48,9 +48,8 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, layer),
      .value = "NAME",
      .choices = pen_layer_names,
-     .help =
-         "what to write: the picture (beauty), what each pixel cost, its number of samples, "
-         "or depth, normal or albedo of what it shows; numbers as PFM, a picture of them as PNG"},
+     .help = "what to write: beauty (the picture), cost or samples of each pixel, or depth, normal "
+             "or albedo of the surface in it. PFM has numbers, PNG a picture of them"},
     {.name = "cost",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, cost),
@@ -71,8 +70,8 @@ static const struct pen_option options[] = {
      .value = "X,Y",
      .help = "print that pixel in full precision; without -o and --stats only that pixel is "
              "rendered"},
-    PEN_QUIET_OPTION(struct values, "no progress bar and no closing line, which only a terminal "
-                                    "gets"),
+    PEN_QUIET_OPTION(struct values,
+                     "no progress bar and no closing line, which only a terminal shows"),
     PEN_JSON_OPTION(struct values, "print the result as a line of JSON"),
     {0}};
 

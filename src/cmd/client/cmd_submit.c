@@ -48,8 +48,9 @@ static const struct pen_option options[] = {
      .value = "render|benchmark|accuracy|effects",
      .choices = kinds,
      .help = "what the job does with the scene, render by default"},
-    PEN_BENCH_OPTIONS(struct values, "of a study: ", "",
-                      "of a render: make the best picture of one view in so long; of a benchmark "),
+    PEN_BENCH_OPTIONS(
+        struct values, "of a study: ", "",
+        "of a render: make the best picture of one view in this time; of a benchmark "),
     PEN_ACCURACY_OPTIONS(struct values, "of an accuracy study: "),
     PEN_AUDIT_OPTIONS(struct values, audit),
     {.name = "name",
@@ -73,8 +74,8 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, idempotency_key),
      .value = "KEY",
-     .help = "submitting the same job with the same key again within 24 hours gives the first job; "
-             "random by default, so that a request sent twice makes no second job"},
+     .help = "a second submit of the same job with the same key within 24 hours gives the first "
+             "job. By default the key is random, so a repeated request makes no second job"},
     {.name = "wait",
      .letter = 'w',
      .kind = PEN_OPTION_FLAG,

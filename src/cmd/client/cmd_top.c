@@ -37,7 +37,7 @@ static const struct pen_option options[] = {
     {.name = "once",
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct values, once),
-     .help = "print once and end, as always if standard output is not a terminal"},
+     .help = "print once and end; always so if standard output is not a terminal"},
     PEN_JSON_OPTION(struct values,
                     "print once, as {\"workers\": […], \"running\": […], \"queued\": […]}"),
     PEN_REMOTE_OPTIONS(struct values),

@@ -97,8 +97,8 @@ struct pen_bench_values {
          .offset = offsetof(values, bench.interval),                                               \
          .value = "W",                                                                             \
          .max = 1,                                                                                 \
-         .help = prefix "instead of --repeats: run on until the 95 % interval of every row's "     \
-                        "ratio to the baseline is no wider than W (0.02 with --budget alone)"},    \
+         .help = prefix "instead of --repeats: run until the 95 % interval of each row's ratio "   \
+                        "to the baseline is at most W wide (0.02 with --budget alone)"},           \
         {.name = "budget",                                                                         \
          .kind = PEN_OPTION_NUMBER,                                                                \
          .offset = offsetof(values, bench.budget),                                                 \
@@ -117,7 +117,7 @@ struct pen_bench_values {
          .offset = offsetof(values, bench.order_seed),                                             \
          .value = "N",                                                                             \
          .max = INT_MAX,                                                                           \
-         .help = prefix "seed of the random order of runs, another one each time by default"},     \
+         .help = prefix "seed of the random order of runs; by default a new seed each time"},      \
     {                                                                                              \
         .name = "baseline", .kind = PEN_OPTION_LIST, .offset = offsetof(values, bench.baseline),   \
         .value = "KEY=VALUE,…",                                                                    \
@@ -139,7 +139,7 @@ struct pen_accuracy_values {
      .kind = PEN_OPTION_LIST,                                                                      \
      .offset = offsetof(values, accuracy.ladder),                                                  \
      .value = "KEY=VALUE,…",                                                                       \
-     .help = prefix "values of a setting to try one at a time; may be repeated. By default those " \
+     .help = prefix "values of a setting to try one at a time; may be repeated. By default the "   \
                     "kinds of samples that the scene calls for"},                                  \
         {.name = "product",                                                                        \
          .kind = PEN_OPTION_FLAG,                                                                  \
@@ -155,8 +155,9 @@ struct pen_accuracy_values {
          .kind = PEN_OPTION_TEXT,                                                                  \
          .offset = offsetof(values, accuracy.target),                                              \
          .value = "METRIC=VALUE",                                                                  \
-         .help = prefix "what the cheapest row is to meet, flip=0.02 by default; metrics are "     \
-                        "rmse, relative_mse, psnr, ssim, flip, max_error"},                        \
+         .help = prefix                                                                            \
+         "the error that the cheapest row must meet, flip=0.02 by default; metrics are "           \
+         "rmse, relative_mse, psnr, ssim, flip, max_error"},                                       \
     {                                                                                              \
         .name = "seeds", .kind = PEN_OPTION_INT, .offset = offsetof(values, accuracy.seeds),       \
         .value = "N", .min = 1, .max = PEN_ACCURACY_SEEDS_MAX,                                     \

@@ -50,8 +50,9 @@ struct pen_remote {
      .offset = offsetof(values, remote.token),                                                     \
      .value = "TOKEN",                                                                             \
      .env = "PENUMBRA_TOKEN",                                                                      \
-     .help = "what the daemon knows this user by; better in the environment, since other users "   \
-             "see command lines, or in ~/.config/penumbra/token, a file of mode 0600"},            \
+     .help = "the token that identifies this user to the daemon. Other users can read command "    \
+             "lines, so better set the environment variable, or write it to "                      \
+             "~/.config/penumbra/token with mode 0600"},                                           \
         {.name = "ca",                                                                             \
          .kind = PEN_OPTION_TEXT,                                                                  \
          .offset = offsetof(values, remote.ca),                                                    \

@@ -14,13 +14,13 @@
      .offset = offsetof(values, budget),                                                           \
      .value = "SECONDS",                                                                           \
      .max = 1e6,                                                                                   \
-     .help = "make the best picture in so long; no two such renders are the same, but --stats "    \
-             "says what repeats one"},                                                             \
+     .help = "make the best picture in this time. Two such renders differ, but --repeat makes "    \
+             "the same picture from the --stats of the first"},                                    \
     {                                                                                              \
         .name = "repeat", .kind = PEN_OPTION_TEXT, .offset = offsetof(values, repeat),             \
         .value = "STATS",                                                                          \
-        .help = "render the rounds that the statistics of a render with a budget tell of: the "    \
-                "same bytes"                                                                       \
+        .help =                                                                                    \
+            "repeat a render with a budget from its statistics: the picture has the same bytes"    \
     }
 
 /* The rounds of a render that the options ask for. */

@@ -38,15 +38,16 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct settings, scope),
      .value = "SCOPE",
      .choices = pen_scope_names,
-     .help = "for add: read allows to look at everything, submit also to submit jobs and to cancel "
-             "or delete the client's own, admin also those of others"},
+     .help = "for add: read may look at everything; submit may also submit jobs, and cancel or "
+             "delete its own; admin may also cancel and delete jobs of others"},
     {.name = "expires",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct settings, days),
      .value = "DAYS",
      .min = 1,
      .max = 36500,
-     .help = "for add: the token is valid for so many days; without this option it has no end"},
+     .help = "for add: the number of days for which the token is valid; without this option it "
+             "never expires"},
     {0}};
 
 static const struct pen_command command = {
@@ -54,11 +55,12 @@ static const struct pen_command command = {
     .name = "token",
     .arguments = "add|list|remove [NAME]",
     .summary = "Makes, lists and removes the tokens by which the daemon knows its clients.",
-    .details = "`penumbrad token add NAME --scope SCOPE` prints a new token on standard output, "
-               "once: the file has only its hash. A client sends it as `Authorization: Bearer "
-               "TOKEN`. `penumbrad token list` prints names, scopes and ends. `penumbrad token "
-               "remove NAME` removes a token. A running daemon knows of each change within "
-               "seconds, and needs no restart.",
+    .details =
+        "`penumbrad token add NAME --scope SCOPE` prints a new token on standard output, "
+        "once: the file has only its hash. A client sends it as `Authorization: Bearer "
+        "TOKEN`. `penumbrad token list` prints names, scopes and expiry times. `penumbrad token "
+        "remove NAME` removes a token. A running daemon notices each change within seconds, "
+        "without a restart.",
     .options = options,
     .min_args = 1,
     .max_args = 2,
