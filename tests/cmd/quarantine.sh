@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Jobs that crash or block their worker: each fails alone, with an error that says where and how, and
-# other jobs succeed.
+# Jobs that crash or block their worker. Each fails alone, with an error that has the place and the reason,
+# and other jobs succeed.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 unset PENUMBRA_MEMORY_LIMIT

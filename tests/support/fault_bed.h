@@ -33,8 +33,8 @@ enum { FAULT_PLANS = 12 };
 extern const struct fault_plan fault_plans[FAULT_PLANS];
 
 /* Returns the call that fails after call n under plan k: the next call or, beyond the first few,
- * the fifth from there, unless all cases are asked for. So each of many writes fails under one of
- * their five plans. */
+ * the seventh from there, unless all cases are asked for. The plans begin these steps at different
+ * calls, so together they cover more calls. */
 long fault_next(long n, int k);
 
 /* Fails the test unless the status of a call that failed under a plan fits the plan: its code, and
