@@ -101,10 +101,11 @@ struct pen_list_query {
     const char *cursor; /* `next` of an earlier list; NULL: from the newest job on */
 };
 
-/* A page of jobs, newest first: {jobs: […], next: cursor | null}. It ends at the limit or at about
- * 1 MiB of JSON, but not before its first job. Without a cursor it also has `counts`, the number of
- * all jobs in each state. Owns: the caller. Fails:
- * PEN_USAGE (limit, a label without a colon, or a cursor that no list has given). */
+/* Returns a page of jobs, newest first: {jobs: […], next: cursor | null}. A page ends at the limit
+ * or at about 1 MiB of JSON, and has at least one job if there is one. Without a cursor it also has
+ * `counts`, the number of all jobs in each state.
+ * Owns: the caller.
+ * Fails: PEN_USAGE (limit, a label without a colon, or a cursor that no list has given). */
 json_t *pen_jobs_list(struct pen_jobs *jobs, const struct pen_list_query *query,
                       struct pen_status *st);
 
@@ -125,8 +126,8 @@ struct pen_image_query {
     const char *view;   /* "all": a contact sheet of all views; NULL: the first view */
     const char *layer;  /* NULL: beauty */
     const char *format; /* one of pen_image_formats; NULL: the first */
-    int max_edge;       /* pixels: a PNG with a longer edge is shrunk to that; 0: it is not */
-    const char *with;   /* of pen_jobs_compare: the other job */
+    int max_edge;       /* pixels: a PNG with a longer edge is shrunk to this; 0: never */
+    const char *with;   /* the other job, for pen_jobs_compare */
 };
 
 struct pen_image {
@@ -135,22 +136,24 @@ struct pen_image {
     char etag[72];        /* quoted, strong: a hash of the bytes */
 };
 
-/* The picture of a job that has succeeded. Fails: PEN_CONFLICT (unfinished, failed, cancelled);
- * PEN_NOT_FOUND (no such job or view, a layer that was not requested, a job with a report);
- * PEN_USAGE (format, layer, max_edge with another format than PNG). */
+/* Returns the picture of a job that has succeeded.
+ * Fails: PEN_CONFLICT (unfinished, failed, cancelled), PEN_NOT_FOUND (no such job or view, a layer
+ * that was not requested, a job with a report), PEN_USAGE (format, layer, max_edge with another
+ * format than PNG). */
 bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                     struct pen_image *out, struct pen_status *st);
 
-/* The difference between the view of a job and that of the job `with`, which is the reference. Of
- * the query, layer and max_edge do not count. Format "json" (NULL) has the figures
- * (comparison.h), "png" FLIP's error of each pixel. Fails: PEN_NOT_FOUND, as pen_jobs_image;
- * PEN_CONFLICT (a job that has not succeeded; views of different sizes). */
+/* Compares a view of a job with that of the job `with`, which is the reference. The query's layer
+ * and max_edge do not count. Format "json" (NULL) has the figures (comparison.h), "png" FLIP's
+ * error of each pixel.
+ * Fails: PEN_NOT_FOUND, as pen_jobs_image; PEN_CONFLICT (a job that has not succeeded; views of
+ * different sizes). */
 bool pen_jobs_compare(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                       struct pen_image *out, struct pen_status *st);
 
-/* The pixels committed so far as an RGBA PNG; the others are transparent. Of the query, layer and
- * format do not count; NULL: of the first view. Fails: PEN_NOT_FOUND (no such job or view, a job
- * with a report). */
+/* Returns the pixels committed so far as an RGBA PNG; other pixels are transparent. The query's
+ * layer and format do not count; NULL stands for the first view.
+ * Fails: PEN_NOT_FOUND (no such job or view, a job with a report). */
 bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                       struct pen_image *out, struct pen_status *st);
 
@@ -176,12 +179,13 @@ bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_jo
  * ended). */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
-/* The same, and of a job that has not ended that of its committed batches. */
+/* As pen_jobs_stats. Of a job that has not ended, returns the statistics of its committed
+ * batches. */
 json_t *pen_jobs_stats_so_far(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
-/* The report of a job in one of the formats of pen_bench_report_formats. Fails: PEN_CONFLICT
- * (unfinished, failed, cancelled); PEN_NOT_FOUND (no such job, or of a kind without a report);
- * PEN_ACCEPT (an explanation in another format than "json"). */
+/* Returns the report of a job in one of the formats of pen_bench_report_formats.
+ * Fails: PEN_CONFLICT (unfinished, failed, cancelled), PEN_NOT_FOUND (no such job, or of a kind
+ * without a report), PEN_ACCEPT (an explanation in another format than "json"). */
 bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,
                      struct pen_status *st);
 

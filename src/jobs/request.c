@@ -26,7 +26,7 @@ static void fail_unknown_scene(const char *name, struct pen_errors *errors)
                      name, pen_did_you_mean(pen_builtin_nearest(name)).text);
 }
 
-/* Parses a scene that is a text of its own. `text` must outlive the request. */
+/* Parses a scene that is a separate text. `text` must outlive the request. */
 static void read_own(struct pen_request *request, const char *text, size_t bytes, bool xml,
                      const struct pen_limits *limits, struct pen_errors *errors)
 {

@@ -247,7 +247,7 @@ static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct
     return st->code == PEN_NOT_FOUND && make_picture(jobs, want, out, st);
 }
 
-/* Replaces a PNG whose longer edge has more pixels than that by a smaller one. */
+/* Replaces a PNG whose longer edge exceeds max_edge pixels by a smaller PNG. */
 static bool shrink(struct pen_buf *png, int max_edge, struct pen_status *st)
 {
     const struct pen_png_options options = {.bits = 8, .transfer = PEN_TRANSFER_SRGB};
@@ -301,7 +301,7 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
     return ok;
 }
 
-/* Reads a view of a job that has succeeded, as its PFM file has it. */
+/* Reads a view of a job that has succeeded, with the values of its PFM file. */
 static struct pen_picture *read_view(struct pen_jobs *jobs, const char *id, const char *view,
                                      struct pen_status *st)
 {

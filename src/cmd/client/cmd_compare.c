@@ -134,8 +134,8 @@ static bool check_values(const struct values *v, struct pen_status *st)
     return pen_output_format(v->output, v->format, st) && pen_file_check(v->output, st);
 }
 
-/* Measures what will be printed or judged; of the rest ssim and flip stay 0. `errors` may be NULL.
- */
+/* Measures what will be printed or checked; ssim and flip otherwise stay 0. `errors` may be
+ * NULL. */
 static bool measure(const struct pen_picture *a, const struct pen_picture *b,
                     const struct values *values, struct pen_comparison *f, float *errors,
                     struct pen_status *st)

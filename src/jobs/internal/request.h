@@ -23,9 +23,9 @@ struct pen_request {
     struct pen_arena *arena;        /* of desc */
     struct pen_document document;   /* the body, parsed */
     json_t *body;                   /* the document's JSON; the document owns it */
-    struct pen_document own;        /* a scene that the body names or holds as XML text, parsed */
-    const struct pen_document *has; /* the document that holds the scene: one of the two */
-    const json_t *scene;            /* the scene's values in that document */
+    struct pen_document own;        /* the parsed scene that the body names, or has as XML text */
+    const struct pen_document *has; /* the document with the scene: `document` or `own` */
+    const json_t *scene;            /* the scene's values in this document */
     const char *scene_text;         /* the text of the scene; NULL: not found in the body */
     size_t scene_bytes;
     const char *scene_at; /* JSON Pointer to it in the body: "" or "/scene" */
