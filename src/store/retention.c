@@ -100,8 +100,8 @@ bool pen_intake(struct pen_store *store, int64_t bytes, struct pen_status *st)
         return false;
     if (load.left < intake_bytes)
         return pen_fail(st, PEN_STORAGE_FULL,
-                        "the store has no space left for new jobs: its disk has %lld KiB free, "
-                        "they are taken from %lld KiB on",
+                        "the store has no space left for new jobs: its disk has %lld KiB free, new "
+                        "jobs need %lld KiB",
                         (long long)(load.left >> 10), (long long)(intake_bytes >> 10));
     if (load.keep == 0)
         return true;

@@ -72,7 +72,7 @@ sleep 1
 kill $loop
 wait $loop 2>/dev/null
 expect "and the daemon was ready all the time" "$(sort -u ready)" 200
-check "the log tells whose fault it was" grep -q "(1 in a row; this one is held against its job)" "$work/log"
+check "the log tells whose fault it was" grep -q "(1 in a row; this one is charged to its job)" "$work/log"
 daemon_stop
 forget_injected_segv
 

@@ -133,7 +133,8 @@ static bool check_values(struct render *r, struct pen_status *st)
     if (v->output && !(r->format = pen_output_format(v->output, v->format, st)))
         return false;
     if (v->repeat && (v->budget >= 0 || v->set.count > 0))
-        return pen_fail(st, PEN_USAGE, "--%s: does not go with --repeat, whose statistics say all",
+        return pen_fail(st, PEN_USAGE,
+                        "--%s: does not go with --repeat, whose statistics have all settings",
                         v->budget >= 0 ? "budget" : "set");
     if ((v->budget >= 0 || v->repeat) && v->layer)
         return pen_fail(st, PEN_USAGE, "--layer: does not go with --%s",
@@ -296,12 +297,12 @@ static void warn_truncated(const struct render *r)
 static void warn_unmatched(const struct render *r)
 {
     if (r->stats.rays.unmatched_exits)
-        pen_report_say(
-            stderr,
-            "penumbra: %s: view \"%s\": warning: %" PRIu64
-            " paths leave a solid that they have not entered; penumbra validate tells which "
-            "solids do not close",
-            r->input.source.label, r->scene->views[r->view].name, r->stats.rays.unmatched_exits);
+        pen_report_say(stderr,
+                       "penumbra: %s: view \"%s\": warning: %" PRIu64
+                       " paths leave a solid that they have not entered; penumbra validate names "
+                       "the solids that do not close",
+                       r->input.source.label, r->scene->views[r->view].name,
+                       r->stats.rays.unmatched_exits);
 }
 
 static enum pen_cost cost_of(const struct render *r)

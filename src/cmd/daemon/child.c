@@ -297,5 +297,5 @@ void pen_child_ended(struct pen_child *child, int wait_status)
         PEN_LOG_WARN,
         "the %s process %d ended: %s, after %.1f s; starting it again in %.1f s (%d in a row%s)",
         child->role, pid, child->last_end, (double)lived_ns * 1e-9, (double)pause_ns * 1e-9,
-        child->failures, counts ? "" : "; this one is held against its job");
+        child->failures, counts ? "" : "; this one is charged to its job");
 }

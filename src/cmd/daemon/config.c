@@ -356,11 +356,10 @@ static bool check_role(struct pen_config *config, struct pen_status *st)
                         "serve and render",
                         config->listen);
     if (config->until_idle)
-        return pen_fail(
-            st, PEN_USAGE,
-            "until-idle: found %d with --role %s; only --role worker ends without work, "
-            "since clients may come at any time to one that serves",
-            config->until_idle, config->role);
+        return pen_fail(st, PEN_USAGE,
+                        "until-idle: found %d with --role %s; only --role worker ends without "
+                        "work, because a client may come at any time to a daemon that serves",
+                        config->until_idle, config->role);
     if (!config->listen)
         config->listen = "127.0.0.1:8080";
     return pen_address_parse(config->listen, &config->address, st);

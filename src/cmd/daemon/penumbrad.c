@@ -37,8 +37,8 @@ static bool check_store(struct pen_store *store, struct pen_status *st)
         return false;
     if (!finished)
         pen_log(PEN_LOG_INFO,
-                "the look for damage in the store was not finished in %d ms; `penumbrad check` "
-                "looks at all of it",
+                "the check of the store for damage did not finish in %d ms; `penumbrad check` "
+                "checks all of it",
                 CHECK_MS);
     return true;
 }
