@@ -31,10 +31,9 @@ struct pen_worker_options {
     size_t scene_cap_bytes; /* memory cap of a scene's arena, 0: none */
     int64_t idle_ms;        /* the worker ends after so long without work; 0: never */
     int64_t lease_ms;       /* 0: 15 s */
-    int64_t keep_ms; /* for tests: the shortest time between two kept states of a batch; 0: by the
-                        kind of batch, and by the time that keeping takes */
-    int64_t
-        batch_ms; /* for tests: after this time a batch begins no more tiles; 0: three seconds */
+    int64_t keep_ms;  /* for tests: the shortest time between two kept states of a batch; 0: by the
+                         kind of batch, and by the time that keeping takes */
+    int64_t batch_ms; /* for tests: how long a batch begins tiles; 0: three seconds */
     int64_t housekeeping_ms; /* for tests: between rounds of the housekeeping; 0: a second */
     int max_seconds;         /* a job that is expected to take longer fails; 0: none does */
     struct pen_trace *trace; /* where the worker notes what it is doing; may be NULL */

@@ -10,10 +10,7 @@
 #include "store/internal/postgres.h"
 #include "store/internal/schema.h"
 
-enum {
-    VERSION_MIN = 130000,
-    LOCK = 0x50454e55 /* "PENU": the lock of the process that makes the tables */
-};
+enum { VERSION_MIN = 130000, LOCK = 0x50454e55 /* "PENU": for making the tables */ };
 
 /* A stopped process holds a lock for at most 10 s. A statement waits for a lock for at most 5 s. */
 static const char settings[] = "SET idle_in_transaction_session_timeout = 10000; "

@@ -9,15 +9,14 @@
 
 struct pen_bench_history {
     const char *folder;
-    const char
-        *scene; /* only reports of the scene with this name; NULL: all must be of one scene */
+    const char *scene; /* only reports of this scene; NULL: all must be of one scene */
     const struct pen_option_list *output; /* files, .html or .json */
     double least_effect;
     bool json, quiet;
 };
 
-/* Reads all reports of benchmarks in the folder and writes their history. A report is a file that
- * ends in .json. Other such files are named on standard error. Returns the exit code. */
+/* Reads the files of the folder that end in .json, and writes the history of the reports of
+ * benchmarks among them. Names the other files on standard error. Returns the exit code. */
 int pen_bench_history(const struct pen_bench_history *history);
 
 #endif

@@ -42,8 +42,7 @@ struct pen_batch_context {
                                                 batch; else NULL */
     int64_t split_ns;  /* when its tiles end, by pen_clock_ns; not in rounds */
     double rays_per_s; /* by the last rendered batch; 0: none */
-    double
-        store_ms; /* time spent waiting for the store that the job's statistics do not have yet */
+    double store_ms;   /* waiting time for the store, not yet in the job's statistics */
 };
 
 /* A finished batch.
