@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a submission: whether it is a job or a bare scene; its scene, views, settings, limits. */
+/* Reads a submission: a job or a bare scene; its scene, views, settings, limits. */
 #include "jobs/internal/request.h"
 
 #include <stdio.h>
@@ -13,10 +13,11 @@
 
 static const char builtin_prefix[] = "builtin:";
 
-/* The timeout of a job that asks for none, a day: no job holds a worker for ever. */
+/* The default timeout, a day, so that no job holds a worker for ever. */
 enum { TIMEOUT_S = 24 * 60 * 60 };
 
-/* Of an explanation without a render: it takes a moment, and somebody waits for it. */
+/* The priority of an explanation without a render, because it is short and a client waits for
+ * it. */
 enum { EXPLAIN_PRIORITY = 100 };
 
 static void fail_unknown_scene(const char *name, struct pen_errors *errors)
@@ -25,7 +26,7 @@ static void fail_unknown_scene(const char *name, struct pen_errors *errors)
                      name, pen_did_you_mean(pen_builtin_nearest(name)).text);
 }
 
-/* Parses a scene that is a text of its own. `text` must outlive the request. */
+/* Parses a scene that is a separate text. `text` must outlive the request. */
 static void read_own(struct pen_request *request, const char *text, size_t bytes, bool xml,
                      const struct pen_limits *limits, struct pen_errors *errors)
 {
@@ -52,7 +53,8 @@ static void find_builtin(struct pen_request *request, const char *text,
     read_own(request, document, bytes, false, limits, errors);
 }
 
-/* The body is neither a job nor a scene. Names the key that was meant, if one is misspelt. */
+/* Fails because the body is neither a job nor a scene. If a key looks misspelt, the error suggests
+ * the right key. */
 static void fail_neither(const struct pen_request *request, struct pen_errors *errors)
 {
     static const char *const names[] = {"scene", "format", NULL};
@@ -73,7 +75,7 @@ static void fail_neither(const struct pen_request *request, struct pen_errors *e
                      json_is_object(request->body) ? "neither key" : pen_found(request->body).text);
 }
 
-/* Finds the scene document in the body, or the built-in one that the body names. request->scene
+/* Finds the scene document in the body, or the built-in scene that the body names. request->scene
  * stays NULL after an error. */
 static void find_scene(struct pen_request *request, const struct pen_submission *in,
                        const struct pen_limits *limits, struct pen_errors *errors)
@@ -103,7 +105,7 @@ static void find_scene(struct pen_request *request, const struct pen_submission 
     }
 }
 
-/* The index of the scene's view that entry i of `views` names; -1 after an error. */
+/* Returns the index of the scene's view that entry i of `views` names; -1 after an error. */
 static int find_view(struct pen_request *request, const json_t *list, size_t i,
                      struct pen_errors *errors)
 {
@@ -144,8 +146,8 @@ static void read_views(struct pen_request *request, const json_t *list, struct p
     }
 }
 
-/* Fills request->views: the views that the job names, or all views of the scene; for a job about a
- * single view, the first. */
+/* Fills request->views with the views that the job names, else with all views of the scene. A job
+ * about a single view gets the first. */
 static bool choose_views(struct pen_request *request, struct pen_errors *errors)
 {
     uint32_t count = request->desc.view_count;
@@ -174,8 +176,8 @@ static bool choose_views(struct pen_request *request, struct pen_errors *errors)
     return true;
 }
 
-/* The JSON Pointer to the settings that an error about limits concerns: the job's `render` if it
- * has one, else the scene's. */
+/* Writes the JSON Pointer to the settings that an error about limits concerns: the job's `render`
+ * if it has one, else the scene's. */
 static void limits_place(const struct pen_request *request, char *at, size_t bytes)
 {
     if (!request->bare && json_object_get(request->body, "render"))
@@ -190,8 +192,8 @@ double pen_request_layer_work(const struct pen_request *request)
     return request->cost_layer ? pen_layer_work(PEN_LAYER_COST, request->cost) : 0;
 }
 
-/* How many times as long as the pixels of a view its audit takes: with a target error about, if
- * that leads to no fewer than 16 samples of a pixel, else more. */
+/* Returns the time of a view's audit, as a multiple of the time of its pixels. With a target error
+ * it is approximate: exact if a pixel then has at least 16 samples, else the audit takes longer. */
 static double audit_work(const struct pen_request *request)
 {
     const struct pen_settings *s = &request->settings, sampling = pen_settings_sampling(s);
@@ -205,7 +207,7 @@ static double audit_work(const struct pen_request *request)
     return audited / pixels * again / own;
 }
 
-/* Checks how long the pixels of a render are expected to take with its layers and audits. */
+/* Checks the expected time of a render's pixels with its layers and audits. */
 static bool check_extras_time(const struct pen_request *request, const struct pen_limits *limits,
                               const char *at, struct pen_status *st)
 {
@@ -239,7 +241,7 @@ static bool is_within_limits(const struct pen_request *request, const struct pen
            check_extras_time(request, limits, at, st);
 }
 
-/* The budget of a request, in seconds; NULL: it has none. */
+/* Returns the budget of a request, in seconds; NULL if it has none. */
 static double *budget_of(struct pen_request *request)
 {
     return request->kind == PEN_KIND_RENDER      ? &request->budget_seconds
@@ -248,8 +250,8 @@ static double *budget_of(struct pen_request *request)
                                                  : NULL;
 }
 
-/* No budget is longer than the operator allows a job to take, with the layers and the audit that
- * follow it. One that the body does not name, a default, becomes as long as that. */
+/* Bounds the budget: with the layers and the audit that follow it, it must not exceed the time that
+ * the operator allows a job. A default budget is reduced to this time. */
 static void bound_budget(struct pen_request *request, const struct pen_limits *limits,
                          struct pen_errors *errors)
 {
@@ -277,7 +279,7 @@ static void check_limits(struct pen_request *request, const struct pen_limits *l
     struct pen_status st;
     struct pen_limits allowed = *limits;
     if (request->explain && !request->analyze)
-        allowed.seconds = 0; /* it is not rendered, and may be asked how long it would take */
+        allowed.seconds = 0; /* it is not rendered, so a client may ask how long it would take */
     if (is_within_limits(request, &allowed, &st))
         return;
     pen_document_locate(request->has, &st);

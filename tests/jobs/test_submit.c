@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Submissions that are accepted or refused, with the code, place and words of each error;
- * idempotency keys; the object of an accepted job. */
+/* Accepted and refused submissions, with the code, place and words of each error; idempotency keys;
+ * the object of an accepted job. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
