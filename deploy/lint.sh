@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Checks the project's rules: layers, headers that compile alone, format, exported symbols and who calls
 # them, no libm in the renderer, no absolute epsilon where intersections are decided, references to
-# files that exist, words. Prints every offence; exit 1 if there is any.
+# files that exist, words and sentences. Prints every offence; exit 1 if there is any.
 set -eu
 build=${1:-build}
 cd "$(dirname "$0")/.."
@@ -273,6 +273,10 @@ awk "$code"'
             print FILENAME ":" FNR ": not a word of the field: " name
     }
 }' $(cat "$work/files") >"$work/out"
+count "$work/out"
+
+# 12. The English of pages and header comments.
+git ls-files '*.md' 'src/*.h' 'include/*.h' 'tests/*.h' | xargs python3 deploy/prose.py >"$work/out" || :
 count "$work/out"
 
 if [ "$fails" -gt 0 ]; then
