@@ -95,14 +95,14 @@ def check(path, phrases):
         for number, line in block:
             starts.append((len(text), number))
             text += line + " "
-        text = plain(text, page)
+        raw, text = text, plain(text, page)
         where = lambda offset: max(number for start, number in starts if start <= offset)
         begin = 0
         for end in re.finditer(r"[.?!][\"')]*\s+(?=[\W\dA-Zx]|$)|$", text) if prose else ():
             sentence = text[begin:end.end()]
             words = count(sentence)
             if words > LONGEST:
-                first = " ".join(text[begin:].split()[:6])
+                first = " ".join(raw[begin:].split()[:6])
                 found.append((where(begin), f'sentence of {words} words: "{first}…"'))
             if words:
                 lengths.append(words)
