@@ -15,15 +15,15 @@ printf '\n## What accuracy costs\n\n'
 "$build/penumbra" accuracy builtin:room-soft --set width=150 --set height=210 --ladder samples_per_pixel=1,2,4,8 \
     --ladder target_error=0.08,0.04,0.02,0.01,0.005,0.0025 --budget 180 -q -o "$folder/study.html" -o "$folder/study.json"
 jq -r '"| setting | time | RMSE | FLIP | million rays |", "|---|---:|---:|---:|---:|",
-    (.rows[] | (.settings | if .target_error > 0 then "target_error \(.target_error)"
-        else "samples_per_pixel \(.samples_per_pixel)" end) as $setting |
+    (.rows[] | (.settings | if .target_error > 0 then "`target_error` \(.target_error)"
+        else "`samples_per_pixel` \(.samples_per_pixel)" end) as $setting |
      "| \($setting) | \(.median_ms / 10 | round / 100) s | \(.rmse) | \(.flip) | \(.rays.total / 1e5 | round / 10) |"),
     "", "\(.timing.spoiled) of \(.timing.runs) runs are spoiled."' "$folder/study.json"
 
 printf '\n## Only the effects\n\n'
 "$build/penumbra" effects builtin:glass --set width=400 --set height=300 -q -o "$folder/bill.html" -o "$folder/bill.json"
 jq -r 'def ms: . * 10 | round / 10 | tostring + " ms";
-    "| without | time | the effect costs | rays | FLIP |", "|---|---:|---:|---:|---:|",
+    "| without | time | the effect costs | its rays | FLIP |", "|---|---:|---:|---:|---:|",
     (.rows[] | "| \(.without // "nothing") | \(.median_ms | ms) | \(
         if .cost_ms then .cost_ms | ms elif .cost_below_ms then "below " + (.cost_below_ms | ms) else "" end
         ) | \(.cost_rays // "") | \(if .without then .flip * 1000 | round / 1000 else "" end) |"),
