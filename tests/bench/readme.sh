@@ -32,7 +32,7 @@ jq -r 'def ms: . * 10 | round / 10 | tostring + " ms";
 printf '\n## Stability\n\n'
 cp "$root/tests/property/corpus/worst.txt" "$folder/corpus.txt"
 begun=$(date +%s)
-"$build/tests/property/stability" --out "$folder" --corpus "$folder/corpus.txt" --jobs "$(nproc)" --cases "${CASES:-10000}" \
+"$build/tests/property/stability" --out "$folder" --corpus "$folder/corpus.txt" --jobs "$(nproc)" --cases "${CASES:-1000}" \
     --no-price >"$folder/stability.log" || echo "a row failed: $folder/stability.log"
 jq -r --arg s "$(($(date +%s) - begun))" '
     def group: (capture("H(?<n>[0-9]+)").n | tonumber) as $n |
