@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* libpenumbra: a ray tracer to embed. A scene goes in as JSON or XML text; a picture and statistics
- * come out. README.md ("Embedding it") shows how to compile and link.
+ * come out. include/README.md shows how to compile and link.
  *
  *     struct penumbra_errors *errors = NULL;
  *     struct penumbra_scene *scene = penumbra_scene_builtin("room", &errors);

@@ -51,7 +51,7 @@ $(REPLAYS): $(BUILD)/tests/fuzz/replay_%: tests/fuzz/fuzz_%.c tests/fuzz/replay.
 	$(Q)$(COMPILE) -Itests $(PKG_CFLAGS) -pthread $(LDFLAGS) -o $@ $< tests/fuzz/replay.c \
 	    $(BUILD)/libservice.a $(BUILD)/librender.a $(PKG_LIBS)
 
-# Proofs that a scene pays for its own effects alone (src/shade/README.md). The kernels that are
+# Proofs that a scene pays for its own effects alone (src/shade/KERNELS.md). The kernels that are
 # stripped by hand are compiled as those of kernel_isa.c for AVX2.
 STRIPPED_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/effects/stripped/*.c)))
 $(STRIPPED_OBJ): HARDEN := $(if $(SAN),-fno-omit-frame-pointer,-fomit-frame-pointer)
