@@ -72,23 +72,6 @@ static bool check_charset(struct request *request)
     return false;
 }
 
-bool pen_http_quick_refusal(struct request *request)
-{
-    enum { BYTES_MAX = 128 }; /* of any kind take 6 µs at most, 1 KiB of "[{},{}…" takes 37 */
-    struct pen_errors errors;
-    errors.count = errors.total = 0; /* the list has 16 KB, which need not be cleared */
-    if (request->body.bytes > BYTES_MAX || request->fields.content_encoding ||
-        request->fields.idempotency_key)
-        return false;
-    const struct pen_submission in = read_submission(request);
-    if (!check_charset(request))
-        return true;
-    if (!pen_jobs_refuses(&in, &request->http->limits, &errors))
-        return false;
-    answer_errors(request, &errors);
-    return true;
-}
-
 /* A job that was stored tells what a probe would tell /readyz. If the store has just refused one,
  * the next /readyz probes it again. */
 static void note_readiness(struct pen_http *http, const struct pen_errors *errors)

@@ -57,12 +57,6 @@ struct pen_submitted {
 bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
                      struct pen_submitted *out, struct pen_errors *errors);
 
-/* Whether a body is refused by its first character, which begins neither an object nor XML. If so,
- * `errors` has what pen_jobs_submit and pen_jobs_validate would say of it. The time that this takes
- * grows with the length of the body alone, and the store is not used. Threads: any. */
-bool pen_jobs_refuses(const struct pen_submission *in, const struct pen_limits *limits,
-                      struct pen_errors *errors);
-
 /* Checks a scene or a job without storing it; *answer is {"valid": true, "warnings": […]}. The
  * store is not used: with NULL as `jobs` the default limits apply. Owns: *answer is the caller's.
  * Fails: errors->count > 0. */

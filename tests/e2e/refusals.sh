@@ -57,7 +57,7 @@ $none?view=main *view*wait*
 $none/image?layer=beaty *layer*did*you*mean*beauty*
 $none/image?format=gif *format*png,*png16,*pfm*
 $none/image?fmt=png *fmt*view,*layer,*format*
-$none/stats?x=1 *x*none*is*allowed*
+$none/stats?x=1 *x*so_far*
 /healthz?verbose *verbose*none*is*allowed*
 /v1/jobs?a=%zz *percent-encoding*
 /v1/jobs?name=%00 *encoded*zero*byte*
