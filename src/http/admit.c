@@ -176,7 +176,6 @@ static bool check_media(const struct request *request, struct pen_status *st)
     case PEN_MEDIA_NONE:
     case PEN_MEDIA_JSON:
     case PEN_MEDIA_XML:
-    case PEN_MEDIA_XML_UTF16:
         return true;
     case PEN_MEDIA_OTHER:
         break;
