@@ -1,8 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The whole road once: demo.sh BUILD starts a daemon with a temporary store, POSTs
-# scenes/room.json with curl, follows the job, and leaves BUILD/demo/room.png and stats.json.
-# The daemon is stopped again whatever happens.
+# The whole way once. demo.sh BUILD starts a daemon with a temporary store, POSTs scenes/room.json with curl,
+# follows the job, and leaves BUILD/demo/room.png and stats.json. It always stops the daemon.
 set -eu
 build=${1:-build}
 cd "$(dirname "$0")/.."

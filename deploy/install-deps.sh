@@ -6,6 +6,7 @@
 #   install-deps.sh           to build, run and test
 #   install-deps.sh --lint    also what `make lint` and the clang build use
 #   install-deps.sh --bench   also what the comparisons in tests/bench use
+#   install-deps.sh --page    also what the tests of the page use: Chromium, Node.js, npm
 #   install-deps.sh --promtool   also Prometheus, whose promtool then checks /metrics; where the machine
 #                             has systemd, its server is started, too
 #   install-deps.sh --all     all of these, and what tests skip without: PostgreSQL (where the machine has
@@ -18,16 +19,19 @@ packages="gcc g++ make libc6-dev pkg-config libjansson-dev libpng-dev zlib1g-dev
     python3-minimal python3-yaml python3-jsonschema"
 lint="clang clang-format libclang-rt-14-dev binutils"
 bench=povray
+page=chromium
+command -v npm >/dev/null || page="$page nodejs npm"
 promtool=prometheus
 tests="postgresql postgresql-client pgbouncer nginx valgrind groff mandoc zsh faketime"
 for option in "$@"; do
     case $option in
     --lint) packages="$packages $lint" ;;
     --bench) packages="$packages $bench" ;;
+    --page) packages="$packages $page" ;;
     --promtool) packages="$packages $promtool" ;;
     --all) packages="$packages $lint $bench $promtool $tests" ;;
     *)
-        echo "install-deps.sh: unknown option '$option' (allowed: --lint, --bench, --promtool, --all)" >&2
+        echo "install-deps.sh: unknown option '$option' (allowed: --lint, --bench, --page, --promtool, --all)" >&2
         exit 2
         ;;
     esac

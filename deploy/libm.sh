@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Prints the symbols of libm that an archive needs, but for those with one right answer: sqrt, fma
-# and rounding. Others differ between glibc's variants for one processor and another (row H104).
+# Prints the symbols of libm that an archive needs, except those with one right answer: sqrt, fma and
+# rounding. The others differ between glibc's variants for different processors (row H104).
 #   deploy/libm.sh build/libpenumbra.a
 set -eu
 libm=$(gcc -print-file-name=libm.so.6)

@@ -8,29 +8,29 @@
  *     size_t bytes;
  *     void *png = image ? penumbra_image_encode(image, "png", &bytes, &errors) : NULL;
  *
- * Errors: a function that can fail returns NULL or 0 and, if its argument `errors` is not NULL,
- * stores a new object in *errors, which the caller frees with penumbra_errors_free. On success
- * *errors is left as it was. A failed call changes nothing else: a scene stays usable. No other
- * argument may be NULL unless its function allows it.
+ * Errors: a function that can fail returns NULL or 0. If its argument `errors` is not NULL, it then
+ * stores a new object in *errors, which the caller frees with penumbra_errors_free. A successful
+ * call leaves *errors as it was. A failed call changes nothing else, and its scene stays usable. An
+ * argument may be NULL only where its function allows it.
  *
- * Binary compatibility: scenes, images and errors are opaque. The other structures begin with
- * `size`, which the caller sets to sizeof; a later version appends members and neither reads nor
- * writes beyond the size it was given. Functions are only ever added while the SONAME stays.
+ * Binary compatibility: scenes, images and errors are opaque. Every other structure begins with
+ * `size`, which the caller sets to its sizeof. A later version appends members, and accesses no
+ * byte beyond the given size. While the SONAME stays, functions are only added.
  *
  * Threads: calls on different objects may run at the same time in any number of threads. Calls on
- * one scene must not overlap. An image and an error list do not change, so any number of threads
- * may read one.
+ * one scene must not overlap. Images and error lists do not change, so any number of threads may
+ * read one.
  *
- * The process around it: the library installs no signal handlers and changes no signal mask; render
- * threads are made with the mask of the thread that calls penumbra_render. It does not call
- * setlocale, and no locale changes what it reads or writes. It keeps the calling thread's locale
- * and floating-point environment, and whatever these are, the picture is the same. It prints
- * nothing and never ends the process. It opens no files but some of /proc and /sys and a source
- * of random numbers (for hashing of keys), and reads one environment variable: PENUMBRA_ISA=base,
- * avx2 or avx512 takes these instructions, if the processor has them, for the same picture.
+ * The process around it: the library installs no signal handlers and changes no signal mask. Render
+ * threads have the signal mask of the thread that calls penumbra_render. The library does not call
+ * setlocale, prints nothing and never ends the process. The calling thread keeps its locale and its
+ * floating-point environment. Neither of them changes the picture, or what the library reads and
+ * writes. The library opens no files except some of /proc and /sys, and a source of random numbers
+ * to hash keys. It reads one environment variable, PENUMBRA_ISA. Its values base, avx2 and avx512
+ * select instructions, if the processor has them; the picture is the same.
  *
- * Pictures: the same scene and settings give the same bits on every machine, for any number of
- * threads, and from the programs `penumbra` and `penumbrad`. */
+ * Pictures: the same scene and settings give the same bits on every machine and with any number of
+ * threads. The programs `penumbra` and `penumbrad` give these bits too. */
 #ifndef PENUMBRA_H
 #define PENUMBRA_H
 
@@ -61,31 +61,33 @@ PENUMBRA_API const char *penumbra_version(void);
 /* ---- Scenes ---- */
 
 /* Reads a scene from text in memory: XML if it begins with `<`, else JSON. It checks the whole
- * text; limits are those of `penumbra render`.
- * Owns: free the scene with penumbra_scene_free. Nothing of `text` is kept.
- * Fails: NULL; every error has its place, see struct penumbra_error. */
+ * text; the limits are those of `penumbra render`.
+ * Owns: free the scene with penumbra_scene_free. The scene keeps nothing of `text`.
+ * Fails: NULL. Every error has its place, see struct penumbra_error. */
 PENUMBRA_API struct penumbra_scene *penumbra_scene_load(const char *text, size_t bytes,
                                                         struct penumbra_errors **errors);
 
-/* Makes a scene that comes with the library.
- * Owns: free with penumbra_scene_free. Fails: NULL; "not-found" if there is none of that name. */
+/* Makes a built-in scene.
+ * Owns: free with penumbra_scene_free.
+ * Fails: NULL; "not-found" if no built-in scene has this name. */
 PENUMBRA_API struct penumbra_scene *penumbra_scene_builtin(const char *name,
                                                            struct penumbra_errors **errors);
 
-/* The name of built-in scene number `index`, from 0; NULL behind the last.
+/* The name of built-in scene number `index`, from 0; NULL after the last.
  * Owns: the text is constant. */
 PENUMBRA_API const char *penumbra_builtin_name(size_t index);
 
 /* Frees a scene. NULL is allowed. Images rendered from it stay valid. */
 PENUMBRA_API void penumbra_scene_free(struct penumbra_scene *scene);
 
-/* The name of view number `index`, from 0; NULL behind the last. A scene has at least one view; the
- * first is what penumbra_render takes by default. Owns: the scene. */
+/* The name of view number `index`, from 0; NULL after the last. A scene has at least one view;
+ * penumbra_render takes the first by default.
+ * Owns: the text belongs to the scene. */
 PENUMBRA_API const char *penumbra_scene_view(const struct penumbra_scene *scene, size_t index);
 
 /* Changes one render setting, as `penumbra render --set KEY=VALUE` does: "width=640",
- * "accelerator=median". penumbra-scene(5) lists the settings.
- * Fails: 0; "usage" or "unsupported"; the message names the key. Returns 1 on success. */
+ * "accelerator=median". penumbra-scene(5) lists the settings. Returns 1 on success.
+ * Fails: 0; "usage" or "unsupported". The message names the key. */
 PENUMBRA_API int penumbra_scene_set(struct penumbra_scene *scene, const char *assignment,
                                     struct penumbra_errors **errors);
 
@@ -96,43 +98,46 @@ PENUMBRA_API char *penumbra_scene_settings(const struct penumbra_scene *scene,
 
 /* ---- Rendering ---- */
 
-/* What rendering one view takes at most, from counts alone: nothing is built or traced. */
+/* Upper bounds of what rendering one view takes. They come from counts: nothing is built or traced.
+ */
 struct penumbra_estimate {
     size_t size;          /* set by the caller: sizeof(struct penumbra_estimate) */
     int width, height;    /* pixels */
-    uint64_t primitives;  /* those in groups included */
-    double rays;          /* upper bound of primary rays and of the shadow rays of what these hit */
-    int secondary;        /* 1: reflected or transmitted rays may come on top; settings max_depth
-                           * and min_contribution limit them */
-    uint64_t image_bytes; /* of the image, exactly */
-    uint64_t scene_bytes; /* upper bound of what the scene and its acceleration structure take */
+    uint64_t primitives;  /* groups included */
+    double rays;          /* upper bound: primary rays, and the shadow rays of their hits */
+    int secondary;        /* 1: reflected or transmitted rays may be added; settings max_depth and
+                             min_contribution limit them */
+    uint64_t image_bytes; /* exact size of the image */
+    uint64_t scene_bytes; /* upper bound for the scene and its acceleration structure */
 };
 
-/* Fills *estimate. Returns 1. Fails: 0; "too-large" if the settings go beyond the limits on pixels
- * or rays, "usage" if `size` is wrong. */
+/* Fills *estimate. Returns 1.
+ * Fails: 0; "too-large" if the settings exceed the limits on pixels or rays, "usage" if `size` is
+ * wrong. */
 PENUMBRA_API int penumbra_scene_estimate(const struct penumbra_scene *scene,
                                          struct penumbra_estimate *estimate,
                                          struct penumbra_errors **errors);
 
-/* How to render. A zero in any member but `size` means the default.
- * Threads: `progress` and `cancel` are called from render threads, never from the thread that calls
- * penumbra_render, and one call of either at a time. They must return (no longjmp, no C++
- * exception), and must not call functions of this library on the scene that is being rendered. */
+/* How to render. A zero in any member except `size` means the default.
+ * Threads: render threads call `progress` and `cancel`; the thread that calls penumbra_render never
+ * does. Only one call of either runs at a time. The calls must return (no longjmp, no C++
+ * exception). They must not call functions of this library on the scene that is being rendered. */
 struct penumbra_render_options {
     size_t size; /* set by the caller: sizeof(struct penumbra_render_options) */
-    /* Render threads, at most 1024; 0: one per processor. The setting `threads` may lower it. */
+    /* Number of render threads, at most 1024; 0: one per processor. The setting `threads` may lower
+     * it. */
     int threads;
-    /* Called after each tile with the fraction that is done, above 0 and up to 1. */
+    /* Called after each tile with the fraction done, above 0 and up to 1. */
     void (*progress)(void *user, double done);
-    /* Called about every 10 ms, and after each tile; returns nonzero to stop the rendering. Not
-     * called while the acceleration structure is built. */
+    /* Called about every 10 ms and after each tile; returns nonzero to stop rendering. Not called
+     * while the acceleration structure is built. */
     int (*cancel)(void *user);
     void *user;
 };
 
 /* Renders one view of a scene; returns when it is done. The first call builds the acceleration
- * structure, and later ones use it again unless the setting `accelerator` has changed.
- * `view` is the name of a view, or NULL for the first; `options` may be NULL.
+ * structure. Later calls use it again unless the setting `accelerator` has changed. `view` is the
+ * name of a view, or NULL for the first; `options` may be NULL.
  * Owns: free the image with penumbra_image_free; it keeps nothing of the scene.
  * Fails: NULL; "not-found" (no such view), "invalid-scene", "too-large", "cancelled", "no-memory",
  * "usage" (wrong options). */
@@ -143,19 +148,20 @@ PENUMBRA_API struct penumbra_image *penumbra_render(struct penumbra_scene *scene
 /* ---- Images ---- */
 
 /* The pixels: *height rows of *width * 3 floats, the top row first, without gaps. They are linear
- * RGB, 1 is display white, larger values are possible. width and height may be NULL.
- * Owns: the image. */
+ * RGB; 1 is display white, and larger values are possible. width and height may be NULL.
+ * Owns: the array belongs to the image. */
 PENUMBRA_API const float *penumbra_image_pixels(const struct penumbra_image *image, int *width,
                                                 int *height);
 
 /* The image as a file in memory, of *bytes bytes: "png" (8 bits), "png16" or "pfm". A PNG has the
- * transfer function of the setting `transfer`; a PFM holds the pixels as they are.
- * Owns: free with penumbra_free. Fails: NULL; "usage" (unknown format), "no-memory". */
+ * transfer function of the setting `transfer`; a PFM holds the pixels unchanged.
+ * Owns: free with penumbra_free.
+ * Fails: NULL; "usage" (unknown format), "no-memory". */
 PENUMBRA_API void *penumbra_image_encode(const struct penumbra_image *image, const char *format,
                                          size_t *bytes, struct penumbra_errors **errors);
 
-/* Times, counts of rays and more as a JSON object: what `penumbra render --stats` writes.
- * Owns: the image. */
+/* Times, ray counts and more as a JSON object: the output of `penumbra render --stats`.
+ * Owns: the text belongs to the image. */
 PENUMBRA_API const char *penumbra_image_statistics(const struct penumbra_image *image);
 
 /* Frees an image. NULL is allowed. */
@@ -163,21 +169,22 @@ PENUMBRA_API void penumbra_image_free(struct penumbra_image *image);
 
 /* ---- Errors ---- */
 
-/* One error. Owns: the texts belong to the list. */
+/* One error.
+ * Owns: the texts belong to the list. */
 struct penumbra_error {
     size_t size;         /* set by the caller: sizeof(struct penumbra_error) */
     const char *code;    /* kind: "syntax", "invalid-scene", "not-found", … as in the HTTP API */
     const char *message; /* one sentence without a full stop, UTF-8 */
     const char *pointer; /* JSON Pointer into a JSON scene, or "" */
-    int line, column;    /* place in XML or malformed JSON, from 1; 0 where there is none */
+    int line, column;    /* place in XML or malformed JSON, from 1; 0 if there is none */
     const char *text;    /* place and message in one line */
 };
 
-/* The number of errors found, of which the first 20 are kept; 0 for NULL. */
+/* The number of errors found; 0 for NULL. The list keeps the first 20. */
 PENUMBRA_API size_t penumbra_errors_count(const struct penumbra_errors *errors);
 
-/* Fills *error with error number `index`, from 0. Returns 1, or 0 if there is none, or it was not
- * kept, or `size` is wrong, or `errors` is NULL. */
+/* Fills *error with error number `index`, from 0. Returns 1. Returns 0 if there is no such error,
+ * the list did not keep it, `size` is wrong or `errors` is NULL. */
 PENUMBRA_API int penumbra_errors_get(const struct penumbra_errors *errors, size_t index,
                                      struct penumbra_error *error);
 
@@ -186,7 +193,7 @@ PENUMBRA_API void penumbra_errors_free(struct penumbra_errors *errors);
 
 /* ---- Memory ---- */
 
-/* Frees what penumbra_scene_settings and penumbra_image_encode return. NULL is allowed. */
+/* Frees a result of penumbra_scene_settings or penumbra_image_encode. NULL is allowed. */
 PENUMBRA_API void penumbra_free(void *memory);
 
 #ifdef __cplusplus

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 # `make check-all`: everything, part by part, each with its own command, log and row in the table at the end.
 #   tests/all.sh BUILD [PART…]      only these parts; `plan` prints the plan alone
-# While the tree is the same, parts that have passed are not run again, and `mutants` goes on where it was
-# stopped: BUILD/all/TREE has their results. The minutes of the plan are those of the last run on this
-# machine, or else those of the list, of two cores.
+# Passed parts are not run again while the tree is unchanged, and `mutants` continues where it was stopped;
+# BUILD/all/TREE has their results. The minutes of the plan are those of the last run on this machine, or else
+# those of the list, for two cores.
 set -u
 build=${1:-build}
 shift
@@ -20,6 +20,7 @@ tsan      60 $make tsan TESTS="tests/base/ tests/render/ tests/accel/ tests/stor
 load      10 PEN_TIMED=1 $make load
 mutate    12 $make mutate MINUTES=10
 front      2 $make front
+page       3 $make page
 soak      11 $make soak MINUTES=10
 crash      5 PEN_TIMED=1 $make crash ROUNDS=200
 postgres  15 $make postgres POSTGRES_ROUNDS=100

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Renders scenes that another implementation of the shading model has rendered, and compares.
+# Renders scenes that another implementation of the shading model has rendered, and compares the pictures.
 #   tests/conformance.sh BUILD REF
-# REF holds pairs NAME.json, NAME.png; tests/conformance/compare_pair.c states how
-# equal a pair must be. Ends with `N passed, N failed`.
+# REF has pairs NAME.json, NAME.png; tests/conformance/compare_pair.c states how equal a pair must be. Ends
+# with `N passed, N failed`.
 set -u
 build=${1:?usage: conformance.sh BUILD REF}
 ref=${2:?usage: conformance.sh BUILD REF: where the reference pairs are}

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Judges what tests have skipped, for .ci/run: needs.sh BUILD
-# reads the lines `skipped: NEED: WHY` in BUILD/tests/log, and finds out by itself whether this machine has
-# what was needed. Exit 1 if a test was skipped that could run, or if a need is not in this list.
+# Judges the skipped tests, for .ci/run: needs.sh BUILD
+# reads the lines `skipped: NEED: WHY` in BUILD/tests/log, and finds out whether this machine has what each
+# needs. Exit 1 if a test was skipped that could run, or if a need is not in this list.
 set -u
 log=$1/tests/log
 has() { # NEED: whether this machine has it

@@ -1,11 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Runs every test program and test script of a build, prints a line for each as soon as it has ended, what
-# the failed ones printed, the ten slowest, the time of all, and `N passed, N failed, N skipped`.
-#   tests/run.sh BUILD [PART…]      only those whose paths contain one of the parts
-# Many tests wait for a disk or for a time to pass, so twice as many as JOBS run at a time. With PEN_TIMED
-# they judge times (tests/support/suite.h), and one runs at a time. What each printed stays in
-# BUILD/tests/log.
+# Runs every test program and test script of a build. Prints a line for each as soon as it has ended, the
+# output of the failed ones, the ten slowest, the whole time, and `N passed, N failed, N skipped`.
+#   tests/run.sh BUILD [PART…]      only tests whose paths contain one of the parts
+# Many tests wait for a disk or a time, so twice as many as JOBS run at once. With PEN_TIMED they judge times
+# (tests/support/suite.h), and one runs at a time. BUILD/tests/log has the output of each.
 set -u
 build=${1:-build}
 [ $# -eq 0 ] || shift

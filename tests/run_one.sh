@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: MIT
 # Runs one test program or script and judges it, for run.sh:
 #   tests/run_one.sh LOG BUILD FILE
-# prints a line, adds a line to LOG/results (passed, failed, skipped, seconds of processor time, FILE,
-# seconds), and writes LOG/FILE.out, what the test printed, and after a failure LOG/FILE.failure.
-# A program or script closes with libcheck's line `P%: Checks: N, Failures: F, Errors: E`; one that does
-# not counts as one failure, whatever it printed. For each check that it skipped, it has printed a line
-# `skipped: NEED: WHY` (tests/needs.sh). A script that skips all ends with code 77.
+# prints a line, and adds a line to LOG/results: passed, failed, skipped, seconds of processor time, FILE,
+# seconds. It writes the test's output to LOG/FILE.out and, after a failure, LOG/FILE.failure. A program or
+# script ends with libcheck's line `P%: Checks: N, Failures: F, Errors: E`. Without this line it counts as one
+# failure. For each check that it skipped, it has printed a line `skipped: NEED: WHY` (tests/needs.sh). A
+# script that skips all checks ends with code 77.
 set -u
 log=$1 build=$2 file=$3
 out=$log/$file.out

@@ -91,6 +91,11 @@ $(STABILITY): $(STABILITY_OBJ) $(PROPERTY_LIB) $(TEST_SUPPORT_LIB) $(BUILD)/libr
 	$(call say,LD ,$@)
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS) $(MPFR_LIBS)
 
+# Numeric bugs of other renderers: writes tests/property/museum.md and its pictures.
+.PHONY: museum
+museum: all
+	@python3 -B tests/property/museum.py $(BUILD)
+
 # The golden films alone, quickly built: for comparing builds.
 $(FILMS): $(FILMS:%/films=%/main_films.o) $(FILMS).o $(BUILD)/librender.a
 	$(call say,LD ,$@)
@@ -163,6 +168,17 @@ $(RECORD): $(RECORD).o
 .PHONY: front
 front: all $(LOAD) $(RECORD)
 	@sh tests/front/nginx.sh $(BUILD) || [ $$? -eq 77 ]
+
+# The page at / and the reports, in headless Chromium; the pictures of the gallery and of README.md.
+.PHONY: page page-pictures
+page: all
+	@sh deploy/install-deps.sh --page
+	@sh tests/page/page.sh $(BUILD) run.mjs $(PARTS)
+page-pictures: all
+	@sh deploy/install-deps.sh --page
+	@sh tests/page/page.sh $(BUILD) pictures.mjs thumbnails
+	@$(MAKE) -s all
+	@sh tests/page/page.sh $(BUILD) pictures.mjs
 
 # A daemon that is used for MINUTES (30): jobs of all kinds, readers, cancels, kills, restarts, limits of what is kept.
 .PHONY: soak

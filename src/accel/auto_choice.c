@@ -3,40 +3,41 @@
  * cost model of the finished tree and of the primitives.
  *
  * The unit is the time of one test of a block of four triangles, as for the builders (pen_kinds,
- * pen_node_cost). What costs the same with each choice, such as shading, is left out. A ray enters
- * a box with the probability of the surface-area heuristic (cost.c). The model is
+ * pen_node_cost). Work that costs the same with each choice, such as shading, is left out. A ray
+ * enters a box with the probability of the surface-area heuristic (cost.c). The model is
  *
  *   none     RAY + I + L         I: the infinite primitives, L: the blocks of all others
  *   tree     RAY + TREE + I + F  F: the nodes and leaves that the ray enters
  *   packets  (1 - q) (RAY_IN_PACKET + J + SHARE F) + q (tree + GIVEN_UP)
  *            J: the infinite primitives, each tested against all rays of a packet
- *            q: how probable it is that a packet meets a finite primitive without a test in lanes,
- *               so that its rays are traced one by one after all
+ *            q: the probability that a packet meets a finite primitive without a test in lanes,
+ *               so that its rays are traced one by one in the end
  *
- * Of infinite primitives a packet leaves out none, and those without a test in lanes go to the
- * scalar test, ray by ray, which costs more than in a list. So some four infinite cylinders are
+ * A packet tests every infinite primitive. A primitive without a test in lanes is left to the
+ * scalar test, ray by ray, which costs more than in a list. So about four infinite cylinders are
  * enough to make packets slower.
  *
- * Neither soft lights nor coincident surfaces matter to the choice. Disk packets, of soft lights,
- * work with each, and coincident surfaces, whose pixels go ray by ray after their packet,
- * add the same to each. `cbr`, `manual` and `median` are no choices: they have not been found more
- * than 5 % quicker than the best of these three.
+ * Neither soft lights nor coincident surfaces affect the choice. Disk packets of soft lights work
+ * with each choice. Coincident surfaces, whose pixels are traced ray by ray after their packet, add
+ * the same to each. `cbr`, `manual` and `median` are no choices: in no measurement were they more
+ * than 5 % faster than the best of these three.
  *
  * The constants were measured with AVX2 and are the same for every instruction set, so that a scene
- * is organised in the same way on every machine. `make bench-choices` measures the choices again,
- * beside what the model expects. All sums are in binary64, in a fixed order. */
+ * has the same structure on every machine. `make bench-choices` measures the choices again, beside
+ * the times that the model expects. All sums are in binary64, in a fixed order. */
 #include <math.h>
 
 #include "accel/internal/tree_layout.h"
 
-static const double ray = 2.3;           /* to begin and end a ray's query */
-static const double tree = 0.7;          /* to prepare a ray for boxes */
-static const double ray_in_packet = 0.9; /* a ray's share of beginning and ending a packet's */
-static const double share = 0.5;    /* a ray's part of the nodes, and of the tests, in a packet */
-static const double given_up = 1.2; /* what a packet has cost that is traced one by one */
+static const double ray = 2.3;  /* begin and end of a ray's query */
+static const double tree = 0.7; /* preparation of a ray for boxes */
+static const double ray_in_packet =
+    0.9;                            /* a ray's share of beginning and ending a packet's query */
+static const double share = 0.5;    /* a ray's share of the nodes and of the tests in a packet */
+static const double given_up = 1.2; /* cost of a packet before its rays are traced one by one */
 static const double plane_in_packet = 0.4; /* one plane */
 static const double fallback = 1.2;        /* the scalar test of a ray of a packet */
-static const double reach = 3; /* primitives that a packet meets, for each that a ray does */
+static const double reach = 3; /* primitives that a packet meets, per primitive that a ray meets */
 
 const char *pen_auto_choice_name(enum pen_auto_choice choice)
 {
@@ -53,7 +54,7 @@ static double cost_of_list(const struct pen_tree_layout *layout)
     return (double)pen_leaf_cost(lanes);
 }
 
-/* The infinite primitives, for a ray alone and for one in a packet. */
+/* The cost of the infinite primitives, for a ray alone and for one in a packet. */
 static void cost_of_infinite(const struct pen_tree_layout *layout, double *alone, double *packet)
 {
     const double plane = (double)pen_kinds[PEN_PRIM_PLANE].cost;
@@ -70,7 +71,7 @@ static void cost_of_infinite(const struct pen_tree_layout *layout, double *alone
     *alone += plane * ceil((double)planes / PEN_LANES);
 }
 
-/* What a ray is expected to meet in a tree. */
+/* The expected work of a ray in a tree. */
 struct expected {
     double cost;          /* of nodes and leaves */
     double without_lanes; /* number of primitives without a test in lanes */

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* Building: which builder makes which kind of accelerator, and the statistics of what it built. */
+/* Building: the builder of each kind of accelerator, and the statistics of the result. */
 #include "accel/internal/test_doors.h"
 #include "accel/internal/tree_layout.h"
 #include "base/clock.h"
 
 const struct pen_hit pen_after_start = {0, PEN_NO_PRIM, UINT8_MAX};
 
-/* What is built. */
+/* A structure to build. */
 struct request {
     const struct pen_prims *prims;
     enum pen_accelerator kind;
     const struct pen_groups *groups; /* for PEN_ACCEL_MANUAL; NULL: none */
     unsigned generic_kinds;
-    const enum pen_auto_choice *choice; /* of PEN_ACCEL_AUTO; NULL: the model's */
+    const enum pen_auto_choice *choice; /* for PEN_ACCEL_AUTO; NULL: the model's choice */
 };
 
 /* PEN_ACCEL_NONE: one list of all primitives. */
@@ -22,7 +22,7 @@ static bool build_none(struct pen_tree_layout *layout)
 }
 
 /* PEN_ACCEL_AUTO. The costs are those of the tree, so it is built first. A list is in document
- * order, which the tree's builder has changed: the layout begins again. */
+ * order, which the tree's builder has changed, so the layout begins again. */
 static bool build_auto(struct pen_tree_layout *layout, const struct request *request,
                        struct pen_accel_stats *stats)
 {

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The builder of `cbr` and `manual`, which keep the structure of the document.
  *  - manual: the children of the document's top level are one list, in document order, each with
- * its box. A group is a child like any other; its box leads to a list of its own.
+ *    its box. A group is a child like any other; its box leads to its own list.
  *  - cbr: there are no groups, and all primitives are in one list.
- * Children are single primitives: nothing is gathered, sorted or split. Groups without a finite
- * primitive are left out; groups nested deeper than PEN_MAX_DEPTH give their children to the group
- * around them. Cost: linear. */
+ * Children are single primitives; nothing is merged, sorted or split. Groups without a finite
+ * primitive are left out. The children of a group nested deeper than PEN_MAX_DEPTH belong to the
+ * enclosing group.
+ * Cost: linear. */
 #include <stdlib.h>
 
 #include "accel/internal/tree_layout.h"
@@ -62,8 +63,8 @@ struct children {
     uint32_t at, end, group;
 };
 
-/* Advances to the next child; false at the end. The child is group *group, or if *group equals the
- * number of groups the reference *ref. With `flat` the primitives of groups are children instead.
+/* Advances to the next child; false at the end. The child is group *group or, if *group equals the
+ * number of groups, the reference *ref. With `flat`, the primitives of groups are children instead.
  */
 static bool next_child(const struct lists *l, struct children *c, bool flat, uint32_t *ref,
                        uint32_t *group)
@@ -99,7 +100,7 @@ static bool build_leaf(struct lists *l, uint32_t at, uint32_t depth, struct pen_
     return made->child != PEN_NO_CHILD;
 }
 
-/* Makes a list that is inside `depth` boxes; *made becomes its entry in the list around it. */
+/* Makes a list that is inside `depth` boxes; *made becomes its entry in the enclosing list. */
 static bool build_list(struct lists *l, struct children c, uint32_t depth,
                        struct pen_child_box *made)
 {

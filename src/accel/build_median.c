@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* The builder of `median`: a binary tree. Each range of primitives is split at the median of their
- * boxes' centres, along the axis on which the centres extend farthest, down to single primitives or
- * to up to four triangles, which are one block. No costs are estimated: this is the plain tree that
- * others are compared with.
+ * boxes' centres, along the axis with the largest extent of the centres. It ends at single
+ * primitives, or at up to four triangles, which are one block. No costs are estimated: this is the
+ * plain tree with which others are compared.
  *
- * The primitives are sorted once along each axis (by radix, stable, so that equal centres stay in
- * document order), and every split divides the three orders stably, as a k-d tree is built by
+ * The primitives are sorted once along each axis, by a stable radix sort, so equal centres stay in
+ * document order. Every split divides the three orders stably. This is how a k-d tree is built by
  * presorting (Bentley, "Multidimensional binary search trees used for associative searching", CACM
  * 18(9), 1975; Wald and Havran, "On building fast kd-trees for ray tracing, and on doing that in
- * O(N log N)", RT 2006). Cost: n log n for any input. A range's halves differ by one at most, also
- * where all centres are equal, so the depth is that of a balanced tree. */
+ * O(N log N)", RT 2006). The halves of a range differ by at most one primitive, even if all centres
+ * are equal, so the tree is balanced.
+ * Cost: n log n for any input. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,7 +21,7 @@ enum { DIGITS = 1 << 8 };
 struct median {
     struct pen_tree_layout *layout;
     const struct pen_ref *ref; /* in document order until the tree is complete */
-    uint32_t *order[3]; /* indices into ref, sorted by axis; order[0] becomes that of leaves */
+    uint32_t *order[3]; /* indices into ref, sorted by axis; order[0] becomes the order of leaves */
     uint32_t *spare;    /* room for one order */
     uint32_t *key;      /* sort keys for one axis, by index into ref */
     uint8_t *left;      /* by index into ref: goes to the left half */

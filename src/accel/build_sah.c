@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The builder of `auto`: binned surface-area heuristic, made eight-wide on the way down by
- * splitting the child of largest surface until there are eight (Wald, Benthin, Boulos, "Getting
- * rid of packets", RT 2008; binning: Wald, "On fast construction of SAH-based BVHs", RT 2007).
- * Single-threaded, and so a pure function of the primitives.
+/* The builder of `auto`: the binned surface-area heuristic. It makes nodes of eight children on the
+ * way down, by splitting the child with the largest surface until there are eight. It uses one
+ * thread, so the tree is a pure function of the primitives.
  *
- * Below a depth of PEN_MAX_DEPTH / 2, and where all centroids are equal, ranges are split in half
- * by number, so no input makes a tree deeper than PEN_MAX_DEPTH. */
+ * Below a depth of PEN_MAX_DEPTH / 2, and if all centroids are equal, ranges are split in half by
+ * number. So no input makes a tree deeper than PEN_MAX_DEPTH.
+ * Source: Wald, Benthin, Boulos, "Getting rid of packets", RT 2008; binning: Wald, "On fast
+ * construction of SAH-based BVHs", RT 2007. */
 #include <float.h>
 #include <stddef.h>
 #include <string.h>
@@ -14,8 +15,8 @@
 
 enum { BINS = 16, CLASSES = PEN_COST_CLASS_COUNT, BLOCKS_MAX = 4 };
 
-/* Three coordinates as a vector in the compiler's own type, which works on any processor. Its last
- * lane means nothing. */
+/* Three coordinates in the compiler's own vector type, for any processor. The last lane is
+ * undefined. */
 typedef float float4 __attribute__((vector_size(16), aligned(4), may_alias));
 typedef int32_t mask4 __attribute__((vector_size(16)));
 
@@ -37,7 +38,7 @@ struct bin {
     uint32_t lanes[CLASSES];
 };
 
-/* The bins along one axis. Most ranges are small, and leave most bins empty: those are not even
+/* The bins along one axis. Most ranges are small and leave most bins empty; empty bins are not
  * cleared. */
 struct bins {
     uint32_t filled; /* bit i: bin i holds a primitive */
@@ -178,8 +179,7 @@ static struct split find_split(const struct pen_ref *ref, const struct range *r,
     return best;
 }
 
-/* Moves the primitives left of the split to the front, not keeping the order, and measures both
- * sides. */
+/* Moves the primitives left of the split to the front, in any order, and measures both sides. */
 static void divide(struct pen_ref *ref, const struct range *r, const struct split *split,
                    float scale, struct range *left, struct range *right)
 {
@@ -202,7 +202,7 @@ static void divide(struct pen_ref *ref, const struct range *r, const struct spli
     right->end = r->end;
 }
 
-/* Splits a range in two; if a leaf is cheaper, marks the range as one and returns false. */
+/* Splits a range in two. If a leaf is cheaper, marks the range as a leaf and returns false. */
 static bool split_range(struct pen_tree_layout *layout, struct range *r, uint32_t depth,
                         struct range *right)
 {
@@ -233,7 +233,7 @@ static bool split_range(struct pen_tree_layout *layout, struct range *r, uint32_
     return true;
 }
 
-/* Splits the range with the largest surface until there are eight or all are leaves. */
+/* Splits the range with the largest surface until there are eight ranges or all are leaves. */
 static int widen(struct pen_tree_layout *layout, struct range *child, uint32_t depth)
 {
     int count = 1;

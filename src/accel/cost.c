@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* The expected cost of a ray, by the surface-area heuristic: a random line that meets the box
+/* The expected cost of a ray, by the surface-area heuristic. A random line that meets the box
  * around all primitives meets a convex box inside it with a probability that is the ratio of their
- * surfaces (Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", IEEE
- * CG&A 7(5), 1987). It is computed from the finished layout, in the same way for every kind. */
+ * surfaces. It is computed from the finished layout, in the same way for every kind.
+ * Source: Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", IEEE
+ * CG&A 7(5), 1987. */
 #include "accel/internal/tree_layout.h"
 
 double pen_child_box_half_area(const struct pen_child_box *box)
@@ -33,7 +34,7 @@ double pen_tree_layout_half_area(const struct pen_tree_layout *layout)
     return pen_child_box_half_area(&all);
 }
 
-/* The cost of entering a child: of the boxes of a node, or the primitives of a leaf. */
+/* The cost of entering a child: the boxes of a node, or the primitives of a leaf. */
 static double cost_of_child(const struct pen_tree_layout *layout, uint32_t child)
 {
     const struct pen_leaf *leaves = layout->leaves.data;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes the candidates of disk packets: what a primitive is to the rays from one point to a
+/* Makes the candidates of disk packets: the relation of a primitive to the rays from one point to a
  * disk.
  *
- * Bands. Let delta be 4 grow plus some 2^-34 of all lengths involved, where grow is how far the
- * self-intersection rule can reach (see prim_test.h). A primitive's own test has roundings of some
- * 2^-50 of those lengths, so it agrees with exact geometry that is moved by less than delta. Hence:
- *  - what is farther than delta from the border between a hit and a miss is decided the same way by
- *    the primitive's test and by the lines here;
- *  - a primitive within delta of the origin is always tested by the reference itself;
- *  - so is one that a ray passes within delta of the ray's end. */
+ * Bands. Let delta be 4 grow plus some 2^-34 of all lengths involved, where grow is the reach of
+ * the self-intersection rule (see prim_test.h). A primitive's own test has roundings of some 2^-50
+ * of those lengths. So it agrees with exact geometry that is moved by less than delta. Hence:
+ *  - Farther than delta from the border between a hit and a miss, the primitive's test and the
+ *    lines here decide alike.
+ *  - A primitive within delta of the origin is always tested by the reference.
+ *  - So is a primitive that a ray passes within delta of the ray's end. */
 #include "accel/internal/disk_candidate.h"
 
 #include <float.h>
@@ -16,7 +16,7 @@
 #include "accel/internal/structure.h"
 #include "math/scale.h"
 
-/* A margin for a length: far above its rounding, far below what can be seen. */
+/* A margin for a length: far above its rounding, far below the visible. */
 static double margin_of(double length)
 {
     return 0x1p-34 * length;
@@ -63,8 +63,8 @@ static enum line_sign line_sign(const struct pen_disk_line *line)
     return line->e > most ? LINE_POSITIVE : line->e < -most ? LINE_NEGATIVE : LINE_MIXED;
 }
 
-/* Adds a line that is positive where rays hit. False if it is positive for no ray. One that is
- * positive for all rays is left out. */
+/* Adds a line that is positive where rays hit. Returns false if it is positive for no ray. A line
+ * that is positive for all rays is left out. */
 static bool add_line(struct pen_disk_candidate *candidate, struct pen_disk_line line)
 {
     enum line_sign sign = line_sign(&line);
@@ -75,7 +75,7 @@ static bool add_line(struct pen_disk_candidate *candidate, struct pen_disk_line 
     return true;
 }
 
-/* Every ray is tested against the primitive by itself, by the reference. */
+/* The reference tests every ray against the primitive, alone. */
 static enum pen_disk_candidate_verdict scalar_fallback(struct pen_disk_candidate *candidate)
 {
     candidate->kind = PEN_DISK_CANDIDATE_FALLBACK;
@@ -89,8 +89,8 @@ static enum pen_disk_candidate_verdict verdict_of_lines(const struct pen_disk_ca
                                                       : PEN_DISK_CANDIDATE_SOME;
 }
 
-/* The line that is positive where a ray intersects the candidate's plane before the ray ends. n is
- * the plane's unit normal, h the plane's signed distance from the origin along n. */
+/* The line that is positive for rays that intersect the candidate's plane before they end. n is the
+ * plane's unit normal, h the plane's signed distance from the origin along n. */
 static struct pen_disk_line plane_line(const struct pen_disk_packet *packet, struct pen_vec3 n,
                                        double h, double delta, struct pen_disk_candidate *candidate)
 {
@@ -138,9 +138,9 @@ static struct pen_vec3 cross(struct pen_vec3 a, struct pen_vec3 b)
     return pen_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
-/* The line that is positive where rays pass on the inner side of an edge or a chord from p to q,
- * for rays that go towards the side of n. The distance between the ray's line and that of the edge
- * is at least |value| / (|d| |edge|), from which the band follows. */
+/* The line that is positive for rays that pass on the inner side of an edge or a chord from p to q,
+ * if they go towards the side of n. The distance between the ray's line and that of the edge is at
+ * least |value| / (|d| |edge|), which gives the band. */
 static struct pen_disk_line chord_line(const struct pen_disk_packet *packet,
                                        const struct pen_vec3 *p, const struct pen_vec3 *q,
                                        double delta)
@@ -157,8 +157,8 @@ static struct pen_disk_line edge_line(const struct pen_disk_packet *packet, cons
     return chord_line(packet, &flat->v[i], &flat->v[i + 1 < flat->count ? i + 1 : 0], delta);
 }
 
-/* The origin is within delta of the primitive's plane. The primitive is left out only if one edge
- * has all rays on one side and another edge has all rays on the other; else it falls back. */
+/* For an origin within delta of the primitive's plane. The primitive is left out only if one edge
+ * has all rays on one side and another edge has all rays on the other. Else it falls back. */
 static enum pen_disk_candidate_verdict coplanar_candidate(const struct pen_disk_packet *packet,
                                                           const struct flat *flat, double delta,
                                                           struct pen_disk_candidate *candidate)
@@ -211,7 +211,7 @@ static struct cone_coordinates cone_coordinates_of(const struct pen_disk_packet 
     return (struct cone_coordinates){aside * packet->cone_cos - depth * packet->cone_sin, depth};
 }
 
-/* Whether no ray meets the ball of radius r around o + f, by more than delta. */
+/* Whether all rays pass the ball of radius r around o + f at more than delta. */
 static bool ball_is_outside(const struct pen_disk_packet *packet, struct pen_vec3 f, double r,
                             double delta)
 {
@@ -220,7 +220,7 @@ static bool ball_is_outside(const struct pen_disk_packet *packet, struct pen_vec
            (packet->to_point && p.depth > packet->depth + r + delta);
 }
 
-/* Whether d.n > 0 for all rays, where n is rounded like a vector of length `size`. */
+/* Whether d.n > 0 for all rays, where n has the rounding of a vector of length `size`. */
 static bool all_positive(const struct pen_disk_packet *packet, struct pen_vec3 n, double size)
 {
     struct pen_disk_line line = line_of(packet, n, margin_of(packet->reach * size));
@@ -228,9 +228,10 @@ static bool all_positive(const struct pen_disk_packet *packet, struct pen_vec3 n
 }
 
 /* A ray's intersections with a sphere are at t = (p -+ sqrt(p^2 - k |d|^2)) / |d|^2, with p = g.d,
- * g from the origin to the centre, and k = |g|^2 - r^2. The candidate's lines hold: 0  p as a
- * function of (a, b) 1  e: k; band: that of the square root's argument 2  |d|^2 = e + u a^2 + v
- * b^2; band: the t at which a ray ends */
+ * g from the origin to the centre, and k = |g|^2 - r^2. The candidate's lines hold:
+ *   0  p as a function of (a, b)
+ *   1  e: k; band: that of the square root's argument
+ *   2  |d|^2 = e + u a^2 + v b^2; band: the t at which a ray ends */
 static void sphere_lines(const struct pen_disk_packet *packet, struct pen_vec3 g, double k,
                          double size, struct pen_disk_candidate *candidate)
 {
@@ -244,7 +245,7 @@ static void sphere_lines(const struct pen_disk_packet *packet, struct pen_vec3 g
 }
 
 /* If the origin is outside and the whole sphere is before the disk, a ray with p > 0 either misses
- * the sphere or intersects it twice; the cone of tangents from the origin tells which. */
+ * the sphere or intersects it twice. The cone of tangents from the origin decides. */
 static enum pen_disk_candidate_verdict sphere_candidate(const struct pen_disk_packet *packet,
                                                         const struct pen_sphere *s,
                                                         struct pen_disk_candidate *candidate)
@@ -300,8 +301,8 @@ static bool cylinder_is_outside(const struct pen_disk_packet *packet, const stru
     return cylinder_is_beyond(packet, wing, middle, axis, c, delta);
 }
 
-/* A lower bound of the distance of o from the solid cylinder, f being o relative to its base; <= 0
- * inside. */
+/* A lower bound of the distance of o from the solid cylinder; <= 0 inside. f is o relative to its
+ * base. */
 static double cylinder_gap(const struct pen_cylinder *c, struct pen_vec3 axis, struct pen_vec3 f)
 {
     double along = pen_dot(f, axis), side = pen_length(cross(f, axis)) - c->round.r;
@@ -323,9 +324,9 @@ static bool cylinder_is_not_met_again(const struct pen_disk_packet *packet,
     }
 }
 
-/* A ray intersects a cylinder at the ends of the overlap of two t-intervals, that of the infinite
- * side and that of the slab between the caps: as in pen_cylinder_interval, with |axis| = 1. Let f
- * be the origin relative to the base and `side` its part perpendicular to the axis. The lines hold:
+/* A ray intersects a cylinder at the ends of the overlap of two t-intervals, of the infinite side
+ * and of the slab between the caps: as in pen_cylinder_interval, with |axis| = 1. Let f be the
+ * origin relative to the base and `side` its component perpendicular to the axis. The lines hold:
  *   0  d.axis as a function of (a, b)
  *   1  d.side as a function of (a, b)
  *   2  |d|^2 = e + u a^2 + v b^2; band: the t at which a ray ends
@@ -386,9 +387,9 @@ infinite_cylinder_candidate(const struct pen_disk_packet *packet,
 }
 
 /* LINE_POSITIVE if all rays pass inside the outline, LINE_NEGATIVE if all pass outside, LINE_MIXED
- * if neither is sure. The outline is a triangle fan around its first corner: a point is inside if
- * an odd number of these triangles contain it, and a triangle contains what is on one side of all
- * three of its edges. */
+ * if neither is certain. The outline is a triangle fan around its first corner. A point is inside
+ * if an odd number of these triangles contain it. A triangle contains a point that is on one side
+ * of all three edges. */
 static enum line_sign outline_sign(const struct pen_disk_candidate *candidate, uint32_t corners)
 {
     bool inside = false;
@@ -403,8 +404,8 @@ static enum line_sign outline_sign(const struct pen_disk_candidate *candidate, u
     return inside ? LINE_POSITIVE : LINE_NEGATIVE;
 }
 
-/* A flat polygon that need not be convex. Line 0 is that of its plane; then, in turn, the chord
- * from the first corner to corner i, and the edge from corner i to the next. */
+/* A flat polygon that need not be convex. Line 0 is that of its plane. Then follow alternately the
+ * chord from the first corner to corner i, and the edge from corner i to the next corner. */
 static enum pen_disk_candidate_verdict outline_candidate(const struct pen_disk_packet *packet,
                                                          const struct flat *flat, double delta,
                                                          struct pen_disk_candidate *candidate)
@@ -442,7 +443,7 @@ static enum pen_disk_candidate_verdict triangle_candidate(const struct pen_disk_
 }
 
 /* A polygon with many corners, or one that is not flat. Only its plane is used, with a margin for
- * how far the corners may be off it, and only to prove misses. */
+ * the distance of the corners from it, and only to prove misses. */
 static enum pen_disk_candidate_verdict plane_only_candidate(const struct pen_disk_packet *packet,
                                                             const struct pen_polygon *p,
                                                             double delta,

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Packing: turns a tree layout into the frozen structure in an arena. The primitives of each leaf
- * are packed into SIMD blocks, kind by kind. It runs twice: the first pass only counts. */
+ * are packed into SIMD blocks, kind by kind. It runs twice; the first pass only counts. */
 #include <string.h>
 
 #include "accel/internal/tree_layout.h"
 
-/* The arrays being filled, and how far each is. In the first pass `items` is NULL. */
+/* The arrays being filled, and the position in each. In the first pass `items` is NULL. */
 struct packer {
-    bool singles; /* a leaf of one primitive is that primitive, not a block; never where `auto`
-                   * builds, because disk packets read blocks only */
+    bool singles; /* a leaf of one primitive is that primitive, not a block; never for `auto`,
+                     because disk packets read only blocks */
     const struct pen_prims *prims;
     const struct pen_ref *ref;
     uint32_t *items;
@@ -37,7 +37,7 @@ static void put(double to[3][PEN_LANES], int lane, struct pen_vec3 v)
     to[2][lane] = v.z;
 }
 
-/* Empty lanes have a box that no ray enters. */
+/* Packs boxes. Empty lanes have a box that no ray enters. */
 static void pack_boxes(struct pen_boxes4 *boxes, const struct lanes *in)
 {
     for (int lane = 0; lane < PEN_LANES; lane++) {
@@ -50,7 +50,7 @@ static void pack_boxes(struct pen_boxes4 *boxes, const struct lanes *in)
     }
 }
 
-/* Empty lanes are all zero: a triangle of one point, which no ray intersects. */
+/* Packs triangles. Empty lanes are all zero: a triangle of one point, which no ray intersects. */
 static void pack_triangles(struct packer *p, const struct lanes *in, uint32_t block)
 {
     struct pen_triangles4 *b = &p->triangles[block];
@@ -121,7 +121,7 @@ static void pack_cylinders(struct packer *p, const struct lanes *in, uint32_t bl
     }
 }
 
-/* Empty lanes have a normal of zero: every ray is parallel to such a plane. */
+/* Packs planes. Empty lanes have a normal of zero: every ray is parallel to such a plane. */
 static void pack_planes(struct packer *p, const struct lanes *in, uint32_t block)
 {
     struct pen_planes4 *b = &p->planes[block];
@@ -167,11 +167,11 @@ static void pack_block(struct packer *p, const struct lanes *in, enum pen_block_
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:
-        break; /* no block of primitives */
+        break; /* not a block of primitives */
     }
 }
 
-/* Packs a leaf of one primitive, which is read where the scene keeps it. */
+/* Packs a leaf of one primitive, which is read from the scene. */
 static uint32_t pack_single(struct packer *p, uint32_t ref)
 {
     uint32_t item = p->item_count++;
@@ -211,8 +211,8 @@ static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
     return first;
 }
 
-/* Item 0 is an empty leaf; item 1 begins the list of infinite primitives; the layout's leaves
- * follow. */
+/* Packs all leaves. Item 0 is an empty leaf; item 1 begins the list of infinite primitives; then
+ * follow the layout's leaves. */
 static void pack_leaves(struct packer *p, const struct pen_tree_layout *layout,
                         uint32_t *first_item)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What ray packets know of single primitives: their boxes, and which outlines are convex. */
+/* Data of single primitives for ray packets: their boxes, and which outlines are convex. */
 #include "accel/internal/tree_layout.h"
 
 static struct pen_vec3 cross(struct pen_vec3 a, struct pen_vec3 b)
@@ -7,8 +7,8 @@ static struct pen_vec3 cross(struct pen_vec3 a, struct pen_vec3 b)
     return pen_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
-/* Whether all corners are to the left of each edge e and in its plane: e x f is along the normal
- * for each corner at f from the beginning of e, up to 2^-40 of |e|_1 and the extent. */
+/* Whether all corners are to the left of each edge e and in its plane. For each corner at f from
+ * the beginning of e, e x f is along the normal, up to 2^-40 of |e|_1 and the extent. */
 static bool is_convex(const struct pen_polygon *p)
 {
     for (uint32_t i = 0; i < p->count; i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The queries that count their tests and their table, pen_trace_count_<instruction set>. It has no
- * packets, so that every ray is counted by itself. */
+/* The queries that count their tests and their table, pen_trace_count_<instruction set>. The table
+ * has no packets, so that every ray is counted alone. */
 #include "accel/internal/isa.h"
 
 enum { COUNTING = 1 };

@@ -35,7 +35,7 @@ void pen_array_release(struct pen_array *array)
     *array = (struct pen_array){.size = array->size};
 }
 
-/* A polygon that is cut into triangles is tested by the reference. */
+/* The kind of a primitive's block. A cut polygon is tested by the reference. */
 static enum pen_block_kind block_kind(const struct pen_tree_layout *layout, uint32_t prim)
 {
     uint32_t kind = layout->prims->ref[prim].kind;
@@ -44,7 +44,7 @@ static enum pen_block_kind block_kind(const struct pen_tree_layout *layout, uint
     return layout->generic_kinds >> kind & 1 ? PEN_BLOCK_GENERIC : pen_block_of(kind);
 }
 
-/* Sets the lanes that a finite primitive counts as, and their class. */
+/* Sets the number of lanes as which a finite primitive counts, and their class. */
 static void set_cost(struct pen_ref *ref, enum pen_block_kind block, uint32_t prim_kind)
 {
     ref->lanes = 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Which compiled variant answers queries, and the views that counting queries need: an accelerator
- * is shared by threads, counts are not. */
+/* The choice of the compiled variant, and the views for counting queries: threads share an
+ * accelerator, but not counts. */
 #include "accel/internal/variants.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A certificate that has been replaced is kept until the end: a handshake may still use it. */
+/* A replaced certificate is kept until the end, because a handshake may still use it. */
 #include "access/tls.h"
 
 #include <stdatomic.h>
@@ -13,23 +13,23 @@ enum { CHAIN_MOST = 16 };
 
 const char pen_tls_priorities[] = "NORMAL:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1.2";
 
-/* A certificate as it was read once. */
+/* A certificate, as read at one time. */
 struct identity {
     gnutls_pcert_st chain[CHAIN_MOST];
     unsigned length;
     gnutls_privkey_t key;
-    struct identity *before; /* the one that it has replaced */
+    struct identity *before; /* the identity that it has replaced */
 };
 
 struct pen_tls {
     char *cert, *key;
-    struct stat cert_seen, key_seen; /* the files as of the last read */
+    struct stat cert_seen, key_seen; /* the files at the last read */
     struct pen_status fault;         /* PEN_OK, or why the files are broken */
     struct identity *identity;       /* the last good one */
 };
 
-/* The certificate of the open struct pen_tls. Atomic: a handshake sees an identity that is
- * complete. */
+/* The certificate of the open struct pen_tls. Atomic, so that a handshake sees a complete
+ * identity. */
 static _Atomic(struct identity *) in_force;
 
 static void identity_free(struct identity *identity)
@@ -77,7 +77,7 @@ static bool import_file(const char *path,
     return ok || pen_small_file_name(path, st);
 }
 
-/* Whether the key is that of the first certificate. */
+/* Returns true if the key belongs to the first certificate. */
 static bool fits(const struct identity *identity)
 {
     gnutls_pubkey_t own;

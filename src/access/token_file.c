@@ -52,7 +52,7 @@ void pen_token_expiry(const struct pen_token *token, char out[PEN_TOKEN_EXPIRY_B
         strcpy(out, "never");
 }
 
-/* strptime also takes days that do not exist and other spellings: these read back differently. */
+/* strptime also accepts other spellings, and days that do not exist. Both print differently. */
 static bool read_expiry(const char *text, struct pen_token *token)
 {
     char again[PEN_TOKEN_EXPIRY_BYTES];

@@ -13,9 +13,9 @@
 #include "base/log.h"
 
 struct pen_tokens {
-    struct stat seen; /* the file as of the last read; only pen_tokens_refresh uses it */
+    struct stat seen; /* the file at the last read; only pen_tokens_refresh uses it */
     pthread_rwlock_t lock;
-    struct pen_token_list list; /* guarded by lock: the last good ones */
+    struct pen_token_list list; /* guarded by lock: the last valid ones */
     struct pen_status fault;    /* guarded by lock: PEN_OK, or why the file is broken */
     char path[];
 };
@@ -47,7 +47,7 @@ void pen_tokens_close(struct pen_tokens *tokens)
     free(tokens);
 }
 
-/* The token within `Bearer TOKEN`. Returns NULL if there is none. */
+/* Finds the token in `Bearer TOKEN`. Returns NULL if there is none. */
 static const char *find_bearer(const char *authorization, size_t *bytes)
 {
     static const char scheme[] = "bearer ", blanks[] = " \t";
@@ -59,7 +59,8 @@ static const char *find_bearer(const char *authorization, size_t *bytes)
     return *bytes > 0 && token[*bytes + strspn(token + *bytes, blanks)] == '\0' ? token : NULL;
 }
 
-/* Finds a token that is valid. Compares with all, so that the time does not tell which is alike. */
+/* Finds a valid token. It compares with all tokens, so that the time gives no hint of a similar
+ * one. */
 static const struct pen_token *find_valid(const struct pen_token_list *list,
                                           const unsigned char hash[PEN_TOKEN_HASH_BYTES])
 {
@@ -102,8 +103,8 @@ bool pen_tokens_holds(struct pen_tokens *tokens, const struct pen_token_holder *
     return holds;
 }
 
-/* A fault may also pass without a change of the file, such as too many open files. So a broken file
- * is read each time, but its fault is logged once. Only this thread writes what the lock guards. */
+/* Some faults pass without a change of the file, such as too many open files. So a broken file is
+ * read each time, but its fault is logged once. Only this thread writes what the lock guards. */
 void pen_tokens_refresh(struct pen_tokens *tokens)
 {
     struct pen_token_list list;

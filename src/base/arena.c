@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* An arena is a list of blocks that are filled in order. A request that does not fit into the
- * current block goes to the next block that holds it, else to a new one. New blocks double in size
- * up to LAST_BLOCK, so that there are few. The cap counts the requested bytes, rounded up to
- * SMALL_ALIGN; it does not count block headers and unused ends of blocks. */
+ * current block uses the next block that has space for it, else a new one. New blocks double in
+ * size up to LAST_BLOCK, so that there are few. The cap counts the requested bytes, rounded up to
+ * SMALL_ALIGN. It does not count block headers and unused ends of blocks. */
 #include "base/arena.h"
 
 #include <stdint.h>
@@ -11,7 +11,7 @@
 
 enum {
     SMALL_ALIGN = 16,
-    LARGE_ALIGN = 64, /* a cache line, where arrays that SIMD code reads start */
+    LARGE_ALIGN = 64, /* a cache line, at which arrays for SIMD code begin */
     FIRST_BLOCK = 4096,
     LAST_BLOCK = 1 << 24 /* a block is larger than this only for one large request */
 };
@@ -94,7 +94,7 @@ void *pen_arena_alloc(struct pen_arena *arena, size_t count, size_t size)
     size_t requested = count * size;
     size_t align = requested >= LARGE_ALIGN ? LARGE_ALIGN : SMALL_ALIGN;
     if (requested == 0)
-        requested = 1; /* an allocation of 0 bytes still has an address of its own */
+        requested = 1; /* an allocation of 0 bytes also has its own address */
     size_t bytes = (requested + SMALL_ALIGN - 1) & ~(size_t)(SMALL_ALIGN - 1);
     if (bytes > arena->cap - arena->used)
         return NULL;

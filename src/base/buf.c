@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The capacity doubles, so that appending n bytes takes time proportional to n. Invariant: once
- * there is data, a zero byte follows it, so that the contents can be read as a string. */
+/* The capacity doubles, so appending n bytes takes time proportional to n. Invariant: once there is
+ * data, a zero byte follows it, so the contents can be read as a string. */
 #include "base/buf.h"
 
 #include <stdarg.h>
@@ -22,7 +22,7 @@ void pen_buf_release(struct pen_buf *buf)
     pen_buf_init(buf);
 }
 
-/* Makes space for so many more bytes and a zero byte, which do not fit yet. */
+/* Makes space for `more` bytes and a zero byte, which do not fit yet. */
 static bool grow(struct pen_buf *buf, size_t more)
 {
     if (buf->failed)
@@ -80,7 +80,7 @@ bool pen_buf_number(struct pen_buf *buf, uint64_t number)
     return pen_buf_add(buf, first, (size_t)(digits + sizeof digits - first));
 }
 
-/* Most texts fit into what is left of the capacity; only one that does not is formatted twice. */
+/* Most texts fit into the free capacity; only a text that does not is formatted twice. */
 bool pen_buf_printf(struct pen_buf *buf, const char *format, ...)
 {
     va_list args, again;

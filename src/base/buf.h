@@ -16,27 +16,28 @@ struct pen_buf {
     bool failed; /* out of memory */
 };
 
-/* An empty buffer; {0} is one too. */
+/* Makes an empty buffer; {0} is one too. */
 void pen_buf_init(struct pen_buf *buf);
 
 /* Frees the contents and leaves an empty buffer. */
 void pen_buf_release(struct pen_buf *buf);
 
-/* Makes space for contents of so many bytes in all, and no more than that: a buffer that grows
- * takes up to twice as much. Returns false when out of memory; the buffer is then as it was, and
- * has not failed. */
+/* Reserves space for contents of this number of bytes in all, and no more; a buffer that grows
+ * takes up to twice as much. Returns false when out of memory; the buffer is then unchanged and has
+ * not failed. */
 bool pen_buf_reserve(struct pen_buf *buf, size_t bytes);
 
 /* Appends bytes. Returns false when out of memory. */
 bool pen_buf_add(struct pen_buf *buf, const void *data, size_t bytes);
 
-/* Appends a string without its terminating zero. Inline, so that a literal is not measured. */
+/* Appends a string without its terminating zero. It is inline, so that the compiler computes the
+ * length of a literal. */
 static inline bool pen_buf_puts(struct pen_buf *buf, const char *text)
 {
     return pen_buf_add(buf, text, strlen(text));
 }
 
-/* Appends a number in decimal. Costs less than pen_buf_printf. */
+/* Appends a number in decimal. Faster than pen_buf_printf. */
 bool pen_buf_number(struct pen_buf *buf, uint64_t number);
 
 /* Appends formatted text. */

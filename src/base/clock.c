@@ -58,7 +58,7 @@ struct pen_moment pen_clock_moment(void)
 
 int64_t pen_clock_between(int64_t begun_ns, int64_t end_ns, double fraction)
 {
-    /* The distance, rounded to a double, may be longer than it is. */
+    /* The distance, rounded to a double, may be too long. */
     return fraction >= 1 ? end_ns : begun_ns + (int64_t)(fraction * (double)(end_ns - begun_ns));
 }
 

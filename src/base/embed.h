@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-/* One file. A zero byte follows its data, which `bytes` does not count. */
+/* One file. A zero byte follows its data; `bytes` does not count it. */
 struct pen_embedded_file {
     const char *name;
     const unsigned char *data;

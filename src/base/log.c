@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Whole lines are written in one write(), so that those of processes and threads that share
- * standard error do not mix. A pipe keeps a write of up to PIPE_BUF (4096) bytes whole; longer
- * lines are cut. Control characters are escaped and invalid UTF-8 is replaced, so that no input can
- * forge a line. */
+/* Each line is written in one write(), so that lines of processes and threads that share standard
+ * error do not mix. A pipe keeps a write of up to PIPE_BUF (4096) bytes whole; longer lines are
+ * cut. Control characters are escaped and invalid UTF-8 is replaced, so that no input can forge a
+ * line. */
 #include "base/log.h"
 
 #include <errno.h>
@@ -19,8 +19,8 @@
 
 enum { NAME_BYTES = 16, MESSAGE_BYTES = 2048, LINE_BYTES = PEN_LOG_LINE_BYTES };
 
-/* The bytes of a line besides the message and the fields are fewer than 256; the rest is for the
- * escaped message. */
+/* A line has fewer than 256 bytes besides the message and the fields; the rest is for the escaped
+ * message. */
 enum { FIELDS_BYTES = 288, ESCAPED_BYTES = LINE_BYTES - 256 - FIELDS_BYTES };
 
 static struct {
@@ -100,8 +100,9 @@ static const char *level_name(enum pen_log_level level)
     return (unsigned)level < sizeof names / sizeof names[0] ? names[level] : "error";
 }
 
-/* Copies text with hidden characters escaped as in JSON, and quotes and backslashes too if
- * `quoted`: a log may be read on a terminal. Text that does not fit is cut between characters. */
+/* Copies text with hidden characters escaped as in JSON, because a log may be read on a terminal.
+ * If `quoted`, quotes and backslashes are escaped too. Text that does not fit is cut between
+ * characters. */
 static void escape(char out[ESCAPED_BYTES], const char *text, bool quoted)
 {
     size_t used = 0;
@@ -127,7 +128,7 @@ static bool is_id(const char *text)
     return length > 0 && length <= LONGEST && text[length] == '\0';
 }
 
-/* Formats the fields, which stand before the message in JSON and after it in text. */
+/* Formats the fields, which are before the message in JSON and after it in text. */
 static void write_fields(char out[FIELDS_BYTES], const struct pen_log_about *about, bool json)
 {
     const struct {
@@ -152,7 +153,7 @@ static void write_fields(char out[FIELDS_BYTES], const struct pen_log_about *abo
     }
 }
 
-/* Returns the length of the line. */
+/* Formats a line. Returns its length. */
 static int format_line(char line[LINE_BYTES], enum pen_log_level level,
                        const struct pen_log_about *about, const char *message)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Invariant: while lines are lost, none is added but the one that tells so; it stands where they
- * would have stood. */
+/* Invariant: while lines are lost, no line is added except the one that states their number. It has
+ * the place of the lost lines. */
 #include "base/internal/log_writer.h"
 
 #include <limits.h>
@@ -23,13 +23,13 @@ _Static_assert((int)WRITE_BYTES >= (int)PEN_LOG_LINE_BYTES, "each line can be wr
 
 static struct {
     atomic_int process; /* the process that has the thread; 0: none. atomic: relaxed, the lock
-                         * orders what else it says */
+                           orders the other members */
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t changed;
     char waiting[WAITING_BYTES]; /* guarded by lock: a ring of whole lines */
-    size_t first, bytes;         /* guarded by lock: where they begin; how many there are */
-    uint64_t lost;               /* guarded by lock: lines that are not told of yet */
+    size_t first, bytes;         /* guarded by lock: begin and length of the lines in the ring */
+    uint64_t lost;               /* guarded by lock: lines whose loss is not reported yet */
     bool stop;                   /* guarded by lock */
 } writer = {.lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER};
 
@@ -39,7 +39,7 @@ static bool is_here(void)
     return process != 0 && process == getpid();
 }
 
-/* Called with the lock held. */
+/* Appends a line to the ring. Called with the lock held. */
 static void append(const char *line, size_t bytes)
 {
     const size_t at = (writer.first + writer.bytes) % WAITING_BYTES;
@@ -54,7 +54,7 @@ bool pen_log_writer_take(const char *line, size_t bytes)
     if (!is_here())
         return false;
     pthread_mutex_lock(&writer.lock);
-    const bool taken = is_here(); /* it may have ended */
+    const bool taken = is_here(); /* the thread may have ended meanwhile */
     const bool may_enter = writer.lost == 0 || pthread_equal(pthread_self(), writer.thread);
     if (taken && may_enter && bytes <= WAITING_BYTES - writer.bytes)
         append(line, bytes);
@@ -79,7 +79,7 @@ static size_t take_lines(char lines[WRITE_BYTES])
     return bytes;
 }
 
-/* Tells how many lines were lost, as the next line. Called with the lock held, which is given up
+/* Writes the number of lost lines, as the next line. Called with the lock held; releases it
  * meanwhile. */
 static void tell_lost(void)
 {
@@ -118,7 +118,7 @@ bool pen_log_writer_start(void)
 {
     sigset_t all, before;
     sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before); /* signals are for other threads */
+    pthread_sigmask(SIG_SETMASK, &all, &before); /* other threads handle signals */
     pthread_mutex_lock(&writer.lock);
     writer.stop = false;
     const bool started = pthread_create(&writer.thread, NULL, run, NULL) == 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Asks for huge pages; reads and resets the kernel's peak of the resident set through /proc. */
+/* Asks for huge pages. Reads and resets the kernel's peak of the resident set through /proc. */
 #include "base/memory.h"
 
 #include <fcntl.h>
@@ -34,7 +34,7 @@ void pen_memory_peak_reset(void)
     if (fd < 0)
         return;
     /* "5" resets the peak of the resident set, see proc(5). If the write fails, the peak remains
-     * that since the process began. */
+     * the one since the process began. */
     ssize_t written = write(fd, "5", 1);
     (void)written;
     close(fd);

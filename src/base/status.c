@@ -8,7 +8,7 @@
 
 #include "base/utf8.h"
 
-/* Exit codes. A script may react to each in its own way, as the comments say. */
+/* Exit codes. The comments state what a script can do. */
 enum {
     EXIT_OK = 0,
     EXIT_USAGE = 2,       /* correct the command */

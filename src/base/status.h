@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Errors. One type serves the library's callers, the command line's message and exit code, the
- * HTTP problem document and the error stored with a job. A code has one name, one exit code and
- * one HTTP status, all stated in the table of src/base/status.c.
+/* Errors. One type is used for the library's callers, the command line's message and exit code, the
+ * HTTP problem document and the error stored with a job. A code has one name, one exit code and one
+ * HTTP status, all in the table of src/base/status.c.
  *
- * Convention: a function that can fail takes `struct pen_status *st` last, returns false or NULL
- * on failure and has then filled *st. On success *st is left untouched. st is never NULL. */
+ * Convention: a function that can fail takes `struct pen_status *st` last. On failure it fills *st
+ * and returns false or NULL. On success it leaves *st unchanged. st is never NULL. */
 #ifndef PEN_BASE_STATUS_H
 #define PEN_BASE_STATUS_H
 
@@ -47,8 +47,8 @@ enum pen_code {
 
 enum { PEN_AT_BYTES = 256, PEN_MSG_BYTES = 512, PEN_ERRORS_MAX = 20 };
 
-/* What went wrong. `at` is a JSON Pointer into the input, or empty; line and column count from 1
- * and are 0 where they do not apply; msg is one sentence without a full stop, in UTF-8. */
+/* An error. `at` is a JSON Pointer into the input, or empty. line and column count from 1, and are
+ * 0 if they do not apply. msg is one sentence without a full stop, in UTF-8. */
 struct pen_status {
     enum pen_code code;
     int line, column;
@@ -68,7 +68,7 @@ struct pen_errors {
 bool pen_fail(struct pen_status *st, enum pen_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* As pen_fail, with a JSON Pointer. A pointer too long for `at` is cut, ending in "…". */
+/* As pen_fail, with a JSON Pointer. A pointer too long for `at` is cut and ends in "…". */
 bool pen_fail_at(struct pen_status *st, enum pen_code code, const char *at, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
@@ -85,13 +85,13 @@ const char *pen_code_name(enum pen_code code);
 /* The code's short title for people, e.g. "Invalid scene". */
 const char *pen_code_title(enum pen_code code);
 
-/* The HTTP status a service answers with. */
+/* The HTTP status of a response with this code. */
 int pen_code_http(enum pen_code code);
 
-/* The exit code a command ends with (documented in README.md). */
+/* The exit code of a command with this code (documented in README.md). */
 int pen_code_exit(enum pen_code code);
 
-/* The code of that name, or PEN_INTERNAL if there is none. */
+/* The code with this name, or PEN_INTERNAL if there is none. */
 enum pen_code pen_code_of_name(const char *name);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Threads sleep until a run begins, and take part in it if their index is below the run's number of
- * threads. The run ends under the lock, so that its caller sees everything that the threads wrote.
- */
+ * threads. The run ends under the lock, so its caller sees everything that the threads wrote. */
 #include "base/thread_pool.h"
 
 #include <fenv.h>
@@ -29,8 +28,9 @@ struct pen_thread_pool {
     bool stop;
     unsigned run;      /* number of runs begun */
     int active;        /* threads that take part in the run */
-    int busy;          /* of these, how many have not returned from `work` */
-    int changed_state; /* of these, how many had a floating-point state that is not the default */
+    int busy;          /* of these, the number that have not returned from `work` */
+    int changed_state; /* of these, the number with a floating-point state that is not the default
+                        */
     pen_thread_pool_work *work;
     void *user;
 };

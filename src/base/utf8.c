@@ -98,7 +98,7 @@ struct range {
     uint32_t first, last;
 };
 
-/* Whether one of the ranges, which are in ascending order, has the code. */
+/* Whether one of the ranges, which are in ascending order, contains the code. */
 static bool in_ranges(uint32_t code, const struct range *ranges, size_t count)
 {
     for (size_t i = 0; i < count && code >= ranges[i].first; i++) {
@@ -108,9 +108,9 @@ static bool in_ranges(uint32_t code, const struct range *ranges, size_t count)
     return false;
 }
 
-/* Characters of the Unicode categories Cc, Zl and Zp; and those of Cf that have no shape of their
- * own, without the joiners U+200C and U+200D, which some scripts need. The bidirectional ones
- * (Unicode Standard Annex #9) could make a name look like another text. */
+/* Whether a character is hidden: those of the Unicode categories Cc, Zl and Zp, and those of Cf
+ * without their own shape. The joiners U+200C and U+200D, which some scripts need, are not hidden.
+ * The bidirectional ones (Unicode Standard Annex #9) could make a name look like another text. */
 static bool is_hidden(uint32_t code)
 {
     static const struct range hidden[] = {

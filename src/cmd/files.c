@@ -79,7 +79,7 @@ static bool read_builtin(struct pen_source *source, const char *name, struct pen
     return true;
 }
 
-/* Decides by the name's ending; without one that is known, by the text. */
+/* The name's ending decides; without a known ending, the text. */
 static bool is_xml(const char *name, const struct pen_buf *text)
 {
     return pen_name_ends_in(name, ".xml") ||
@@ -173,8 +173,8 @@ static bool write_directly(const char *path, const void *data, size_t bytes, str
     return ok;
 }
 
-/* Flushes the folder of `path`, which puts the rename on disk. Errors are ignored: some file
- * systems cannot flush a folder. */
+/* Flushes the folder of `path`, which puts the rename on disk. Errors are ignored, because some
+ * file systems cannot flush a folder. */
 static void flush_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -196,8 +196,8 @@ static int create_beside(char *name, mode_t mode)
     return fd;
 }
 
-/* Creates the file that replaces `old`; NULL: there is none. If the owner cannot be kept, it is the
- * user: only root can give files away. */
+/* Creates the file that replaces `old` (NULL: there is none). If the owner cannot be kept, it is
+ * the user, because only root can give files away. */
 static int create_like(char *name, const struct stat *old)
 {
     mode_t mask = umask(0);
@@ -208,7 +208,7 @@ static int create_like(char *name, const struct stat *old)
     return fd;
 }
 
-/* `durable`: both the contents and the rename are on the disk afterwards. */
+/* `durable`: afterwards the contents and the rename are on the disk. */
 static bool replace(const char *path, const struct stat *old, const void *data, size_t bytes,
                     bool durable, struct pen_status *st)
 {

@@ -6,7 +6,7 @@
 
 #include "base/buf.h"
 
-/* Writes the value as pen_option_set reads it; nothing: there is none. */
+/* Writes the value in the form that pen_option_set reads. Writes nothing if there is no value. */
 static void write_value(const struct pen_option *option, const void *values, struct pen_buf *out)
 {
     const void *field = (const char *)values + option->offset;

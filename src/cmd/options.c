@@ -183,8 +183,8 @@ static bool unknown_option(const struct pen_command *command, const char *name,
     return pen_fail(st, PEN_USAGE, "unknown option --%s, see --help", name);
 }
 
-/* Takes the option of row i. attached: the text after `=` or after the letter; NULL: the value is
- * the next word. */
+/* Takes the option of row i. `attached` is the text after `=` or after the letter; NULL: the value
+ * is the next word. */
 static bool take_option(struct scan *scan, int i, const char *where, const char *attached,
                         struct pen_status *st)
 {
@@ -224,8 +224,8 @@ static bool take_long(struct scan *scan, const char *word, struct pen_status *st
     return take_option(scan, i, where, equals ? equals + 1 : NULL, st);
 }
 
-/* A word behind a single dash, whose first letter is no option or which is the name of one: a dash
- * is missing. */
+/* Reports a word after a single dash that is the name of an option, or whose first letter is no
+ * option. A dash is missing. */
 static bool unknown_long(const struct pen_command *command, const char *word, struct pen_status *st)
 {
     char name[64];
@@ -311,7 +311,7 @@ bool pen_options_from_env(const struct pen_command *command, void *values,
     return true;
 }
 
-/* The number of characters in the first `bytes` bytes of UTF-8. */
+/* Returns the number of characters in the first `bytes` bytes of UTF-8. */
 static int width_of(const char *text, size_t bytes)
 {
     int width = 0;
@@ -320,7 +320,7 @@ static int width_of(const char *text, size_t bytes)
     return width;
 }
 
-/* Prints text wrapped at 96 columns. Every line except the first is indented; the first begins at
+/* Prints text wrapped at 96 columns. All lines but the first are indented; the first begins at
  * `column`. */
 static void print_wrapped(FILE *out, const char *text, int indent, int column)
 {

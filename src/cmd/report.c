@@ -34,7 +34,7 @@ int pen_report_errors(const char *program, const char *file, const struct pen_er
     return pen_code_exit(errors->item[0].code);
 }
 
-/* Appends the text as it may be shown. Characters of `kept` stay as they are. */
+/* Appends the text in its safe form. Characters of `kept` stay as they are. */
 static void add_shown(struct pen_buf *out, const char *text, const char *kept)
 {
     for (size_t left = strlen(text); left > 0;) {
@@ -82,7 +82,7 @@ enum { DIGITS = 15, EXACT_DIGITS = 17 };
 static void print_line(json_t *value, size_t digits)
 {
     char *text = value ? json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(digits)) : NULL;
-    /* Within JSON, what may not be shown is escaped and so means the same. */
+    /* In JSON, escapes of unsafe characters mean the same characters. */
     pen_report_say(stdout, "%s", text ? text : "{\"type\":\"no-memory\"}");
     free(text);
     json_decref(value);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Images: rendering one view, and what can be read from the result. */
+/* Images: rendering one view, and reading the result. */
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,11 +25,11 @@ struct run {
     struct penumbra_render_options options;
     pthread_mutex_t calling;   /* held while a callback of the caller runs */
     atomic_bool cancelled;     /* relaxed: only its value matters */
-    atomic_llong next_poll_ns; /* relaxed: a poll more or less does no harm */
+    atomic_llong next_poll_ns; /* relaxed: one poll more or less does no harm */
     int tiles, tiles_done;     /* guarded by pen_render_run, which calls tile_done one at a time */
 };
 
-/* Calls `cancel` and stores what it returns. The lock is held. */
+/* Calls `cancel` and stores its result. The lock is held. */
 static void poll_locked(struct run *run)
 {
     if (!run->options.cancel)

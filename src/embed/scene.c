@@ -116,11 +116,11 @@ char *penumbra_scene_settings(const struct penumbra_scene *scene, struct penumbr
     return NULL;
 }
 
-/* An upper bound of the bytes that the description, the frozen scene and its acceleration structure
- * take. Per primitive the structures take at most a block of four lanes, of which up to three may
- * be empty, and its share of nodes, together less than 1 KiB; lights, materials, views and vertices
- * take at most 8 times what the description needs for them; and each arena begins with a chunk of
- * its own. tests/embed holds the bound against what scenes really take. */
+/* An upper bound of the bytes of the description, the frozen scene and its acceleration structure.
+ * Per primitive the structures take less than 1 KiB: at most a block of four lanes, of which up to
+ * three may be empty, and a share of nodes. Lights, materials, views and vertices take at most 8
+ * times their size in the description. Each arena begins with its own chunk. tests/embed compares
+ * the bound with the bytes that scenes take. */
 static uint64_t scene_bytes(const struct pen_scene_desc *desc, const struct pen_arena *arena)
 {
     return ((uint64_t)256 << 10) + 9 * (uint64_t)pen_arena_used(arena) +

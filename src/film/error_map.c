@@ -6,8 +6,9 @@
 enum { CONTROL_POINTS = 16, STEPS = 256 };
 
 /* sRGB codes of the colour map magma at 0, 1/15, … 1. Between them, linear interpolation is within
- * 3/255 of the whole table. Source: van der Walt and Smith, the colour maps of Matplotlib 1.5,
- * dedicated to the public domain (CC0). */
+ * 3/255 of the whole table.
+ * Source: van der Walt and Smith, the colour maps of Matplotlib 1.5, dedicated to the public domain
+ * (CC0). */
 static const unsigned char magma[CONTROL_POINTS][3] = {
     {0, 0, 4},       {11, 9, 36},     {32, 17, 75},    {59, 15, 112},
     {87, 21, 126},   {114, 31, 129},  {140, 41, 129},  {168, 50, 125},

@@ -38,7 +38,7 @@ void pen_film_free(struct pen_film *film)
     free(film);
 }
 
-/* Mixes 64 bits into the hash. For a given word this is a bijection of the hash, so two different
+/* Mixes 64 bits into the hash. For a given word this is a bijection of the hash, so different
  * hashes stay different. */
 static uint64_t mix(uint64_t hash, uint64_t word)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* FLIP, pixel by pixel. A picture is taken in strips of columns. Within a strip its rows are read
- * from the top, filtered along themselves by each filter, and kept as long as filters across need
- * them. So the memory does not depend on the size of the pictures. */
+/* FLIP, pixel by pixel. A picture is processed in strips of columns. Within a strip its rows are
+ * read from the top, filtered along themselves by each filter, and kept until filters across no
+ * longer need them. So the memory does not depend on the size of the pictures. */
 #include "film/flip.h"
 
 #include <math.h>
@@ -22,15 +22,15 @@ enum {
     PADDED = STRIP + 2 * RADIUS
 };
 
-/* The opponent (flip_colour.h) that each filter is about. */
+/* The opponent (flip_colour.h) for each filter. */
 static const int channel_of[FLIP_FILTERS] = {
     [FLIP_RED_GREEN] = 1, [FLIP_BLUE_YELLOW_1] = 2, [FLIP_BLUE_YELLOW_2] = 2};
 
 /* One of the two pictures, in one strip. */
 struct side {
     const struct pen_picture *picture;
-    double linear[3 * PADDED];               /* a row as read */
-    double opponent[3][PADDED];              /* and its colours, RADIUS columns more at each end */
+    double linear[3 * PADDED];  /* a row as read */
+    double opponent[3][PADDED]; /* and its colours, with RADIUS more columns at each end */
     double along[FLIP_FILTERS][RING][STRIP]; /* row y, filtered along itself, at y % RING */
     /* One row, filtered along and across. */
     double colour[3][STRIP], edge[2][STRIP], point[2][STRIP];
@@ -67,7 +67,7 @@ static void read_row(const struct strip *s, struct side *side, int y)
     }
 }
 
-/* Adds the two values at one distance of each value. */
+/* Adds, for each value, the two values at one distance from it. */
 static void add_pair(const struct flip_filter *f, int distance, const double *before,
                      const double *after, int count, double *out)
 {
@@ -77,7 +77,7 @@ static void add_pair(const struct flip_filter *f, int distance, const double *be
         row_add_sum(out, before, after, f->weight[distance], count);
 }
 
-/* Filters the row that has been read along itself, by every filter. */
+/* Filters the current row along itself, with every filter. */
 static void filter_along(const struct strip *s, struct side *side, int y)
 {
     for (int i = 0; i < FLIP_FILTERS; i++) {
@@ -90,14 +90,14 @@ static void filter_along(const struct strip *s, struct side *side, int y)
     }
 }
 
-/* Row y, or the first or last row if it lies outside, of what filter `i` has made. */
+/* Row y of the result of filter `i`; the first or last row if y is outside. */
 static const double *row_along(const struct strip *s, const struct side *side, int i, int y)
 {
     const int inside = y < 0 ? 0 : y < s->height ? y : s->height - 1;
     return side->along[i][inside % RING];
 }
 
-/* Adds to out[] row y of what filter `along` has made, filtered across by filter `across`. */
+/* Adds row y of the result of filter `along`, filtered across by filter `across`, to out[]. */
 static void add_across(const struct strip *s, const struct side *side, int y, int along, int across,
                        double *out)
 {
@@ -142,7 +142,7 @@ static double length(const double vector[2][STRIP], int x)
     return sqrt(vector[0][x] * vector[0][x] + vector[1][x] * vector[1][x]);
 }
 
-/* How much the edge and the point at a pixel differ, from 0 to 1. */
+/* The difference of the edge and the point at a pixel, from 0 to 1. */
 static double feature_error(const struct side *a, const struct side *b, int x)
 {
     const double edge = fabs(length(a->edge, x) - length(b->edge, x)),
@@ -162,7 +162,7 @@ static double colour_error(const struct strip *s, int x)
     return pen_flip_colour_error(lab[0], lab[1], s->colour_error_max);
 }
 
-/* The errors of one row of the strip. A difference of features raises that of colours. */
+/* Writes the errors of one row of the strip. A difference of features increases that of colours. */
 static void write_row(struct strip *s, int y, float *errors)
 {
     for (int i = 0; i < 2; i++)
@@ -174,7 +174,8 @@ static void write_row(struct strip *s, int y, float *errors)
     }
 }
 
-/* Reads and filters each row, and writes those for which all the rows below are there. */
+/* Reads and filters each row, and writes each row for which all necessary rows below are available.
+ */
 static void write_strip(struct strip *s, float *errors)
 {
     const size_t width = (size_t)pen_picture_width(s->side[0].picture);

@@ -7,9 +7,9 @@
 
 #include "math/fn.h"
 
-/* Linear RGB to X, Y and Z, those of white being 1: from the primaries of Rec. 709, (0.64, 0.33),
- * (0.3, 0.6) and (0.15, 0.06), and the white D65 as (0.31271, 0.32902), which is the white that
- * FLIP's published values have. The fractions are exact. */
+/* Linear RGB to X, Y and Z, which are 1 for white. They are computed from the primaries of Rec.
+ * 709, (0.64, 0.33), (0.3, 0.6) and (0.15, 0.06), and the white D65 as (0.31271, 0.32902), the
+ * white of FLIP's published values. The fractions are exact. */
 static const double to_xyz[3][3] = {
     {10135552 / 23359437.0, 8788810 / 23359437.0, 4435075 / 23359437.0},
     {2613072 / 12288897.0, 8788810 / 12288897.0, 887015 / 12288897.0},
@@ -40,9 +40,9 @@ void pen_flip_opponents(const double rgb[3], double out[3])
     out[2] = y - dot(to_xyz[2], v);
 }
 
-/* The cube root of a number from 0.001 to 2, within 1e-14 of it: dividing the bits by three, with
- * the exponent's bias restored, is within 3.3 %, and each step of
- * Halley's method makes an error e 2 e^3 / 3. */
+/* The cube root of a number from 0.001 to 2, within 1e-14 of it. Division of the bits by three,
+ * with the exponent's bias restored, is within 3.3 %. Each step of Halley's method changes an error
+ * e to 2 e^3 / 3. */
 static inline double cube_root(double x)
 {
     uint64_t bits;
@@ -57,7 +57,7 @@ static inline double cube_root(double x)
     return root;
 }
 
-/* CIE 15, the function of L*a*b*: a cube root, and a line where that would be too steep. */
+/* The function of L*a*b* (CIE 15): a cube root, and a line where that would be too steep. */
 static inline double lightness(double t)
 {
     const double delta = 6.0 / 29;
@@ -105,8 +105,8 @@ double pen_flip_colour_error_max(void)
     return distance(a, b);
 }
 
-/* Errors below p_c = 0.4 of the largest take the range up to p_t = 0.95, and the rest what is left.
- */
+/* Errors below p_c = 0.4 of the largest are mapped to the range up to p_t = 0.95, larger errors to
+ * the rest. */
 double pen_flip_colour_error(const double a[3], const double b[3], double colour_error_max)
 {
     const double knee = 0.4 * colour_error_max, d = distance(a, b);

@@ -44,7 +44,7 @@ static void contrast(struct flip_filter *f, double b)
 }
 
 /* The two Gaussians of blue and yellow are a sqrt(pi / b) times the exponential, and are normalised
- * together. Each is used along both axes, and so takes the root of its share. */
+ * together. Each is used along both axes, so its factor is the root of its share. */
 static void share_blue_yellow(struct flip_filter *first, struct flip_filter *second)
 {
     const double sum_1 = total(first), sum_2 = total(second), factor_1 = 34.1 * sqrt(pi / 0.04),
@@ -54,7 +54,7 @@ static void share_blue_yellow(struct flip_filter *first, struct flip_filter *sec
     scale(second, sqrt(factor_2 / sum));
 }
 
-/* The first derivative of the Gaussian without its sign; its positive half sums to 1. */
+/* The first derivative of the Gaussian without its sign; its positive half has sum 1. */
 static void differentiate(const struct flip_filter *smooth, struct flip_filter *edge)
 {
     double sum = 0;
@@ -65,8 +65,8 @@ static void differentiate(const struct flip_filter *smooth, struct flip_filter *
     scale(edge, 1 / sum);
 }
 
-/* The second derivative of the Gaussian of variance `variance`; its positive weights are made to
- * sum to 1, and its negative ones to -1. */
+/* The second derivative of the Gaussian of variance `variance`, scaled so that the positive weights
+ * have sum 1 and the negative ones -1. */
 static void differentiate_twice(const struct flip_filter *smooth, double variance,
                                 struct flip_filter *point)
 {
@@ -83,7 +83,7 @@ static void differentiate_twice(const struct flip_filter *smooth, double varianc
 
 void pen_flip_filters(struct flip_filter out[FLIP_FILTERS])
 {
-    /* A feature as wide as 0.082 degrees is resolved best. */
+    /* The eye resolves a feature best if it is 0.082 degrees wide. */
     const double deviation = 0.5 * 0.082 * pixels_per_degree(), variance = deviation * deviation;
     for (int i = 0; i < FLIP_FILTERS; i++)
         out[i] = (struct flip_filter){.odd = false};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Pools errors. A weighted quantile is found without sorting: floats that are not negative have the
- * order of their bits, so a first pass sums the errors that share their upper 16 bits, and a second
- * one divides the sum in which the quantile lies by the lower 16. */
+/* Pools errors. A weighted quantile is found without sorting, because floats >= 0 have the order of
+ * their bits. A first pass sums the errors that share their upper 16 bits. A second pass divides
+ * the sum that contains the quantile by the lower 16 bits. */
 #include "film/internal/flip_pool.h"
 
 #include <stdint.h>
@@ -24,7 +24,7 @@ static float float_of(uint32_t bits)
     return value;
 }
 
-/* sum[i] is that of all errors whose upper bits are i. */
+/* sum[i] is the sum of all errors whose upper bits are i. */
 static void sum_by_upper_bits(const float *errors, size_t count, double sum[HALF])
 {
     memset(sum, 0, HALF * sizeof *sum);
@@ -32,7 +32,7 @@ static void sum_by_upper_bits(const float *errors, size_t count, double sum[HALF
         sum[bits_of(errors[i]) >> 16] += (double)errors[i];
 }
 
-/* sum[i] is that of all errors with these upper bits whose lower bits are i. */
+/* sum[i] is the sum of all errors with these upper bits whose lower bits are i. */
 static void sum_by_lower_bits(const float *errors, size_t count, uint32_t upper, double sum[HALF])
 {
     memset(sum, 0, HALF * sizeof *sum);
@@ -41,7 +41,7 @@ static void sum_by_lower_bits(const float *errors, size_t count, uint32_t upper,
             sum[bits_of(errors[i]) & (HALF - 1)] += (double)errors[i];
 }
 
-/* The first sum with which the running total exceeds `limit`, or else the last that is not 0.
+/* The first sum with which the running total exceeds `limit`; if none, the last that is not 0.
  * *before becomes the total before it. */
 static uint32_t find(const double sum[HALF], double limit, double *before)
 {
@@ -59,8 +59,8 @@ static uint32_t find(const double sum[HALF], double limit, double *before)
     return last;
 }
 
-/* The error up to which errors make up the share `p` of their sum. sum[] and upper[] are scratch
- * and sums by upper bits. */
+/* The error up to which errors make up the share `p` of their sum. upper[] has the sums by upper
+ * bits; sum[] is scratch. */
 static double quantile(const float *errors, size_t count, double p, const double upper[HALF],
                        double sum[HALF])
 {
@@ -72,7 +72,8 @@ static double quantile(const float *errors, size_t count, double p, const double
     return (double)float_of(high << 16 | find(sum, p * total, &before));
 }
 
-/* Mean, least and largest. Each row is summed by itself, which keeps rounding errors small. */
+/* Mean, least and largest error. Each row is summed separately, which keeps rounding errors small.
+ */
 static void pool_plainly(const float *errors, int width, int height, struct pen_flip *out)
 {
     float min = errors[0], max = errors[0];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Compares two pictures in one pass over their rows. Each row is summed by itself before it is
+/* Compares two pictures in one pass over their rows. Each row is summed separately before it is
  * added to the total, which keeps the rounding error of a large picture's sum small. */
 #include "film/metrics.h"
 
@@ -30,7 +30,7 @@ struct squares {
     double all, within;
 };
 
-/* A row of a picture, and how many values it has for each pixel. */
+/* A row of a picture, with the number of values of each pixel. */
 struct row {
     double *encoded, *linear, *alpha;
 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* PFM, Debevec's portable float map: "PF", width, height and a scale, whose sign states the byte
- * order (negative: little-endian), then rows of binary32 triples from the bottom up. "Pf" is grey.
- */
+/* PFM, Debevec's portable float map: "PF", width, height and a scale. The sign of the scale states
+ * the byte order (negative: little-endian). Then follow rows of binary32 triples from the bottom
+ * up. "Pf" is grey. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,7 +36,7 @@ bool pen_pfm_write(const struct pen_film *film, struct pen_buf *out, struct pen_
     return !out->failed || pen_fail(st, PEN_NO_MEMORY, "no memory to write PFM");
 }
 
-/* Where the pixels are while they are set: behind the longest head, aligned. */
+/* The offset of the pixels while they are set: after the longest head, aligned. */
 enum { PIXELS_AT = 64 };
 
 bool pen_pfm_begin(int width, int height, struct pen_buf *out, struct pen_film *film,
@@ -58,7 +58,7 @@ bool pen_pfm_begin(int width, int height, struct pen_buf *out, struct pen_film *
     return true;
 }
 
-/* Makes a row of the film one of the file, in place. */
+/* Converts a row of the film to one of the file, in place. */
 static void make_little_endian(float *row, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -92,7 +92,7 @@ bool pen_pfm_end(struct pen_film *film, struct pen_buf *out, struct pen_status *
     return true;
 }
 
-/* What remains of a file being read. */
+/* The rest of a file that is being read. */
 struct input {
     const unsigned char *at;
     size_t left;
@@ -103,8 +103,8 @@ static bool is_space(unsigned char c)
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-/* Reads the next word and the one white space after it. False if the word is longer than `bytes`
- * allows or no white space follows. */
+/* Reads the next word and the one white space after it. Returns false if the word does not fit into
+ * `bytes` or no white space follows. */
 static bool next_word(struct input *in, char *word, size_t bytes)
 {
     size_t length = 0;
@@ -148,7 +148,7 @@ struct pfm {
     const unsigned char *rows; /* from the bottom up */
 };
 
-/* Reads the head, and checks that as many pixels follow as it says. */
+/* Reads the head, and checks that the number of pixels that it states follows. */
 static bool read_head(const unsigned char *bytes, size_t count, struct pfm *pfm,
                       struct pen_status *st)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures in memory: gives out rows, encoded or linear, whatever the type of the samples. */
+/* Pictures in memory: returns rows, encoded or linear, for every type of samples. */
 #include "film/internal/picture.h"
 
 #include <stdlib.h>
@@ -112,19 +112,19 @@ int pen_picture_height(const struct pen_picture *picture)
     return picture->height;
 }
 
-/* Where the samples of a pixel begin. */
+/* The index of a pixel's first sample. */
 static size_t first_sample(const struct pen_picture *picture, int x, int y)
 {
     return ((size_t)y * (size_t)picture->width + (size_t)x) * (size_t)picture->channels;
 }
 
-/* The number of the sample after this one that is not alpha. */
+/* The index of the next sample that is not alpha. */
 static size_t next_colour(const struct pen_picture *picture, size_t sample)
 {
     return sample + 1 + (picture->channels == 4 && sample % 4 == 2);
 }
 
-/* A part of a row as the file had it: integers divided by their maximum, floats unchanged. */
+/* A part of a row as in the file: integers divided by their maximum, floats unchanged. */
 static void stored_part(const struct pen_picture *picture, struct pen_picture_part part,
                         double *out)
 {
@@ -160,7 +160,7 @@ void pen_picture_encoded_part(const struct pen_picture *picture, struct pen_pict
         out[i] = pen_encode_unit(out[i], linear ? PEN_TRANSFER_SRGB : PEN_TRANSFER_DISPLAY);
 }
 
-/* A part of a row of 8-bit codes for a screen, from the table. */
+/* A part of a row of 8-bit screen codes, by the table. */
 static void decoded_part(const struct pen_picture *picture, struct pen_picture_part part,
                          double *out)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which reader a picture's file gets: its first bytes tell. */
+/* Selects the reader of a picture's file by its first bytes. */
 #include <string.h>
 
 #include "film/internal/picture.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads PNG files, also hostile ones. libpng checks the format. This file limits how much memory a
- * file may ask for, and turns every failure into an error without a leak, also one that libpng
- * reports by longjmp: all state lies behind one pointer, which the function that calls setjmp does
- * not change. */
+/* Reads PNG files, also hostile ones. libpng checks the format. This file limits the memory that a
+ * file may request. It turns every failure into an error without a leak, also a failure that libpng
+ * reports by longjmp. For this, all state is behind one pointer, which the function that calls
+ * setjmp does not change. */
 #include <png.h>
 #include <setjmp.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 
 #include "film/internal/picture.h"
 
-/* The most bytes of a chunk that holds no pixels, and the most such chunks kept. */
+/* The most bytes of a chunk without pixels, and the most such chunks kept. */
 enum { CHUNK_BYTES_MAX = 1 << 20, CHUNKS_MAX = 16 };
 
 struct reader {
@@ -47,7 +47,7 @@ static void on_bytes(png_structp png, png_bytep out, size_t count)
     r->left -= count;
 }
 
-/* Has libpng convert every kind of pixel to RGB or RGBA of 8 or 16 bits. */
+/* Makes libpng convert every kind of pixel to RGB or RGBA of 8 or 16 bits. */
 static void convert_to_rgb(struct reader *r)
 {
     png_set_palette_to_rgb(r->png);
@@ -62,7 +62,7 @@ static void convert_to_rgb(struct reader *r)
     png_read_update_info(r->png, r->info);
 }
 
-/* A file that does not state its transfer function counts as sRGB. */
+/* The transfer function that the file states; without one, sRGB. */
 static enum pen_transfer read_transfer(const struct reader *r)
 {
     int intent, count = 0;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes PNG through libpng, into memory, as many rows at a time as are finished. libpng reports
- * errors by longjmp; the only function that calls setjmp keeps all its state behind one pointer, so
+ * errors by longjmp. The only function that calls setjmp keeps all its state behind one pointer, so
  * no local variable is stale afterwards. After an error libpng is not called again.
  *
  * Compression is chosen for speed, because a person waits for the picture: the Paeth filter for
  * every row, then run-length matches only (Z_RLE). On rendered pictures this is about as fast as
- * zlib's fastest level and up to a fifth smaller; zlib's default level takes three times as long.
- * The choice is fixed, so for one version of zlib the bytes are too. */
+ * zlib's fastest level and up to a fifth smaller. zlib's default level takes three times as long.
+ * The choice is fixed, so for one version of zlib the bytes are fixed too. */
 #include <png.h>
 #include <setjmp.h>
 #include <stdlib.h>
@@ -69,7 +69,7 @@ static void encode_row(struct pen_png_writer *w, int y)
     }
 }
 
-/* Turns a row of RGB into RGBA in place, starting at its end. */
+/* Converts a row of RGB to RGBA in place, starting at its end. */
 static void add_alpha(struct pen_png_writer *w, int y)
 {
     size_t width = (size_t)w->film.width, value = w->options.bits == 8 ? 1 : 2;
@@ -122,7 +122,7 @@ static void write_rows(struct pen_png_writer *w, int end)
 /* The parts of a file. */
 enum part { PART_HEADER, PART_ROWS, PART_END };
 
-/* Writes a part, of rows those before `end`. libpng reports errors by jumping back to here. */
+/* Writes a part; for rows, those before `end`. libpng reports errors by jumping back to here. */
 static void write_part(struct pen_png_writer *w, enum part part, int end)
 {
     if (w->failed)

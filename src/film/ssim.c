@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* SSIM with separated windows. A picture is taken in strips of columns. Within a strip its rows are
- * read from the top, and the moments of each row are kept as long as windows need them. So the
- * memory does not depend on the size of the pictures. */
+/* SSIM with separable windows. A picture is processed in strips of columns. Within a strip its rows
+ * are read from the top, and the moments of each row are kept until windows no longer need them. So
+ * the memory does not depend on the size of the pictures. */
 #include "film/ssim.h"
 
 #include <stdlib.h>
@@ -17,7 +17,7 @@ enum {
     PADDED = STRIP + WINDOW - 1
 };
 
-/* What is averaged in a window, of the lumas a and b. */
+/* The quantities that are averaged in a window, for the lumas a and b. */
 enum moment { A, B, AA, BB, AB, MOMENTS };
 
 /* Weights of a window along one axis. */
@@ -29,7 +29,7 @@ struct window {
 struct strip {
     const struct pen_picture *a, *b;
     struct window across, down;
-    int x, count;                       /* the windows: column of the first, and how many */
+    int x, count;                       /* the windows: column of the first, and their number */
     double encoded[3 * PADDED];         /* a row as read */
     double product[MOMENTS][PADDED];    /* of each pixel of a row */
     double row[MOMENTS][WINDOW][STRIP]; /* moments of row y at y % WINDOW, within windows */
@@ -91,8 +91,8 @@ static void sum_rows(struct strip *s, int y)
     }
 }
 
-/* The index of one window: equation 13. Exactly it is at most 1, as 2 ab <= a2 + b2, also for
- * deviations. Moments of values that hardly vary cancel, so rounding could carry it beyond. */
+/* The index of one window: equation 13. It is at most 1, as 2 ab <= a2 + b2, also for deviations.
+ * Moments of values that hardly vary cancel, so rounding could move it beyond 1. */
 static double similarity(const struct strip *s, int i)
 {
     const double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The sRGB transfer function, and codes without computing a power for each value. An 8-bit code is
- * a monotonic function of a binary32 value with 255 steps, so a table of the steps gives it
- * exactly. A 16-bit code is found from an approximation of the power, unless that is so near to a
- * step that its error could matter. tests/film/test_transfer.c derives the tables. */
+/* The sRGB transfer function, and codes without a power for each value. An 8-bit code is a
+ * monotonic function of a binary32 value with 255 steps, so a table of the steps gives it exactly.
+ * A 16-bit code comes from an approximation of the power. If that is so near to a step that its
+ * error could matter, the power is computed. tests/film/test_transfer.c derives the tables. */
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@
 
 #include "film/internal/transfer_tables.h"
 
-/* Where the branches meet they agree to 3e-8; no step of 8 or 16 bits is that near. */
+/* At the value where the branches meet they agree to 3e-8; no step of 8 or 16 bits is that near. */
 double pen_encode_srgb(double linear)
 {
     if (linear <= 0.0031308)
@@ -35,9 +35,9 @@ double pen_encode_unit(double linear, enum pen_transfer transfer)
     return transfer == PEN_TRANSFER_SRGB ? pen_encode_srgb(linear) : linear;
 }
 
-/* Floats with the same upper bits form a cell, which has at most one step. The result is the code
- * of the cell's first float, plus one if the value is at or above the step. There are no branches,
- * as the values of neighbouring pixels make them hard to predict. */
+/* Floats with the same upper bits form a cell, which contains at most one step. The result is the
+ * code of the cell's first float, plus one if the value is at or above the step. There are no
+ * branches, because the values of neighbouring pixels make them hard to predict. */
 static unsigned char srgb_8(float value)
 {
     const float lowest = srgb_first_float, highest = srgb_steps[254];
@@ -66,16 +66,16 @@ void pen_encode_8(const float *linear, size_t count, enum pen_transfer transfer,
         out[i] = (unsigned char)nearest(255 * pen_encode_unit((double)linear[i], transfer));
 }
 
-/* How far the approximation of srgb_16 may be wrong, in codes: the derivation is there. */
+/* The largest error of the approximation of srgb_16, in codes; srgb_power derives it. */
 static const double srgb_16_error = 0x1p-11;
 
 /* For 0.0031308 < v = m 2^e < 1 the formula is A 2^(5e/12) m^(5/12) - B, with A = 65535 * 1.055 and
- * B = 65535 * 0.055 - 0.5, rounded down. With r the middle of the part of [1, 2) that m is in, and
- * t = m / r - 1,
+ * B = 65535 * 0.055 - 0.5, rounded down. Let r be the middle of the part of [1, 2) that contains m,
+ * and t = m / r - 1. The series
  *     m^(5/12) = r^(5/12) (1 + 5/12 t - 35/288 t^2 + 665/10368 t^3 - …)
- * is cut off after the square. A part is 2^-7 wide, so |t| <= 2^-8, and since each later term is
- * below |t| times the one before, the rest is below 1.004 * 665/10368 * 2^-24 = 3.84e-9 of the
- * whole. The whole is below A = 69139.5: 2.66e-4 codes. Roundings, of this and of the formula, take
+ * is cut off after the square. A part is 2^-7 wide, so |t| <= 2^-8. Each later term is below |t|
+ * times the one before. So the rest is below 1.004 * 665/10368 * 2^-24 = 3.84e-9 of the whole. The
+ * whole is below A = 69139.5, so this is 2.66e-4 codes. Roundings, of this and of the formula, add
  * less than 1e-10 codes. So the code is right if the value is 2^-11 = 4.9e-4 away from a step; one
  * value in a thousand is not.
  *

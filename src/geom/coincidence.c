@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* When two surfaces are layers of one another at a point. Both questions are answered by what every
- * kind of primitive can do, so no pair of kinds is special. */
+/* Whether two surfaces are layers at a point. Both questions use only the functions that every kind
+ * of primitive has, so no pair of kinds is special. */
 #include "geom/internal/coincidence.h"
 
 #include "math/frame.h"
@@ -11,20 +11,20 @@ static struct pen_vec3 projected(const struct pen_prims *prims, struct pen_hit o
     return pen_prim_row(prims, on.prim)->fn->project(pen_prim_self(prims, on.prim), on.part, p);
 }
 
-/* Whether x, a point of the one surface, is on the other. The two normals may differ by some
- * roundings, and x is as far off as they tell. */
+/* Whether x, a point of one surface, is on the other. The two normals may differ by some roundings,
+ * which moves x by as much. */
 static bool is_on(const struct pen_pair *pair, struct pen_hit on, struct pen_vec3 x)
 {
     double off = pen_norm1(pen_sub(projected(pair->prims, on, x), x));
     return off <= 4 * pair->slack + 32 * PEN_U * pen_norm1(pen_sub(x, pair->p));
 }
 
-/* Whether four points of surface `in` about p, as far away as it is large, are on surface `on`.
- * They lie askew, so that no line or circle that two quadrics share goes through them. Beyond an
- * apex a point may have no projection. */
+/* Whether four points of surface `in` around p, at a distance of about its size, are on surface
+ * `on`. They are not symmetric, so that no common line or circle of two quadrics goes through all
+ * of them. Beyond an apex a point may have no projection. */
 static bool samples_lie_in(const struct pen_pair *pair, struct pen_hit in, struct pen_hit on)
 {
-    double size = pair->slack / (8 * PEN_U); /* a plane's normal is known so well */
+    double size = pair->slack / (8 * PEN_U); /* a plane's normal is known to this precision */
     if (pen_prim_row(pair->prims, in.prim)->shape == PEN_KIND_ROUND)
         size = pen_prim_scale(pair->prims, in.prim, pair->p);
     struct pen_across across = pen_across(pen_prim_normal(pair->prims, in, pair->p));
@@ -59,14 +59,13 @@ bool pen_coincide(const struct pen_pair *pair)
 {
     struct pen_vec3 m = pen_prim_normal(pair->prims, pair->a, pair->p);
     struct pen_vec3 n = pen_prim_normal(pair->prims, pair->b, pair->p);
-    if (!(pen_norm1(pen_cross(m, n)) <=
-          0x1p-10 * pen_norm1(m))) /* most pairs are told apart by this */
+    if (!(pen_norm1(pen_cross(m, n)) <= 0x1p-10 * pen_norm1(m))) /* this excludes most pairs */
         return false;
     return lies_in(pair, pair->b, pair->a) || lies_in(pair, pair->a, pair->b);
 }
 
-/* The direction from p away from the borders of surface a that are within `near` of p, such that
- * it leaves each of one or two of them at unit speed; 0 where there is none. */
+/* The direction from p away from the borders of surface a that are within `near` of p; 0 if there
+ * is none. Its speed away from each of one or two borders is 1. */
 static struct pen_vec3 inward_of_outline(const struct pen_outline *line, struct pen_vec3 n,
                                          struct pen_vec3 p, double near, int *borders)
 {
@@ -108,9 +107,9 @@ static struct pen_vec3 inward(const struct pen_pair *pair, struct pen_vec3 n, do
     return square > 0x1p-64 * borders ? pen_scale(sum, borders / square) : pen_vec3(0, 0, 0);
 }
 
-/* Whether the line along a's normal through p crosses b, or the one through a point a little
- * farther inside a where p is near a's border. A border that is not near is not passed on the way
- * there. Of neighbours in b's plane that share an edge it crosses exactly one. */
+/* Whether b contains a point of the line along a's normal through p. If p is near a's border, the
+ * line goes through a point slightly farther inside a, without passing another border. Of
+ * neighbours in b's plane that share an edge, the line meets exactly one. */
 bool pen_covers(const struct pen_pair *pair)
 {
     struct pen_vec3 n = pen_prim_normal(pair->prims, pair->a, pair->p);
@@ -139,7 +138,7 @@ bool pen_prim_layers(const struct pen_prims *prims, const struct pen_ray *ray, s
     return a.prim != b.prim && fabs((b.t - a.t) * dn) <= 2 * pair.slack && pen_coincide(&pair);
 }
 
-/* The rounding of the other surface is not known yet; finite ones are not much larger than the
+/* The rounding of the other surface is not known yet. Finite surfaces are not much larger than the
  * scene, whose size is about 1. */
 double pen_prim_layers_end(const struct pen_prims *prims, const struct pen_ray *ray,
                            struct pen_hit a, double bound)
@@ -163,8 +162,8 @@ static struct pen_vec3 point_of(const struct pen_prims *prims, struct pen_hit on
                               i & 4 ? box.hi.z : box.lo.z));
 }
 
-/* Makes a pair at a point of both surfaces, if they have one. Beyond the apex of a cone a corner of
- * its box may have no nearest point; then the next one is tried. */
+/* Makes a pair at a common point of both surfaces, if there is one. Beyond the apex of a cone, a
+ * corner of its box may have no nearest point; then the next corner is tried. */
 static bool pair_make(struct pen_pair *pair, const struct pen_prims *prims, struct pen_hit a,
                       struct pen_hit b)
 {
@@ -182,7 +181,7 @@ static bool pair_make(struct pen_pair *pair, const struct pen_prims *prims, stru
     return false;
 }
 
-/* Whether both surfaces are flat or both are round sides; a sphere is like spheres only. */
+/* Whether both surfaces are flat or both are round sides. A sphere is alike only to spheres. */
 static bool are_alike(const struct pen_prims *prims, struct pen_hit a, struct pen_hit b)
 {
     uint32_t kind_a = prims->ref[a.prim].kind, kind_b = prims->ref[b.prim].kind;
@@ -191,7 +190,8 @@ static bool are_alike(const struct pen_prims *prims, struct pen_hit a, struct pe
     return round_a == round_b && (kind_a == PEN_PRIM_SPHERE) == (kind_b == PEN_PRIM_SPHERE);
 }
 
-/* Whether an edge of `a` has all of `a` on its one side and all of `b` on the other, up to b. */
+/* Whether an edge of `a` separates them, up to `slack`: all of `a` is on one side of it, and all of
+ * `b` on the other. */
 static bool edge_separates(const struct pen_outline *a, const struct pen_outline *b,
                            struct pen_vec3 n, double slack)
 {
@@ -214,7 +214,7 @@ static bool edge_separates(const struct pen_outline *a, const struct pen_outline
     return false;
 }
 
-/* Outlines of more corners are not compared edge by edge. */
+/* Outlines with more corners in all are not compared edge by edge. */
 enum { EDGES_MAX = 64 };
 
 bool pen_prim_may_coincide(const struct pen_prims *prims, struct pen_hit a, struct pen_hit b)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Cones. With f = o - q from the base's middle q, n(t) = (f + t d) x a and w(t) = |a| times the
- * radius at the height of o + t d, the side is where |n|^2 = w^2, a quadratic equation
+/* Cones. Let f = o - q be relative to the base's middle q, n(t) = (f + t d) x a, and w(t) = |a|
+ * times the radius at the height of o + t d. The side is where |n|^2 = w^2, a quadratic equation
  *   A t^2 + 2 B t + C = 0,   A = m.m - k^2,   B = m.n - k w,   C = n.n - w^2,
- * with m = d x a, k = slope d.a, and n, w at t = 0. Inside is where it is negative.
+ * with m = d x a, k = slope d.a, and n, w at t = 0. It is negative inside.
  *   A > 0  the line meets one nappe twice, or none: inside is between the roots.
  *   A <= 0 the line meets both nappes, or runs along one: inside, on the nappe that counts, is
  *          beyond the root on the side where w grows. */
@@ -22,7 +22,7 @@ static struct dd slope_of(double r, double top_r, double h)
     return two_sum_fast(slope, (fma(-slope, h, rise.hi) + rise.lo) / h);
 }
 
-/* Takes away a rim that would reach beyond the apex, to the other nappe. */
+/* Removes a rim that would extend beyond the apex, to the other nappe. */
 static void end_before_apex(struct pen_cone *c)
 {
     struct pen_cylinder *hull = &c->hull;
@@ -32,8 +32,9 @@ static void end_before_apex(struct pen_cone *c)
         hull->slab_top = hull->top;
 }
 
-/* Takes away what would reach out too far: see end_before_apex, and where the side is so flat that
- * lines along a cap would be met more than seven times as far beside it. */
+/* Removes extensions that are too long: a rim beyond the apex (end_before_apex), and `joint` of a
+ * very flat side, where a line along a cap would be met at more than seven times that distance from
+ * it. */
 static void join_within_rounding(struct pen_cone *c)
 {
     end_before_apex(c);
@@ -91,8 +92,9 @@ static double discriminant(const struct equation *e)
     return dd_add(dd_mul(e->b, e->b), dd_neg(dd_mul(e->a, e->c))).hi;
 }
 
-/* What is inside the side on a line that is as steep as the side, or steeper: beyond the root on
- * the side where w grows. Without growth the line is parallel to the side of what has no slope. */
+/* The interval inside the side for a line that is as steep as the side, or steeper: beyond the root
+ * on the side where w grows. If w does not grow, the line is parallel to the side and the slope is
+ * 0. */
 static bool steep_side(const struct equation *e, double side[2])
 {
     double square = discriminant(e), root = square > 0 ? sqrt(square) : 0;
@@ -119,10 +121,10 @@ static bool side_of(const struct equation *e, double side[2])
     return side[0] < side[1];
 }
 
-/* The interval of the ray's line inside the side, in twice the precision. Where the roots are close
- * to each other, compared with their distance from the origin, they are taken about the point
- * between them: a line that is nearly as steep as the side and passes near the apex loses digits in
- * A, B and C, and again in B^2 - A C, more than twice the precision has. */
+/* The interval of the ray's line inside the side, in double-double. If the roots are close
+ * together, compared with their distance from the origin, they are computed relative to the point
+ * between them. A line that is nearly as steep as the side and passes near the apex loses digits in
+ * A, B and C, and again in B^2 - A C. From afar, that loss exceeds double-double precision. */
 static bool side_refined(const struct pen_cone *c, const struct pen_ray *ray, double side[2])
 {
     struct equation e = equation_of(c, ray);
@@ -139,11 +141,11 @@ static bool side_refined(const struct pen_cone *c, const struct pen_ray *ray, do
     return inside && side[0] < side[1];
 }
 
-/* The interval of the ray's line inside the side; false if there is none: a tangent is a miss. The
- * roots are taken about tp, where the equation is least, from the point there, as for cylinders. In
- * twice the precision where that would lose digits:
+/* The interval of the ray's line inside the side; false if there is none; a tangent is a miss. As
+ * for cylinders, the roots are computed relative to the point at tp, where the equation has its
+ * minimum. They are computed in double-double if this would lose digits:
  *  - the line is steep: k^2 is a quarter of m.m or more;
- *  - it passes near the apex: the radius at tp is less than an eighth of the largest;
+ *  - it passes near the apex: the radius at tp is less than an eighth of the largest radius;
  *  - the ray starts near the side, or grazes it: as for cylinders. */
 static bool side_interval(const struct pen_cone *c, const struct pen_ray *ray, double side[2])
 {
@@ -180,7 +182,7 @@ bool pen_cone_interval(const struct pen_cone *c, const struct pen_ray *ray, stru
     return pen_interval_clip(in, side);
 }
 
-/* Where a point is, in the half plane through the axis and the point. */
+/* The place of a point in the half plane through the axis and the point. */
 struct place {
     double outside; /* distance from the side, negative inside */
     double height;  /* over the base */
@@ -204,13 +206,14 @@ static double own_rounding(const struct pen_cone *c)
     return 8 * PEN_U * (c->hull.round.r + c->hull.h);
 }
 
-/* By how much a point that was put on the side may miss it: as pen_prim_rounding. */
+/* The distance by which a point that was projected on the side may miss it, as pen_prim_rounding.
+ */
 static double rounding_at(const struct pen_cone *c, struct pen_vec3 p)
 {
     return 16 * PEN_U * pen_norm1(p) + 2 * own_rounding(c);
 }
 
-/* The parts that there are. */
+/* The parts that the cone has. */
 static unsigned parts(const struct pen_cone *c)
 {
     unsigned caps = c->top_radius > 0 ? PEN_ON_BASE | PEN_ON_TOP : PEN_ON_BASE;
@@ -242,8 +245,8 @@ static bool at_apex(const struct pen_cone *c, struct pen_vec3 p, double b)
     return c->top_radius == 0 && fabs(at.height - c->hull.h) <= b && at.axis <= b;
 }
 
-/* The interval inside the side of a line through a point of it, the ray's origin, with one end
- * there, exactly: C = 0. False where the line only touches the side. */
+/* The interval inside the side of a line through the ray's origin, which is on the side: C = 0, and
+ * one end is exactly there. Returns false if the line only touches the side. */
 static bool side_from(const struct pen_cone *c, const struct pen_ray *ray, double b, double side[2])
 {
     struct equation e = equation_of(c, ray);
@@ -268,7 +271,7 @@ static bool interval_from(const struct pen_cone *c, const struct pen_ray *ray, u
     return inside && pen_interval_clip(in, side);
 }
 
-/* Whether a ray that leaves the cone at `part` goes inward; then in->hi is where it comes out again
+/* Whether a ray that leaves the cone at `part` goes inward. If so, in->hi is where it leaves again
  * (hi <= 0: at once). */
 static bool goes_inward(const struct pen_cone *c, const struct pen_ray *ray, uint8_t part,
                         struct pen_interval *in)
@@ -409,7 +412,7 @@ static void intersect_own(const void *self, const struct pen_ray *ray, uint8_t p
         add_end(self, pen_larger(in.hi, PEN_FIRST_T), in.hi_part, out);
 }
 
-/* A ray that merely grazes the rim of two parts, or the apex, meets the cone nowhere else. */
+/* A ray that only grazes the rim of two parts, or the apex, meets the cone nowhere else. */
 static unsigned intersect_touching(const void *self, const struct pen_ray *ray, double bound,
                                    struct pen_intersections *out)
 {
@@ -426,8 +429,8 @@ static unsigned intersect_touching(const void *self, const struct pen_ray *ray, 
     return rim ? on & parts(c) : 0;
 }
 
-/* Whether the ray passes the rim of a cap, `height` over the base, within `bound`; *t is where it
- * passes the cap's plane. x is that point, seen from the cap's middle; it is `beyond` the rim. The
+/* Whether the ray passes the rim of a cap, `height` above the base, within `bound`; *t is where it
+ * passes the cap's plane. x is that point relative to the cap's middle; it is `beyond` the rim. The
  * ray's distance from the rim is that from the rim's tangent there. */
 static bool passes_cap_rim(const struct pen_cone *c, const struct pen_ray *ray, double height,
                            double bound, double *t)
@@ -445,8 +448,8 @@ static bool passes_cap_rim(const struct pen_cone *c, const struct pen_ray *ray, 
     return off * off <= bound * bound * pen_dot(across, across);
 }
 
-/* The side leans, so a ray that goes into a cap within rounding of its rim may be seen to pass the
- * cone outside, between its side and what ends at the same rim. */
+/* The side is inclined. So a ray that enters a cap within rounding of its rim may seem to pass
+ * outside the cone, between its side and a neighbour that ends at the same rim. */
 static bool passes_rim(const void *self, const struct pen_ray *ray, double bound, double *t,
                        uint8_t *part)
 {

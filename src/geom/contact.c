@@ -3,7 +3,7 @@
 
 #include "geom/internal/coincidence.h"
 
-/* Rounding seldom reaches this share of its bound. */
+/* Rounding rarely exceeds this share of its bound. */
 #define USUAL_ROUNDING 0.125
 
 /* How far the primitive extends along unit vector n beyond point p. */
@@ -52,7 +52,7 @@ double pen_contact_across(const struct pen_contact *c, struct pen_vec3 d)
     return fabs(dn) <= c->share * pen_norm1(d) ? 0 : dn;
 }
 
-/* How far p is above Q, if Q is flat; else 0. */
+/* The height of p above Q if Q is flat, else 0. */
 static double above(const struct pen_contact *c)
 {
     return pen_surface_outline(c->surface).count > 0 ? pen_height_above(c->surface, c->n, c->p) : 0;
@@ -60,7 +60,7 @@ static double above(const struct pen_contact *c)
 
 /* The side of Q on which a ray to the origin began, as the sign of a product with n. `toward` is
  * the vector from the origin back to that beginning, which may miss its surface by `bound`. 0: it
- * began within rounding of Q. Where p is makes no difference if Q is flat. */
+ * began within rounding of Q. If Q is flat, the place of p does not matter. */
 static double side_of_beginning(const struct pen_contact *c, struct pen_vec3 toward, double bound)
 {
     double wn = pen_dot(toward, c->n) + above(c), rounding = 2 * (bound + c->own);
@@ -76,7 +76,7 @@ double pen_contact_path_side(const struct pen_contact *c)
     return wn != 0 ? wn : side_of_beginning(c, c->origin->before, c->origin->before_bound);
 }
 
-/* The side of Q on which P lies, if it lies on one only; else 0. */
+/* The side of Q on which P lies, if P lies on one side only; else 0. */
 static double side_of_origin_surface(const struct pen_contact *c)
 {
     bool out = reach(c->prims, c->origin->prim, c->n, c->p) > 2 * c->slack;
@@ -91,12 +91,14 @@ static bool is_curved(const struct pen_contact *c)
            c->surface.fn->curvature(c->surface.self, c->q.part, c->p) > 0;
 }
 
-/* The side of Q from which the ray comes, as the sign of a product with n:
- *  1. that on which the path began, if P does not lie on the other side, with p there beyond the
- *     usual rounding: then the path has come round a corner;
- *  2. that on which P lies, if the path passed `through` P or does not tell; but not the inside of
- *     a curved Q that the path comes to from outside: P may be around Q;
- *  3. 0 if nothing tells: P and Q are one surface there. */
+/* The side of Q from which the ray comes, as the sign of a product with n. The first rule that
+ * applies decides:
+ *  1. The side on which the path began. It does not apply if P lies on the other side and p is
+ *     there beyond the usual rounding: then the path has gone round a corner.
+ *  2. The side on which P lies, if the path passed `through` P or does not decide. It does not
+ *     apply to the inside of a curved Q that the path reaches from outside, because P may be around
+ *     Q.
+ *  3. 0: P and Q are one surface there. */
 static double side_of_arrival(const struct pen_contact *c)
 {
     double side = pen_contact_path_side(c), lies = side_of_origin_surface(c);
@@ -115,9 +117,9 @@ static struct pen_contact contact_of_origin(const struct pen_contact *c)
                           c->origin);
 }
 
-/* The side of P on which the ray goes, as the sign of a product with P's normal m: that from which
- * the path came, or the other one if it passed `through` P. A mirrored ray that runs along P may
- * seem to go to the other side, by rounding. */
+/* The side of P on which the ray goes, as the sign of a product with P's normal m: the side from
+ * which the path came, or the other one if it passed `through` P. A mirrored ray that runs along P
+ * may seem to go to the other side, by rounding. */
 static double side_of_departure(const struct pen_contact *own, struct pen_vec3 d)
 {
     double dm = pen_dot(d, own->n),
@@ -127,8 +129,8 @@ static double side_of_departure(const struct pen_contact *own, struct pen_vec3 d
     return own->origin->through ? -side : side;
 }
 
-/* The largest up.(x - p) of the points x of the segment from a to e that are within r of p;
- * -INFINITY if there are none. */
+/* The largest up.(x - p) for points x of the segment from a to e within r of p; -INFINITY if there
+ * are none. */
 static double segment_reach(struct pen_vec3 a, struct pen_vec3 e, struct pen_vec3 p,
                             struct pen_vec3 up, double r)
 {
@@ -145,9 +147,9 @@ static double segment_reach(struct pen_vec3 a, struct pen_vec3 e, struct pen_vec
     return pen_larger(pen_dot(up, pen_along(f, w, lo)), pen_dot(up, pen_along(f, w, hi)));
 }
 
-/* The reach of a flat Q along unit vector `up` beyond p, of its points within r of p: the largest
- * is on Q's outline or, steepest in Q's plane, on the sphere of radius r. INFINITY where the
- * rounding of far corners could hide more than the slack. */
+/* How far a flat Q extends along unit vector `up` beyond p, for its points within r of p. The
+ * maximum is on Q's outline or, in the steepest direction of Q's plane, on the sphere of radius r.
+ * INFINITY if the rounding of far corners could hide more than the slack. */
 static double reach_nearby(const struct pen_contact *c, struct pen_vec3 up, double r)
 {
     const struct pen_outline line = pen_surface_outline(c->surface);
@@ -171,7 +173,7 @@ static double reach_nearby(const struct pen_contact *c, struct pen_vec3 up, doub
     return most;
 }
 
-/* The unit normal of P on the side to which the ray goes; false if no side tells. */
+/* The unit normal of P on the side to which the ray goes; false if the side is not known. */
 static bool side_up(const struct pen_contact *c, struct pen_vec3 d, struct pen_vec3 *up)
 {
     const struct pen_contact own = contact_of_origin(c);

@@ -42,7 +42,7 @@ bool pen_cylinder_holds(const struct pen_cylinder *c, const struct pen_ray *ray)
     struct dd3 a = dd_of3(c->round.a), d = dd_of3(ray->d), f = dd_sub3(ray->o, c->round.q);
     struct dd da = dd_dot(d, a), height = dd_dot(f, a);
     struct pen_vec3 across = pen_permuted(ray, &c->round.a);
-    if (da.hi != 0) { /* where the line is nearest the axis */
+    if (da.hi != 0) { /* at the point of the line nearest the axis */
         struct dd3 m = dd_cross(d, a);
         double tp = -dd_dot(m, dd_cross(f, a)).hi / dd_dot(m, m).hi;
         height = dd_add(height, dd_mul(da, (struct dd){tp, 0}));
@@ -106,8 +106,8 @@ static bool interval_from(const struct pen_cylinder *c, const struct pen_ray *ra
     return pen_interval_clip(in, side);
 }
 
-/* Whether a ray that starts on `part` of the cylinder goes inward; then in->hi, in->hi_part are
- * where it comes out again (hi <= 0: at once). */
+/* Whether a ray that starts on `part` of the cylinder goes inward. If so, in->hi, in->hi_part are
+ * where it leaves again (hi <= 0: at once). */
 static bool goes_inward(const struct pen_cylinder *c, const struct pen_ray *ray, uint8_t part,
                         struct pen_interval *in)
 {
@@ -152,7 +152,7 @@ struct pen_vec3 pen_cylinder_project(const struct pen_cylinder *c, uint8_t part,
     return pen_along(p, n, (part == PEN_PART_TOP ? c->h : 0) - height);
 }
 
-/* The parts that there are. */
+/* The parts that the cylinder has. */
 static unsigned parts(const struct pen_cylinder *c)
 {
     return c->caps ? PEN_ON_SIDE | PEN_ON_BASE | PEN_ON_TOP : PEN_ON_SIDE;
@@ -246,7 +246,7 @@ static void intersect_own(const void *self, const struct pen_ray *ray, uint8_t p
         pen_intersections_add_end(out, parts(c), pen_larger(in.hi, PEN_FIRST_T), in.hi_part);
 }
 
-/* A ray that merely grazes the rim of two parts meets the cylinder nowhere else. */
+/* A ray that only grazes the rim of two parts meets the cylinder nowhere else. */
 static unsigned intersect_touching(const void *self, const struct pen_ray *ray, double bound,
                                    struct pen_intersections *out)
 {

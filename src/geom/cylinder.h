@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Cylinders with two ends, capped or open. A capped one is convex: the part of a ray inside is the
- * overlap of two t-intervals, one of the infinite side and one of the slab between the caps, so
- * entry and exit always pair up. Outward is away from the axis on the side and along the axis on
- * the caps.
+/* Cylinders with two ends, capped or open. A capped cylinder is convex: the part of a ray inside is
+ * the overlap of two t-intervals, of the infinite side and of the slab between the caps. So entry
+ * and exit always pair up. Outward is away from the axis on the side and along the axis on the
+ * caps.
  *
- * An open one reaches out beyond its ends by `rim`, a few roundings: what ends at its rim was told
- * by other numbers, and would leave a crack as wide as the rounding of both. A capped one does so
- * only for lines that run along a cap, and only at the end that owns such lines
- * (pen_cylinder_holds). */
+ * An open cylinder extends beyond its ends by `rim`, a few roundings. A neighbour that ends at the
+ * rim has coordinates of its own; without `rim` the rounding of both would leave a crack. A capped
+ * cylinder is extended only for lines that run along a cap, and only at the end that owns such
+ * lines (pen_cylinder_holds). */
 #ifndef PEN_GEOM_CYLINDER_H
 #define PEN_GEOM_CYLINDER_H
 
@@ -17,22 +17,24 @@
 struct pen_cylinder {
     struct pen_cylinder_side round; /* q is the middle of the base */
     double top;                     /* height times |a|: the caps are at (p - q).a = 0 and = top */
-    double slab_base, slab_top, slab_top_low; /* the same with the rim: the side is between */
+    double slab_base, slab_top, slab_top_low; /* the same with the rim; the side is between them */
     double h;                                 /* height */
     double rim;                               /* 0 with caps */
-    double joint;   /* with caps: the same reach, times |a|, for lines along a cap; else 0 */
-    double edge_on; /* a line runs along the caps if |d.a| is at most this share of d's largest */
+    double joint;   /* with caps: the extension for lines along a cap, times |a|; else 0 */
+    double edge_on; /* a line is parallel to the caps if |d.a| <= edge_on times d's largest
+                       component */
     bool caps;
 };
 
-/* Fails: returns false if an argument is not finite, the axis is zero, or r or h is not in
- * 2^-400 ... 2^400. */
+/* Makes a cylinder.
+ * Fails: returns false if an argument is not finite, the axis is zero, or r or h is outside 2^-400
+ * ... 2^400. */
 bool pen_cylinder_make(struct pen_cylinder *c, struct pen_vec3 base, struct pen_vec3 axis, double r,
                        double h, bool caps);
 
-/* Lets an open one reach out by the rounding of what it was told by, and of its neighbours: 8u of
- * |base|_1 + r + h, and of the coordinates before they were moved to the local frame; `rounding` is
- * 1u of these. */
+/* Sets how far the ends are extended: by the rounding of the cylinder's own numbers and of its
+ * neighbours'. That is 8u of |base|_1 + r + h, and 8u of the coordinates before they were moved to
+ * the local frame; `rounding` is 1u of these coordinates. */
 void pen_cylinder_set_rim(struct pen_cylinder *c, double rounding);
 
 /* A t-interval of the ray's line inside a primitive, and the part of the surface at each end. */
@@ -47,32 +49,34 @@ static inline double pen_cylinder_along(const struct pen_cylinder *c, const stru
     return pen_dot_guarded(ray->permuted_d, pen_permuted(ray, &c->round.a));
 }
 
-/* How far it reaches out beyond its ends, for some lines at least. */
+/* The largest distance by which the cylinder is extended beyond its ends, for any line. */
 static inline double pen_cylinder_reaches_out(const struct pen_cylinder *c)
 {
     return c->rim + c->joint / c->round.length;
 }
 
-/* No line is taken as parallel to the caps whose |d.a| is above this share of d's largest
- * component: some roundings of d and a. */
+/* Upper limit of `edge_on`: a line with a larger |d.a| / d's largest component is never parallel to
+ * the caps. It covers a few roundings of d and a. */
 #define PEN_EDGE_ON (32 * PEN_U)
 
-/* Whether the ray's line is parallel to the caps, so far as the rounding of its direction can tell.
- * da is pen_cylinder_along. */
+/* Whether the ray's line is parallel to the caps within the rounding of its direction. da is
+ * pen_cylinder_along. */
 static inline bool pen_cylinder_edge_on(const struct pen_cylinder *c, const struct pen_ray *ray,
                                         double da)
 {
     return fabs(da) <= c->edge_on * fabs(ray->permuted_d.z);
 }
 
-/* Whether a line that is parallel to the caps is between them. The half-open rule of flat
- * primitives (geom/triangle.h) decides on a cap: the line is judged as if it were moved to the
- * right by an infinitesimal, as seen in ray space, or up where the cap's edge is level. So of two
- * cylinders with a common cap, exactly one owns the lines in its plane. The owner's end reaches out
- * by `joint`, so that no line passes between caps that rounding has set apart. */
+/* Whether a line that is parallel to the caps passes between them. For a line in a cap's plane the
+ * half-open rule of flat primitives (geom/triangle.h) decides. The line is judged as if it were
+ * moved by an infinitesimal to the right, as seen in ray space, or up where the cap's edge is
+ * level. So of two cylinders with a common cap, exactly one owns the lines in its plane. The end
+ * that owns them is extended by `joint`, so that no line passes between caps that rounding has
+ * separated. */
 bool pen_cylinder_holds(const struct pen_cylinder *c, const struct pen_ray *ray);
 
-/* The t-interval in the slab between the caps; false if the ray is parallel to them and outside. */
+/* The t-interval inside the slab between the caps; false if the ray is parallel to them and
+ * outside. */
 static inline bool pen_cylinder_slab(const struct pen_cylinder *c, const struct pen_ray *ray,
                                      struct pen_interval *in)
 {
@@ -90,8 +94,8 @@ static inline bool pen_cylinder_slab(const struct pen_cylinder *c, const struct 
     return true;
 }
 
-/* Clips the slab's t-interval to the side's: the later entry and the earlier exit; where
- * they are equal the cap wins. False if nothing is left. */
+/* Clips the slab's t-interval to that of the side: the later entry and the earlier exit remain.
+ * Where they are equal, the cap wins. Returns false if nothing is left. */
 static inline bool pen_interval_clip(struct pen_interval *in, const double side[2])
 {
     if (side[0] > in->lo) {
@@ -105,8 +109,8 @@ static inline bool pen_interval_clip(struct pen_interval *in, const double side[
     return in->lo < in->hi;
 }
 
-/* Whether pen_cylinder_slab is refined: it loses more than two bits where the ray starts near a
- * cap's plane, or is nearly parallel to it; or the ray is tied. */
+/* Whether pen_cylinder_slab must be refined: the ray is tied, starts near a cap's plane or is
+ * nearly parallel to it. In the last two cases the slab loses more than two bits. */
 static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const struct pen_ray *ray)
 {
     struct pen_vec3 q = pen_permuted(ray, &c->round.q), a = pen_permuted(ray, &c->round.a);
@@ -118,18 +122,18 @@ static inline bool pen_cylinder_slab_loses(const struct pen_cylinder *c, const s
            4 * fabs(da) < fabs(d.x * a.x) + fabs(d.y * a.y) + fabs(d.z * a.z);
 }
 
-/* Replaces the interval by that of the slab in double-double, unless the ray is parallel to the
- * caps. */
+/* Replaces the interval by that of the slab in double-double. Does nothing if the ray is parallel
+ * to the caps. */
 void pen_cylinder_slab_refine(const struct pen_cylinder *c, const struct pen_ray *ray,
                               struct pen_interval *in);
 
-/* As pen_cylinder_slab for a ray whose origin lies on the parts `on`: an end at the origin has t =
- * 0 exactly. False also if the ray runs along a cap that it starts on. */
+/* As pen_cylinder_slab, for a ray whose origin lies on the parts `on`: an end at the origin gets t
+ * = 0 exactly. Also returns false if the ray runs along a cap that it starts on. */
 bool pen_cylinder_slab_from(const struct pen_cylinder *c, const struct pen_ray *ray, unsigned on,
                             struct pen_interval *in);
 
-/* Finds the first t > 0 of the ends of the side's interval at which the ray is within `bound` of
- * the height of an open end. False if there is none, or if the cylinder has caps. */
+/* Finds the first t > 0 among the ends of the side's interval at which the ray is within `bound` of
+ * the height of an open end. Returns false if there is none, or if the cylinder has caps. */
 static inline bool pen_cylinder_passes_rim(const struct pen_cylinder *c, const struct pen_ray *ray,
                                            const double side[2], double bound, double *t)
 {
@@ -144,8 +148,8 @@ static inline bool pen_cylinder_passes_rim(const struct pen_cylinder *c, const s
     return false;
 }
 
-/* The t-interval of the ray's line inside; false if there is none. Ends at caps of an open cylinder
- * are no intersections: the caller drops them. */
+/* The t-interval of the ray's line inside the cylinder; false if there is none. Ends at the caps of
+ * an open cylinder are no intersections; the caller drops them. */
 static inline bool pen_cylinder_interval(const struct pen_cylinder *c, const struct pen_ray *ray,
                                          struct pen_interval *in)
 {
@@ -167,8 +171,8 @@ static inline bool pen_cylinder_interval(const struct pen_cylinder *c, const str
     return pen_interval_clip(in, side);
 }
 
-/* The parts that p lies on, up to `bound` and the primitive's own rounding. An open end, which is
- * where the rim ends, counts as a part for points of the side only: elsewhere nothing is there. */
+/* The parts that p lies on, up to `bound` and the primitive's own rounding. An open end, at the
+ * rim, counts as a part only for points of the side, because an open end has no surface. */
 static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct pen_vec3 p,
                                             double bound)
 {
@@ -191,7 +195,7 @@ static inline unsigned pen_cylinder_touches(const struct pen_cylinder *c, struct
 
 struct pen_vec3 pen_cylinder_normal(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p);
 
-/* The point nearest p of the part's surface, continued without end. */
+/* The point nearest p on the part's surface, continued without end. */
 struct pen_vec3 pen_cylinder_project(const struct pen_cylinder *c, uint8_t part, struct pen_vec3 p);
 
 #endif

@@ -2,7 +2,7 @@
 /* Facets seen at a grazing angle. */
 #include "geom/facet.h"
 
-/* An edge that crosses y = 0 in ray space: there x = s / h, and the depth is w / h. */
+/* An edge that intersects y = 0 in ray space: there x = s / h, and the depth is w / h. */
 struct edge_depth {
     double s, w, h; /* h > 0; 0 if there is none yet */
     double error;   /* of the depth */
@@ -29,8 +29,8 @@ static struct edge_depth edge_depth_of(struct pen_sheared a, struct pen_sheared 
                                4 * PEN_U * larger_size(a.z, b.z)};
 }
 
-/* Whether e is farther right than f. Edges that cross y = 0 in the same point are ordered too, so
- * that t depends neither on where the outline starts nor on its direction. */
+/* Whether e is farther right than f. Edges that intersect y = 0 in the same point are ordered too.
+ * So t depends neither on the first vertex of the outline nor on its direction. */
 static bool is_right_of(struct edge_depth e, struct edge_depth f)
 {
     double ef = e.s * f.h, fe = f.s * e.h;

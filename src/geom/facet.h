@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Facets: what triangles and polygons know of their plane. Whether a ray passes inside the outline
- * is decided by the winding of geom/triangle.h; where it meets the plane is decided here, by the
- * exact position of one vertex and a normal of twice the precision. So the error of t is a few
- * units of its own last place, and that of a distance from the plane is relative to that distance,
- * however large the primitive is and wherever its vertices are. */
+/* Facets: the planes of triangles and polygons. The winding rule of geom/triangle.h decides whether
+ * a ray passes inside the outline. The facet decides where the ray meets the plane, by the exact
+ * position of one vertex and a normal in double-double. So t is off by a few units of its last
+ * place, and a distance from the plane has a relative error. Neither depends on the size of the
+ * primitive or the place of its vertices. */
 #ifndef PEN_GEOM_FACET_H
 #define PEN_GEOM_FACET_H
 
 #include "geom/ray.h"
 
-/* A point in ray space: the ray is the z axis, its origin is 0; z is not yet divided by d[kz]. */
+/* A point in ray space: the ray is the z axis and its origin is 0. z is not yet divided by d[kz].
+ */
 struct pen_sheared {
     double x, y, z;
 };
@@ -32,27 +33,29 @@ static inline int pen_edge_counts(struct pen_sheared p, struct pen_sheared q, do
     return (p.y <= 0 && q.y > 0 && s > 0) - (p.y > 0 && q.y <= 0 && s < 0);
 }
 
-/* The plane g.x = c, to twice the precision. */
+/* The plane g.x = c, each number in two doubles. */
 struct pen_facet {
     struct pen_vec3 g, g_low; /* the largest component is in [1/2, 1] */
     double c, c_low;
     struct pen_vec3 n; /* the unit normal */
-    double grazing;    /* a line at a smaller sine, or so, may meet the facet far beside an outline
-                          that it is seen to pass inside; INFINITY: the outline is not in a plane */
+    /* A line whose sine is below about this value may meet the facet far outside an outline that
+     * it is seen to pass inside. INFINITY: the outline is not in a plane. */
+    double grazing;
 };
 
 #define PEN_FACET_GRAZING (1 / 0x1p10)
 
-/* How far the facet is above p, times |g|: some u of that, and 2^-100 of |g| (|p| + |c|). */
+/* How far the facet is above p, times |g|. The error is some u of the result plus 2^-100 |g| (|p| +
+ * |c|). */
 static inline double pen_facet_above(const struct pen_facet *facet, struct pen_vec3 p)
 {
     return pen_dot2_plus(facet->c, pen_neg(facet->g), p, facet->c_low - pen_dot(facet->g_low, p));
 }
 
-/* The t at which the ray's line meets the facet; not finite if it is parallel. It is off by at most
- * 4u of itself, and where a sum cancels to less than 2^-48 of its terms, by 2^-100 of these.
- * *grazing: the angle between them is so small, below 2^-10 or so, that a line which is seen to
- * pass inside an outline, within the rounding of ray space, may meet the facet far beside it. */
+/* The t at which the ray's line meets the facet; not finite if it is parallel. The error is at most
+ * 4u of t; where a sum cancels to less than 2^-48 of its terms, 2^-100 of these terms.
+ * *grazing: the angle is small, below about 2^-10. Then a line that is seen to pass inside an
+ * outline, within the rounding of ray space, may meet the facet far outside the outline. */
 static inline double pen_facet_root(const struct pen_facet *facet, const struct pen_ray *ray,
                                     bool *grazing)
 {
@@ -68,7 +71,7 @@ static inline double pen_facet_root(const struct pen_facet *facet, const struct 
     return pen_facet_above(&permuted, ray->permuted_o) / gd;
 }
 
-/* The same in single sums: within 2^-30 of t; NaN where that is not sure, or grazing. */
+/* The same in single sums: within 2^-30 of t. NaN if grazing, or if that error is not certain. */
 static inline double pen_facet_root_roughly(const struct pen_facet *facet,
                                             const struct pen_ray *ray)
 {
@@ -79,10 +82,10 @@ static inline double pen_facet_root_roughly(const struct pen_facet *facet,
     return sure ? above / gd : NAN;
 }
 
-/* The t at which a grazing line that passes inside the outline meets its facet: `t`, kept within
- * the depths of the edges before and behind the line as it is seen, up to their rounding, unless
- * that would move it from behind the origin to before it; where the line runs along the facet, the
- * mean of those depths. */
+/* The t at which a grazing line that passes inside the outline meets its facet. Two depths bound
+ * it: of the edges before and behind the line, as the line is seen, up to their rounding. `t` is
+ * clamped to them, unless that moves it from behind the origin to before it. For a line that runs
+ * along the facet, the result is the mean of these depths. */
 double pen_outline_grazed(const struct pen_vec3 *v, uint32_t count, const struct pen_ray *ray,
                           double t);
 
@@ -97,7 +100,7 @@ static inline double pen_outline_root(const struct pen_facet *facet, const struc
     return pen_outline_grazed(v, count, ray, facet->grazing < INFINITY ? t : INFINITY);
 }
 
-/* p, put on the facet's plane, to u |p|_1. */
+/* Projects p onto the facet's plane, to u |p|_1. */
 static inline struct pen_vec3 pen_facet_project(const struct pen_facet *facet, struct pen_vec3 p)
 {
     return pen_along(p, facet->g, pen_facet_above(facet, p) / pen_dot(facet->g, facet->g));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Infinite cylinders: how they are made, and the functions of their kind. */
+/* Infinite cylinders: the constructor, and the functions of their kind. */
 #include "geom/infinite_cylinder.h"
 
 #include "geom/internal/cylinder_side.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Infinite cylinders. Outward is away from the axis. Rays are projected to the plane across the
- * axis, by cross products whose components are exact differences of products, so that neither thin
+ * axis, by cross products whose components are exact differences of products. So neither thin
  * cylinders nor rays nearly along the axis lose digits. */
 #ifndef PEN_GEOM_INFINITE_CYLINDER_H
 #define PEN_GEOM_INFINITE_CYLINDER_H
@@ -13,22 +13,23 @@ struct pen_cylinder_side {
     struct pen_vec3 q; /* a point of the axis */
     struct pen_vec3 a; /* the axis as given, times a power of two: largest component in [1/2, 1) */
     double r;
-    double rr, rr_low; /* (r |a|)^2, to twice the precision */
+    double rr, rr_low; /* (r |a|)^2, in two doubles */
     double length;     /* |a| */
 };
 
 struct pen_infinite_cylinder {
-    struct pen_cylinder_side round; /* q is the point given, which is exact */
+    struct pen_cylinder_side round; /* q is the given point, exactly */
     struct pen_vec3 near;           /* the point of the axis nearest the origin, rounded */
 };
 
-/* Fails: returns false if an argument is not finite, the axis is zero, or r is not in
- * 2^-400 ... 2^400. */
+/* Makes an infinite cylinder.
+ * Fails: returns false if an argument is not finite, the axis is zero, or r is outside 2^-400 ...
+ * 2^400. */
 bool pen_infinite_cylinder_make(struct pen_infinite_cylinder *infinite_cylinder,
                                 struct pen_vec3 origin, struct pen_vec3 axis, double r);
 
-/* (p - q) x a: the part of p - q across the axis, rotated by a right angle, times |a|. p - q is
- * taken exactly, so the distance from q along the axis does not matter. */
+/* (p - q) x a: the component of p - q across the axis, rotated by a right angle, times |a|. p - q
+ * is exact, so the distance from q along the axis does not matter. */
 static inline struct pen_vec3 pen_axis_across(struct pen_vec3 p, struct pen_vec3 q,
                                               struct pen_vec3 a)
 {
@@ -44,7 +45,7 @@ static inline struct pen_vec3 pen_cylinder_side_across(const struct pen_cylinder
     return pen_axis_across(p, s->q, s->a);
 }
 
-/* As pen_sphere_refine. */
+/* As pen_sphere_refine, for the side. */
 void pen_cylinder_side_refine(const struct pen_cylinder_side *s, const struct pen_ray *ray,
                               double t[2]);
 
@@ -71,8 +72,7 @@ static inline bool pen_cylinder_side_roots(const struct pen_cylinder_side *s,
     return t[0] < t[1];
 }
 
-/* Whether p is on the infinite side, up to `bound` (which includes the primitive's own rounding).
- */
+/* Whether p is on the infinite side, up to `bound`, which includes the primitive's own rounding. */
 static inline bool pen_cylinder_side_touches(const struct pen_cylinder_side *s, struct pen_vec3 p,
                                              double bound)
 {
@@ -80,7 +80,7 @@ static inline bool pen_cylinder_side_touches(const struct pen_cylinder_side *s, 
     return fabs(pen_dot(n, n) - s->rr) <= 2 * s->r * bound * (s->length * s->length);
 }
 
-/* By how much a computed point of the infinite cylinder may miss it. */
+/* The largest distance by which a computed point of the infinite cylinder may miss its surface. */
 static inline double
 pen_infinite_cylinder_rounding(const struct pen_infinite_cylinder *infinite_cylinder)
 {
@@ -91,8 +91,8 @@ pen_infinite_cylinder_rounding(const struct pen_infinite_cylinder *infinite_cyli
  * parallel to the axis. */
 double pen_cylinder_side_chord(const struct pen_cylinder_side *s, const struct pen_ray *ray);
 
-/* Whether pen_cylinder_side_chord is certainly not positive: a cheaper test. The chord's sign is
- * that of -(d x a).(f x a) = (d.a)(f.a) - (d.f)(a.a), by Lagrange's identity, and |a|^2 < 3. */
+/* Whether pen_cylinder_side_chord is certainly not positive: a cheaper test. By Lagrange's identity
+ * the chord has the sign of -(d x a).(f x a) = (d.a)(f.a) - (d.f)(a.a); and |a|^2 < 3. */
 static inline bool pen_cylinder_side_outward(const struct pen_cylinder_side *s,
                                              const struct pen_ray *ray)
 {
@@ -104,7 +104,8 @@ static inline bool pen_cylinder_side_outward(const struct pen_cylinder_side *s,
 /* Whether p is strictly inside the infinite side. */
 bool pen_cylinder_side_contains(const struct pen_cylinder_side *s, struct pen_vec3 p);
 
-/* Unit normal of the side at p. On the axis, which has no normal, some unit vector across it. */
+/* The unit normal of the side at p. If p is on the axis, which has no normal, some unit vector
+ * across the axis. */
 struct pen_vec3 pen_cylinder_side_normal(const struct pen_cylinder_side *s, struct pen_vec3 p);
 
 /* The point of the side nearest p. */

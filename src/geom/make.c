@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What constructors share: vectors scaled to one, boxes grown. */
+/* Common to constructors: vectors scaled to one, boxes grown. */
 #include "geom/internal/make.h"
 
 #include <stdint.h>
@@ -10,7 +10,7 @@
 struct pen_vec3 pen_scale_to_one(struct pen_vec3 v)
 {
     if (pen_largest3(v) < 0x1p-900)
-        v = pen_scale(v, 0x1p600); /* out of the subnormals, so that the exponent can be read */
+        v = pen_scale(v, 0x1p600); /* out of the subnormals, so that the exponent bits are valid */
     double m = pen_largest3(v);
     uint64_t bits;
     memcpy(&bits, &m, sizeof bits);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Planes: how they are made, and the functions of their kind. */
+/* Planes: the constructor, and the functions of their kind. */
 #include "geom/plane.h"
 
 #include "geom/internal/double_double.h"
@@ -12,7 +12,8 @@ bool pen_plane_make(struct pen_plane *p, struct pen_vec3 point, struct pen_vec3 
         return false;
     p->g = pen_scale_to_one(normal);
     p->n = pen_unit_of(normal);
-    /* The point nearest the origin; but the given point, which is exact, if it is about as near. */
+    /* The point nearest the origin. The given point, which is exact, is used if it is about as
+     * near. */
     struct dd3 g = dd_of3(p->g);
     double s = dd_dot(g, dd_of3(point)).hi / dd_dot(g, g).hi;
     struct pen_vec3 foot = pen_scale(p->g, s);
@@ -50,7 +51,7 @@ static double scale(const void *self, struct pen_vec3 p)
     return pen_norm1(pen_sub(p, ((const struct pen_plane *)self)->q));
 }
 
-/* Without end unless n is the normal, as far as the rounding of both can tell. */
+/* Without end unless n is the normal, within the rounding of both. */
 static double reach(const void *self, struct pen_vec3 n, struct pen_vec3 p)
 {
     const struct pen_plane *plane = self;

@@ -7,14 +7,14 @@
 
 struct pen_plane {
     struct pen_vec3 q; /* a point of the plane near the origin */
-    struct pen_vec3 g; /* the normal as given, times a power of two: exact */
+    struct pen_vec3 g; /* the normal as given, times a power of two, so exact */
     struct pen_vec3 n; /* the unit normal */
 };
 
 /* Fails: returns false if an argument is not finite or the normal is zero. */
 bool pen_plane_make(struct pen_plane *p, struct pen_vec3 point, struct pen_vec3 normal);
 
-/* a.b, compensated where more than three bits cancel. */
+/* a.b, compensated if more than three bits cancel. */
 static inline double pen_dot_guarded(struct pen_vec3 a, struct pen_vec3 b)
 {
     double x = a.x * b.x, y = a.y * b.y, z = a.z * b.z;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Polygons: how they are made, and the functions of their kind. */
+/* Polygons: the constructor, and the functions of their kind. */
 #include "geom/polygon.h"
 
 #include <stdlib.h>
@@ -22,8 +22,8 @@ static struct dd3 newell(const struct pen_vec3 *v, uint32_t count)
     return sum;
 }
 
-/* The facet with this normal through the mean of the vertices: wherever the outline starts, and
- * whichever way it runs, the same one. */
+/* The facet with this normal through the mean of the vertices. It depends neither on the first
+ * vertex of the outline nor on its direction. */
 static struct pen_facet mean_facet(const struct pen_vec3 *v, uint32_t count, struct dd3 normal)
 {
     struct pen_facet facet = pen_facet_of(v[0], normal);
@@ -37,16 +37,17 @@ static struct pen_facet mean_facet(const struct pen_vec3 *v, uint32_t count, str
 }
 
 /* Sets four members:
- *   facet.grazing  INFINITY if a vertex v is farther off the plane than 2^-50 |v|: the polygon is
- *                  to be cut
+ *   facet.grazing  INFINITY if a vertex v is farther off the plane than 2^-50 |v|: the polygon must
+ *   be
+ *                  cut
  *   flat    each vertex v is in the facet's plane, up to 2^-44 of the extent and 2^-50 |v|
  *   convex  the outline turns left at each vertex, up to an area of 2^-46 of the extent squared
  *   scale   the distance of a vertex from the plane counts as rounding of the hit point
- * 2^-50 |v| is 8u |v|, half of the rounding that pen_prim_rounding grants a hit point near v
- * without any scale. The other half is for t, o + t d and the way back to the surface. It is also
- * more than a vertex is off that is in the plane but for its rounding to doubles, u |v|, and for
- * that of a group's three products and three sums, some 5u |v|, unless it has come near the origin
- * since. */
+ *
+ * 2^-50 |v| is 8u |v|, half of the rounding that pen_prim_rounding allows for a hit point near v
+ * without any scale. The other half is for t, o + t d and the projection onto the surface. A vertex
+ * in the plane is off by its rounding to doubles, u |v|. A group's three products and three sums
+ * add some 5u |v|. Both are less than 8u |v|, unless the vertex has later come near the origin. */
 static void classify_outline(struct pen_polygon *p)
 {
     double most = 0, inv_length = 1 / pen_length(p->facet.g);
@@ -67,7 +68,8 @@ static void classify_outline(struct pen_polygon *p)
     p->scale = most / (8 * PEN_U);
 }
 
-/* `otherwise` is the normal if the area is zero; zero: it must not be. */
+/* Makes a polygon. `otherwise` is the normal if the area is zero; zero: such a polygon is refused.
+ */
 static bool make_with(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count,
                       struct pen_vec3 otherwise)
 {
@@ -83,7 +85,8 @@ static bool make_with(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t 
     struct dd3 normal = newell(v, count);
     if (!is_finite3(dd_round3(normal)))
         return false;
-    /* The error of the normal is a few 2^-104 of this area: below this it would show. */
+    /* The error of the normal is a few 2^-104 of this area; below this limit it would be visible.
+     */
     double least = 0x1p-40 * count * p->extent * p->extent;
     if (!pen_exact_enough(&normal, least, v, count, otherwise))
         return false;
@@ -97,7 +100,7 @@ bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t 
     return make_with(p, v, count, pen_vec3(0, 0, 0));
 }
 
-/* Makes piece i; if its corners are on one line, its plane is as the polygon's. */
+/* Makes piece i. If its corners are on one line, its plane is parallel to the polygon's. */
 static bool make_piece(struct pen_triangle *piece, const struct pen_polygon *p,
                        const uint32_t corner[3])
 {
@@ -176,7 +179,7 @@ static double beyond(double a, double b, double c, double x)
     return x < lo ? lo - x : x > hi ? x - hi : 0;
 }
 
-/* Less than the square of the distance from q to a triangle: that to its box. */
+/* A lower bound of the squared distance from q to a triangle: that to its box. */
 static double from_box(const struct pen_triangle *tri, struct pen_vec3 q)
 {
     const struct pen_vec3 *v = tri->v;

@@ -7,35 +7,40 @@
 #include "base/arena.h"
 #include "geom/triangle.h"
 
-/* A polygon of more corners is not cut: that takes the square of their number in steps. */
+/* A polygon with more corners is not cut, because cutting takes the square of their number in
+ * steps. */
 enum { PEN_POLYGON_CUT_MAX = 10000 };
 
 struct pen_polygon {
     const struct pen_vec3 *v; /* borrowed */
     uint32_t count;
     struct pen_facet facet;
-    double extent;     /* no vertex is farther than this from another, in any axis */
-    double scale;      /* pen_prim_scale: from how far vertices are off the facet */
-    bool flat, convex; /* up to rounding of the vertices; may be false for others that are */
-    const struct pen_triangle *piece; /* count - 2 triangles, borrowed; NULL: it is not cut */
+    double extent;     /* no two vertices are farther apart along an axis */
+    double scale;      /* pen_prim_scale: from the distance of the vertices from the facet */
+    bool flat, convex; /* true only if it is so up to rounding of the vertices; may be false for a
+                          polygon that is so */
+    /* Its count - 2 triangles, borrowed; NULL: the polygon is not cut. */
+    const struct pen_triangle *piece;
 };
 
-/* Fails: returns false if a coordinate is not finite, or not 0 and below PEN_LEAST, there are fewer
- * than three vertices, the product of two edges overflows, or the sum of signed areas is zero,
- * decided exactly. The scene's reader has checked that the outline is simple and flat. Owns:
- * borrows v. */
+/* Makes a polygon. The scene's reader has checked that the outline is simple and flat.
+ * Owns: borrows v.
+ * Fails: returns false if a coordinate is not finite, or is not 0 and below PEN_LEAST, there are
+ * fewer than three vertices, the product of two edges overflows, or the sum of signed areas is
+ * exactly zero. */
 bool pen_polygon_make(struct pen_polygon *p, const struct pen_vec3 *v, uint32_t count);
 
-/* Cuts a polygon into triangles if its vertices are farther off one plane than hit points are by
- * rounding. They are its surface from then on. Fails: returns false when out of memory.
- * Owns: the arena has the triangles. */
+/* Cuts a polygon into triangles if its vertices are farther from one plane than the rounding of hit
+ * points. The triangles are then its surface.
+ * Owns: the arena owns the triangles.
+ * Fails: returns false when out of memory. */
 bool pen_polygon_cut(struct pen_polygon *p, struct pen_arena *arena);
 
-/* The triangle of a cut polygon that is nearest to q; of several the first. */
+/* The triangle of a cut polygon that is nearest to q; the first of several. */
 const struct pen_triangle *pen_polygon_piece(const struct pen_polygon *p, struct pen_vec3 q);
 
-/* Of two intersections with one polygon, the one that counts: the first ahead of the ray's origin,
- * or else the last behind it. */
+/* The one of two intersections with a polygon that counts: the first ahead of the ray's origin,
+ * else the last behind it. */
 static inline double pen_first_ahead(double s, double t)
 {
     return (s > 0) != (t > 0) ? (s > 0 ? s : t) : (s > 0) == (s < t) ? s : t;
@@ -55,7 +60,7 @@ static inline bool pen_polygon_entered(const struct pen_polygon *p, const struct
     return winding != 0;
 }
 
-/* The t at which the ray's line meets the polygon, not cut; false if it does not. */
+/* The t at which the ray's line meets a polygon that is not cut; false if it does not. */
 static inline bool pen_polygon_root(const struct pen_polygon *p, const struct pen_ray *ray,
                                     double *t)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The primitives of a frozen scene: one typed array per kind, in the local frame (coordinates
- * about 1). A primitive's number is its place in the document, depth first, and decides ties.
+/* The primitives of a frozen scene: one typed array per kind, in the local frame (coordinates about
+ * 1). A primitive's number is its place in the document, depth first; it decides ties.
  *
- * geom/kind.h lists the kinds. The header of a kind holds its struct, how it is made, and its hot
- * functions, static inline: the intersections with a ray's line, projection of a computed hit point
- * on the surface, bounds. Conventions, numerics and the self-intersection rule, which
- * pen_prim_intersect applies, are stated in src/geom/README.md. */
+ * geom/kind.h lists the kinds. The header of a kind holds its struct, its constructor, and its hot
+ * functions, static inline. These are the intersections with a ray's line, projection of a computed
+ * hit point on the surface, and bounds. src/geom/README.md states the conventions, the numerics and
+ * the self-intersection rule, which pen_prim_intersect applies. */
 #ifndef PEN_GEOM_PRIMS_H
 #define PEN_GEOM_PRIMS_H
 
@@ -22,13 +22,14 @@
 #include "geom/triangle.h"
 #include "math/box.h"
 
-/* Where primitive number i lives. */
+/* Where the primitive of a number is stored. */
 struct pen_prim_ref {
     uint32_t kind : 4; /* enum pen_prim_kind */
     uint32_t index : 28;
 };
 
-/* Owns nothing: the arrays belong to the scene's arena. */
+/* All primitives of a scene.
+ * Owns: nothing; the arrays belong to the scene's arena. */
 struct pen_prims {
     uint32_t count;
     const struct pen_prim_ref *ref; /* by primitive number */
@@ -63,14 +64,14 @@ static inline const void *pen_prim_self(const struct pen_prims *prims, uint32_t 
     return (const char *)prims->array[ref.kind] + ref.index * pen_kinds[ref.kind].bytes;
 }
 
-/* The corners of a flat primitive with an outline; none of other primitives. */
+/* The outline of a primitive; empty if it has none. */
 static inline struct pen_outline pen_prim_outline(const struct pen_prims *prims, uint32_t prim)
 {
     const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
     return fn->outline ? fn->outline(pen_prim_self(prims, prim)) : (struct pen_outline){NULL, 0, 0};
 }
 
-/* A polygon that is cut into triangles; NULL for any other primitive. */
+/* The polygon, if the primitive is a polygon that is cut into triangles; else NULL. */
 static inline const struct pen_polygon *pen_prim_cut(const struct pen_prims *prims, uint32_t prim)
 {
     const struct pen_prim_ref ref = prims->ref[prim];
@@ -79,18 +80,18 @@ static inline const struct pen_polygon *pen_prim_cut(const struct pen_prims *pri
     return &prims->polygon[ref.index];
 }
 
-/* All intersections of the ray's line with primitive `prim`, as if the ray started in free space.
+/* All intersections of the ray's line with primitive `prim`, for a ray that starts in free space.
  */
 void pen_prim_intersect_line(const struct pen_prims *prims, uint32_t prim,
                              const struct pen_ray *ray, struct pen_intersections *out);
 
-/* The parts of a round primitive that p lies on, up to `bound` and the primitive's own rounding:
- * bit 1 << part. */
+/* The parts of a round primitive that p lies on, up to `bound` and the primitive's own rounding, as
+ * bits 1 << part. */
 unsigned pen_prim_touches(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p,
                           double bound);
 
-/* All intersections of the ray with primitive `prim`, those that the self-intersection rule drops
- * left out. The reference that every accelerator must agree with, bit for bit. */
+/* All intersections of the ray with primitive `prim`, without those that the self-intersection rule
+ * drops. This is the reference: every accelerator must agree with it bit for bit. */
 void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                         const struct pen_origin_surface *origin, struct pen_intersections *out);
 
@@ -98,34 +99,33 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
 struct pen_vec3 pen_prim_normal(const struct pen_prims *prims, struct pen_hit hit,
                                 struct pen_vec3 p);
 
-/* The same for the shading of a point that is seen along d: at the apex of a cone, the normal of
- * the side that faces the viewer. */
+/* The same for shading a point that is seen along d: at the apex of a cone, the normal of the side
+ * that faces the viewer. */
 struct pen_vec3 pen_prim_normal_seen(const struct pen_prims *prims, struct pen_hit hit,
                                      struct pen_vec3 p, struct pen_vec3 d);
 
-/* The hit point: o + t d, put back on the surface. */
+/* The hit point: o + t d, projected onto the surface. */
 struct pen_vec3 pen_prim_point(const struct pen_prims *prims, struct pen_hit hit,
                                const struct pen_ray *ray);
 
-/* p, the point of a hit, moved back to the border of its outline if it is outside. A line that is
- * seen to pass just inside, within the rounding of ray space, meets the plane beside the outline by
- * that rounding over the sine of their angle. Only needed where |sine| < PEN_POINT_STEEP: above,
- * the bounds have room for it. o is the ray's origin. */
+/* Moves p, the point of a hit, to the border of its outline if it is outside; o is the ray's
+ * origin. A line that is seen to pass just inside, within the rounding of ray space, may meet the
+ * plane outside the outline. The distance is that rounding over the sine of the angle between line
+ * and plane. Only needed where |sine| < PEN_POINT_STEEP; above that, the bounds allow for it. */
 struct pen_vec3 pen_prim_point_in_outline(const struct pen_prims *prims, struct pen_hit hit,
                                           struct pen_vec3 o, struct pen_vec3 p, double sine);
 
 #define PEN_POINT_STEEP 0.125
 
-/* Bounds in double precision, such that for every ray that has an intersection at t, o + t d lies
- * inside to within a relative error of 2^-24 of t. Only for finite kinds. */
+/* Bounds in double precision. If any ray has an intersection at t, o + t d lies inside them to
+ * within a relative error of 2^-24 of t. Only for finite kinds. */
 struct pen_box pen_prim_bounds(const struct pen_prims *prims, uint32_t prim);
 
-/* The length to which the primitive's own rounding near p is proportional. */
+/* The length that is proportional to the primitive's own rounding near p. */
 double pen_prim_scale(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
 
-/* The curvature of a surface at p: 1 over its radius there, 0 where it is flat, INFINITY at an
- * apex.
- */
+/* The curvature of a surface at p: 1 over its radius there; 0 where it is flat, INFINITY at an
+ * apex. */
 static inline double pen_prim_curvature(const struct pen_prims *prims, struct pen_hit hit,
                                         struct pen_vec3 p)
 {
@@ -135,15 +135,16 @@ static inline double pen_prim_curvature(const struct pen_prims *prims, struct pe
         ->fn->curvature(pen_prim_self(prims, hit.prim), hit.part, p);
 }
 
-/* The rounding bound for rays that start at p: 16u (|p|_1 + the primitive's own scale). */
+/* The rounding bound for rays that start at p: 16u (|p|_1 + pen_prim_scale). */
 double pen_prim_rounding(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p);
 
-/* The origin surface of a ray that starts at p and goes on at the side from which `ray` arrived: p
- * is the point of `hit`, and `ray` itself started on `left`.
- *  - toward, before: from p back to where rays of the path started. The second is of the last one
- *    that went farther than rounding reaches, else of the longest, because it tells sides best.
- *  - bound: p = o + t d misses its surface by the rounding of the sum before it is put back on it,
- *    and may miss other surfaces there by as much; 16u covers the products, t and the sum. Where
+/* The origin surface of a ray that starts at p and continues on the side from which `ray` arrived.
+ * p is the point of `hit`, and `ray` itself started on `left`.
+ *  - toward, before: from p back to the starts of rays of the path. `before` is of the last ray
+ *    that went farther than rounding reaches, else of the longest, because a long ray decides sides
+ *    best.
+ *  - bound: before its projection, p = o + t d misses its surface by the rounding of the sum. It
+ *    may miss other surfaces there by the same distance. 16u covers the products, t and the sum. If
  *    the ray has hardly moved, p is also off by the bound of o. */
 static inline struct pen_origin_surface pen_origin_at(const struct pen_prims *prims,
                                                       const struct pen_ray *ray,
@@ -175,29 +176,29 @@ static inline struct pen_origin_surface pen_origin_at(const struct pen_prims *pr
     return origin;
 }
 
-/* The side of the surface at p, the point of `hit`, from which it is seen along v, as the sign of a
- * product with its outward normal. Where v runs along the surface within rounding, that is the
- * side on which the path began; `origin` is that of rays from p. */
+/* The side of the surface at p, the point of `hit`, that is seen along v, as the sign of a product
+ * with its outward normal. If v runs along the surface within rounding, it is the side on which the
+ * path began. `origin` is the origin surface of rays from p. */
 double pen_prim_viewer_side(const struct pen_prims *prims, struct pen_hit hit, struct pen_vec3 p,
                             struct pen_vec3 v, const struct pen_origin_surface *origin);
 
-/* Whether two intersections of a ray, a before b, are one place where two surfaces coincide: layers
- * of one another. `bound` is how far a's point may be off by rounding. */
+/* Whether two intersections of a ray, a before b, are one place where two surfaces coincide, so
+ * that they are layers. `bound` is the rounding of a's point. */
 bool pen_prim_layers(const struct pen_prims *prims, const struct pen_ray *ray, struct pen_hit a,
                      struct pen_hit b, double bound);
 
-/* The t up to which intersections can be layers of a. */
+/* The largest t at which an intersection can be a layer of a. */
 double pen_prim_layers_end(const struct pen_prims *prims, const struct pen_ray *ray,
                            struct pen_hit a, double bound);
 
-/* Whether two parts of primitives, hit.part, coincide somewhere. May be true where they do not, and
- * is not where flat outlines are neighbours. */
+/* Whether two parts of primitives, hit.part, coincide somewhere. May be true for parts that do not,
+ * but is false for flat outlines that are neighbours. */
 bool pen_prim_may_coincide(const struct pen_prims *prims, struct pen_hit a, struct pen_hit b);
 
 /* Whether an intersection is the ray's point at t_end, up to `bound` and the intersection's own
- * rounding. A ray that ends in a light does not count the surface that contains the light. What
- * counts at the ray's origin does not end it: a ray from a wall's foot along the floor is stopped
- * there, also if the light is on the floor. */
+ * rounding. A ray that ends in a light does not count the surface that contains the light. An
+ * intersection that counts at the ray's origin never is its end. So a ray from a wall's foot along
+ * the floor is stopped there, even if the light is on the floor. */
 bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,
                        double t_end, double bound);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Up to 64 rays as arrays, which packets of rays read LANES at a time (math/lanes.h). */
+/* Up to 64 rays as arrays. Ray packets read LANES of them at a time (math/lanes.h). */
 #ifndef PEN_GEOM_RAY_ARRAY_H
 #define PEN_GEOM_RAY_ARRAY_H
 
@@ -7,17 +7,17 @@
 
 enum { PEN_RAY_ARRAY_MAX = 64 };
 
-/* The numbers of struct pen_ray, by ray. o and d have their axes in the ray's own order, as
- * pen_permuted. Bits are by ray. */
+/* The numbers of struct pen_ray, by ray. The axes of o and d are in the ray's own order, as
+ * pen_permuted. Each mask has one bit per ray. */
 struct pen_ray_array {
     double o[3][PEN_RAY_ARRAY_MAX], d[3][PEN_RAY_ARRAY_MAX];
     double sx[PEN_RAY_ARRAY_MAX], sy[PEN_RAY_ARRAY_MAX];
     double inv_dd[PEN_RAY_ARRAY_MAX], near[PEN_RAY_ARRAY_MAX];
-    uint64_t along_x, along_y; /* kz is 0, is 1; of other rays it is 2 */
+    uint64_t along_x, along_y; /* kz is 0; kz is 1; it is 2 for all other rays */
     uint64_t forward;          /* d[kz] is positive */
 };
 
-/* The axes of the rays with this kz. */
+/* Sets the axes of a ray with this kz. */
 static inline void pen_ray_axes(int kz, int axis[3])
 {
     axis[0] = kz == 2 ? 0 : kz + 1;
@@ -25,7 +25,7 @@ static inline void pen_ray_axes(int kz, int axis[3])
     axis[2] = kz;
 }
 
-/* Begins an array without rays; each is to be set once. */
+/* Begins an array without rays. Each ray is set once. */
 static inline void pen_ray_array_begin(struct pen_ray_array *to)
 {
     to->along_x = to->along_y = to->forward = 0;
@@ -53,7 +53,7 @@ static inline int pen_ray_array_kz(const struct pen_ray_array *rays, int i)
     return rays->along_x >> i & 1 ? 0 : rays->along_y >> i & 1 ? 1 : 2;
 }
 
-/* The ray as pen_ray_make made it, to the bit. */
+/* Restores the ray that pen_ray_make made, to the bit. */
 static inline void pen_ray_array_get(const struct pen_ray_array *from, int i, struct pen_ray *ray)
 {
     int axis[3];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays made LANES at a time. pen_ray_make is the same text with one lane (ray.c). */
+/* Rays made LANES at a time. pen_ray_make is the same code with one lane (ray.c). */
 #ifndef PEN_GEOM_RAY_LANES_H
 #define PEN_GEOM_RAY_LANES_H
 
@@ -14,7 +14,7 @@ static inline lanes lanes_without_less(lanes x, lanes least)
     return lanes_select(lanes_less(lanes_abs(x), least), zero, x);
 }
 
-/* pen_without_less, for numbers. */
+/* pen_without_less, for numbers that are not NaN. */
 static inline struct lanes3 lanes3_without_less(struct lanes3 v, lanes least)
 {
     const lanes x = lanes_abs(v.x), y = lanes_abs(v.y), z = lanes_abs(v.z);
@@ -29,7 +29,7 @@ struct lanes_axes {
     lane_mask x, y;
 };
 
-/* pen_permuted, for lanes that need not have the same axis. */
+/* pen_permuted, for lanes whose axes may differ. */
 static inline struct lanes3 lanes3_permuted(struct lanes_axes kz, struct lanes3 v)
 {
     return (struct lanes3){lanes_select(kz.x, v.y, lanes_select(kz.y, v.z, v.x)),
@@ -37,7 +37,7 @@ static inline struct lanes3 lanes3_permuted(struct lanes_axes kz, struct lanes3 
                            lanes_select(kz.x, v.x, lanes_select(kz.y, v.y, v.z))};
 }
 
-/* Permutes the axes of *o and *d. Mostly all lanes have the same. */
+/* Permutes the axes of *o and *d. In the usual case all lanes have the same axes. */
 static inline void lanes_ray_permute(struct lanes_axes kz, struct lanes3 *o, struct lanes3 *d)
 {
     const unsigned x = lane_mask_bits(kz.x), y = lane_mask_bits(kz.y);
@@ -53,7 +53,7 @@ static inline void lanes_ray_permute(struct lanes_axes kz, struct lanes3 *o, str
     }
 }
 
-/* Whether pen_ray_make makes a ray of o and d, whose largest component is `largest` in size. */
+/* Whether pen_ray_make succeeds for o and d; `largest` is the size of d's largest component. */
 static inline lane_mask lanes_ray_can_be(struct lanes3 o, struct lanes3 d, lanes largest)
 {
     /* 0, or NaN where something is not finite. */
@@ -62,7 +62,7 @@ static inline lane_mask lanes_ray_can_be(struct lanes3 o, struct lanes3 d, lanes
            lanes_at_most(lanes_splat(0x1p-400), largest);
 }
 
-/* Rows of four numbers of struct pen_ray, from number `first` on. */
+/* Writes rows of four numbers of struct pen_ray, from number `first` on. */
 static inline void lanes_ray_write(struct pen_ray *const *ray, int first, lanes a, lanes b, lanes c,
                                    lanes d)
 {
@@ -80,8 +80,8 @@ struct lanes_ray {
     struct lanes_axes kz;
 };
 
-/* pen_ray_make. Returns the lanes in which it succeeds; the rays of the others are undefined.
- * Inline always: callers do not need all numbers, and would move them all through memory. */
+/* pen_ray_make. Returns the lanes in which it succeeds; the rays of the others are undefined. It is
+ * always inlined, because callers use some of the numbers, and a call would store all of them. */
 static inline __attribute__((always_inline)) lane_mask
 lanes_ray_of(struct lanes_ray *ray, struct lanes3 o, struct lanes3 d)
 {
@@ -121,7 +121,7 @@ _Static_assert(offsetof(struct pen_ray, d) == 3 * sizeof(double) &&
                    offsetof(struct pen_ray, permuted_d) == 13 * sizeof(double),
                "lanes_ray_put writes the numbers of a ray in this order");
 
-/* Writes rays to *to[lane]. Every to[lane] is a place to write to. */
+/* Writes rays to *to[lane]. Every to[lane] must be writable. */
 static inline void lanes_ray_put(const struct lanes_ray *rays, struct pen_ray *const *to)
 {
     const struct lanes_ray r = *rays;
@@ -143,7 +143,7 @@ static inline void lanes_ray_put(const struct lanes_ray *rays, struct pen_ray *c
     }
 }
 
-/* As lanes_ray_of, into *to[lane]. */
+/* As lanes_ray_of, with results in *to[lane]. */
 static inline lane_mask lanes_ray_make(struct pen_ray *const *to, struct lanes3 o, struct lanes3 d)
 {
     struct lanes_ray r;
@@ -152,7 +152,7 @@ static inline lane_mask lanes_ray_make(struct pen_ray *const *to, struct lanes3 
     return made;
 }
 
-/* Sets the rays from i on, as pen_ray_array_set. */
+/* Sets LANES rays of the array, from i on, as pen_ray_array_set. */
 static inline void lanes_ray_array_put(const struct lanes_ray *rays, struct pen_ray_array *to,
                                        int i)
 {
@@ -172,7 +172,7 @@ static inline void lanes_ray_array_put(const struct lanes_ray *rays, struct pen_
     to->forward |= (uint64_t)lane_mask_bits(lanes_less(lanes_splat(0), r.permuted_d.z)) << i;
 }
 
-/* As lanes_ray_of, into the rays from i on. */
+/* As lanes_ray_of, with results in the rays of the array from i on. */
 static inline __attribute__((always_inline)) lane_mask
 lanes_ray_array_make(struct pen_ray_array *to, int i, struct lanes3 o, struct lanes3 d)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The intersections of a ray that starts on a surface: the self-intersection rule, stated with a
- * figure and a decision table in src/geom/README.md, for each kind of shape. Here P is the
- * primitive that the ray starts on and Q another one; internal/contact.h judges Q where the ray
+/* The intersections of a ray that starts on a surface, by the self-intersection rule, for each kind
+ * of shape. src/geom/README.md states the rule with a figure and a decision table. P is the
+ * primitive that the ray starts on, Q another one. internal/contact.h judges Q where the ray
  * starts. */
 #include "geom/internal/contact.h"
 
-/* The intersections with P itself: a flat primitive is not met again, a round one perhaps once. */
+/* The intersections with P itself: a flat primitive is not met again, a round one at most once. */
 static void intersect_own(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                           uint8_t part, struct pen_intersections *out)
 {
@@ -49,9 +49,10 @@ static struct pen_vec3 projected(const struct pen_ray *ray, struct pen_vec3 v)
     return pen_along(f, ray->d, -pen_dot(f, ray->d) * ray->inv_dd);
 }
 
-/* Whether the ray passes the border of a triangle or polygon near its origin within b: whether its
- * line meets the primitive is then an accident of rounding. *t is where it meets the plane, and
- * where it passes the border if it begins in the plane; *far how far its origin is from that. */
+/* Whether the ray passes the border of a triangle or polygon near its origin within b. Then
+ * rounding decides whether its line meets the primitive. *t is where it meets the plane; if it
+ * begins in the plane, where it passes the border. *far is the distance of its origin from the
+ * plane. */
 static bool passes_border(struct pen_surface s, struct pen_vec3 n, const struct pen_ray *ray,
                           double b, double *t, double *far)
 {
@@ -61,7 +62,8 @@ static bool passes_border(struct pen_surface s, struct pen_vec3 n, const struct 
     double nearby = PEN_NEARBY * b, end = nearby * nearby * ray->inv_dd;
     const struct pen_vec3 to_corner = pen_sub(line.v[0], ray->o);
     double dn = pen_dot(n, ray->d), roughly = pen_dot(n, to_corner), t_roughly = roughly / dn;
-    /* Most are told by a corner: t is off by a quarter at most, and is behind or far away. */
+    /* One corner excludes most: t is off by a quarter at most, and is behind the origin or far
+     * away. */
     if (fabs(roughly) > b + 32 * PEN_U * pen_norm1(to_corner) &&
         !(t_roughly > 0 && t_roughly * t_roughly <= 2 * end))
         return false;
@@ -86,8 +88,9 @@ static bool passes_border(struct pen_surface s, struct pen_vec3 n, const struct 
     return false;
 }
 
-/* A primitive whose border the ray passes is met, in its plane, if it rises over P near p; and if p
- * is in that plane within rounding, if it rises over P and the ray does not go back. */
+/* Decides whether a primitive whose border the ray passes is met, in its plane. It is met if it
+ * rises over P near p. If p is in its plane within rounding, it is met if it rises over P and the
+ * ray does not return. */
 static void intersect_border(const struct pen_prims *prims, struct pen_hit q, struct pen_surface s,
                              const struct pen_ray *ray, const struct pen_origin_surface *origin,
                              double far, struct pen_intersections *out)
@@ -102,7 +105,7 @@ static void intersect_border(const struct pen_prims *prims, struct pen_hit q, st
 }
 
 /* Replaces the intersection with a flat surface of Q that is not P's. The line of a ray that starts
- * on Q may miss Q all the same: at its border, or where it is parallel. */
+ * on Q may still miss Q: at its border, or if it is parallel. */
 static void intersect_flat(const struct pen_prims *prims, uint32_t prim, struct pen_surface s,
                            const struct pen_ray *ray, const struct pen_origin_surface *origin,
                            struct pen_intersections *out)
@@ -110,7 +113,7 @@ static void intersect_flat(const struct pen_prims *prims, uint32_t prim, struct 
     double scale = pen_prim_scale(prims, prim, ray->o), b = origin->bound + 8 * PEN_U * scale;
     struct pen_hit hit = {out->count ? out->t[0] : 0, prim, PEN_PART_SIDE};
     struct pen_vec3 n = s.fn->normal(s.self, hit.part, ray->o);
-    /* t of a grazing ray may be that of the edge past which the ray is seen to enter Q. */
+    /* For a grazing ray, t may be that of the edge past which the ray is seen to enter Q. */
     bool touches = out->count && (pen_flat_touches(n, scale, ray, hit.t, origin->bound) ||
                                   (hit.t > 0 && fabs(pen_height_above(s, n, ray->o)) <= b));
     if (!touches && !(hit.t <= 0 && pen_surface_contains(s, n, ray->o, b))) {
@@ -126,7 +129,7 @@ static void intersect_flat(const struct pen_prims *prims, uint32_t prim, struct 
     add_at_origin(prims, hit, s, ray, origin, out);
 }
 
-/* Whether the polygon is a layer of P at the ray's origin. Then the intersection there is added, if
+/* Whether the polygon is a layer of P at the ray's origin. If so, adds the intersection there if
  * the ray meets it. */
 static bool is_cut_layer(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                          const struct pen_origin_surface *origin, struct pen_intersections *out)
@@ -142,9 +145,9 @@ static bool is_cut_layer(const struct pen_prims *prims, uint32_t prim, const str
     return true;
 }
 
-/* A polygon that is cut into triangles is met where the first of them is, each judged as if it were
- * a primitive: P is the one at the ray's origin, and a ray may meet others of the same polygon. One
- * that goes through the polygon has met it: it counts once. */
+/* A cut polygon is met where the first of its triangles is met. Each triangle is judged like a
+ * primitive: P is the one at the ray's origin, and a ray may meet others of the same polygon. A ray
+ * that goes through the polygon has met it, and it counts once. */
 static void intersect_cut(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                           const struct pen_origin_surface *origin, struct pen_intersections *out)
 {
@@ -173,8 +176,8 @@ static void intersect_cut(const struct pen_prims *prims, uint32_t prim, const st
 }
 
 /* Whether the ray passes a rim of the primitive near its origin, within the bounds: as
- * passes_border. at->t, at->part are as for the kind's function. If p is on that part, continued
- * without end, the ray does not get there. */
+ * passes_border. at->t, at->part are as in the kind's function. If p is on that part, continued
+ * without end, the ray does not reach the rim. */
 static bool passes_rim(const struct pen_prims *prims, const struct pen_ray *ray,
                        const struct pen_origin_surface *origin, struct pen_hit *at)
 {
@@ -188,8 +191,9 @@ static bool passes_rim(const struct pen_prims *prims, const struct pen_ray *ray,
     return fabs(at->t * pen_dot(ray->d, n)) > 0.5 * b && !fn->touches(self, ray->o, origin->bound);
 }
 
-/* Where the ray passes a rim, it meets the primitive if that rises over P: the side of an open one,
- * there only. A closed one that the line misses is met at its cap and at once at its side. */
+/* Decides at a rim that the ray passes. It meets the primitive if that rises over P: an open one at
+ * its side, only there. A closed one that the line misses is met at its cap and at once at its
+ * side. */
 static void intersect_rim(const struct pen_prims *prims, struct pen_hit q,
                           const struct pen_ray *ray, const struct pen_origin_surface *origin,
                           struct pen_intersections *out)
@@ -214,10 +218,11 @@ static void intersect_rim(const struct pen_prims *prims, struct pen_hit q,
     }
 }
 
-/* Whether a primitive with rims, which p is not on, is left near the ray's origin although it does
- * not rise over P. The ray has then passed a rim in which a neighbour of P ends, and has met it by
- * rounding: what does not rise has a chord within the slack of P's tangent plane, no longer than
- * the slack over the sine of the ray, which is nearby (PEN_HORIZON_SINE). */
+/* Whether a primitive with rims that does not contain p is left near the ray's origin although it
+ * does not rise over P. Then the ray has passed a rim at which a neighbour of P ends, and met the
+ * primitive by rounding. Proof: a primitive that does not rise has a chord within the slack of P's
+ * tangent plane. The chord is no longer than the slack over the sine of the ray, which is nearby
+ * (PEN_HORIZON_SINE). */
 static bool ends_below(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                        const struct pen_origin_surface *origin, const struct pen_intersections *met)
 {

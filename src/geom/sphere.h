@@ -12,18 +12,19 @@ struct pen_sphere {
     double rr, rr_low; /* r^2 = rr + rr_low exactly */
 };
 
-/* Fails: returns false if c is not finite or r is not in 2^-400 ... 2^400. */
+/* Makes a sphere.
+ * Fails: returns false if c is not finite or r is outside 2^-400 ... 2^400. */
 bool pen_sphere_make(struct pen_sphere *s, struct pen_vec3 c, double r);
 
-/* The intersections by the quadratic equation in double-double: for origins near the surface and
- * for grazing rays, where the quick method of pen_sphere_roots loses digits. NaN for a miss. */
+/* The intersections by the quadratic equation in double-double; NaN for a miss. Used for origins
+ * near the surface and for grazing rays, where the fast method of pen_sphere_roots loses digits. */
 void pen_sphere_refine(const struct pen_sphere *s, const struct pen_ray *ray, double t[2]);
 
 /* The two intersections of the ray's line, t[0] < t[1]; false if there are none. A tangent is a
- * miss. The discriminant is taken at the point l of the line nearest the centre (Haines, Guenther,
- * Akenine-Moeller, Ray Tracing Gems, 2019, chapter 7). l is found to a unit roundoff of itself,
- * whatever the distance: o - c is kept exactly, o - c + tp d rounds once, and its remaining
- * component along d corrects tp. */
+ * miss. The discriminant is taken at the point l of the line nearest the centre. Its error is one
+ * unit roundoff of l at any distance: o - c is exact, o - c + tp d rounds once, and its remaining
+ * component along d corrects tp.
+ * Source: Haines, Guenther, Akenine-Moeller, Ray Tracing Gems, 2019, chapter 7. */
 static inline bool pen_sphere_roots(const struct pen_sphere *s, const struct pen_ray *ray,
                                     double t[2])
 {
@@ -48,7 +49,8 @@ static inline bool pen_sphere_touches(const struct pen_sphere *s, struct pen_vec
     return fabs(pen_dot(f, f) - s->rr) <= 2 * s->r * (bound + 8 * PEN_U * s->r);
 }
 
-/* Whether a ray that leaves the sphere certainly does not meet it again. */
+/* Whether a ray that leaves the sphere certainly does not meet it again. May be false for such a
+ * ray. */
 static inline bool pen_sphere_outward(const struct pen_sphere *s, const struct pen_ray *ray)
 {
     struct pen_vec3 f = pen_sub(ray->o, s->c);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The hit points of LANES rays on one primitive, put back on its surface, and the normals there.
- * Each lane does the operations of a scalar function, which a comment names, in the same order. */
+/* The hit points of LANES rays on one primitive, projected onto its surface, and the normals there.
+ * Each lane does the operations of a scalar function in the same order; the comment names it. */
 #ifndef PEN_GEOM_SURFACE_LANES_H
 #define PEN_GEOM_SURFACE_LANES_H
 
@@ -46,7 +46,8 @@ static inline struct lanes3 lanes_cylinder_side_across(const struct pen_cylinder
     return lanes3_add(lanes3_cross(f, a), rest);
 }
 
-/* pen_unit_of where *usual: the largest component is within 2^-500 and 2^500. */
+/* pen_unit_of. *usual: the lanes in which it is valid, those whose largest component is between
+ * 2^-500 and 2^500. */
 static inline struct lanes3 lanes_unit_of(struct lanes3 v, lane_mask *usual)
 {
     const lanes m = lanes_max(lanes_max(lanes_abs(v.x), lanes_abs(v.y)), lanes_abs(v.z));
@@ -61,16 +62,16 @@ static inline struct lanes3 lanes_unit_of(struct lanes3 v, lane_mask *usual)
     return (struct lanes3){s.x / length, s.y / length, s.z / length};
 }
 
-/* pen_cylinder_side_normal, where *usual, of a point at which pen_cylinder_side_across is `across`.
- */
+/* pen_cylinder_side_normal at a point for which pen_cylinder_side_across is `across`; valid in the
+ * lanes of *usual. */
 static inline struct lanes3 lanes_cylinder_side_normal(const struct pen_cylinder_side *s,
                                                        struct lanes3 across, lane_mask *usual)
 {
     return lanes_unit_of(lanes3_cross(lanes3_splat(s->a), across), usual);
 }
 
-/* Projects *p as pen_cylinder_side_project, and sets *n to the normal there. False if one of the
- * lanes that are wanted needs the scalar functions. */
+/* Projects *p as pen_cylinder_side_project, and sets *n to the normal there. Returns false if a
+ * lane of `wanted` needs the scalar functions. */
 static inline bool lanes_cylinder_side_surface(const struct pen_cylinder_side *s, unsigned wanted,
                                                struct lanes3 *p, struct lanes3 *n)
 {
@@ -101,9 +102,9 @@ struct lanes_prim_point {
     lanes scale, curvature; /* pen_prim_scale, pen_prim_curvature */
 };
 
-/* Projects at->p, where rays meet a part of a primitive, as pen_prim_point, and sets the rest: n to
- * pen_prim_normal there; in the lanes that are wanted, a bit each. False, and all undefined, if one
- * of them needs the scalar functions. */
+/* Projects at->p, where rays meet a part of a primitive, as pen_prim_point, and sets the other
+ * members; n is pen_prim_normal there. `wanted` has one bit per lane. Returns false, with *at
+ * undefined, if one of these lanes needs the scalar functions. */
 static inline bool lanes_prim_surface(const struct pen_prims *prims, uint32_t prim, uint8_t part,
                                       unsigned wanted, struct lanes_prim_point *at)
 {
@@ -160,7 +161,7 @@ static inline bool lanes_prim_surface(const struct pen_prims *prims, uint32_t pr
     return true;
 }
 
-/* Rays that have met surfaces, and of what they started on, what struct pen_origin_surface says. */
+/* Rays that have met surfaces, with the members of struct pen_origin_surface of their starts. */
 struct lanes_origin {
     struct lanes3 toward, before;
     lanes bound, toward_bound, before_bound;
@@ -171,7 +172,7 @@ struct lanes_arrived {
     struct lanes_origin left;
 };
 
-/* pen_origin_at: p are the points that the rays have met, at surfaces of this scale. */
+/* pen_origin_at, for p, the points that the rays have met, at surfaces of this scale. */
 static inline struct lanes_origin lanes_origin_at(const struct lanes_arrived *ray, struct lanes3 p,
                                                   lanes scale)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Triangles: how they are made, and the functions of their kind. */
+/* Triangles: the constructor, and the functions of their kind. */
 #include "geom/triangle.h"
 
 #include "geom/internal/facet.h"
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
 
-/* The extents along x, y, z of the edge from p to q: the same after mirroring or moving the
- * triangle. */
+/* The extents along x, y, z of the edge from p to q. Mirroring or moving the triangle does not
+ * change them. */
 static struct pen_vec3 edge_extents(struct pen_vec3 p, struct pen_vec3 q)
 {
     return pen_vec3(fabs(q.x - p.x), fabs(q.y - p.y), fabs(q.z - p.z));
@@ -20,7 +20,7 @@ static struct pen_vec3 sorted(struct pen_vec3 s)
     return rest > low ? pen_vec3(most, rest, low) : pen_vec3(most, low, rest);
 }
 
-/* < 0, 0 or > 0 as a is before, equal to or after b in the order by x, then y, then z. */
+/* < 0, 0 or > 0 if a is before, equal to or after b in the order by x, then y, then z. */
 static int compare(struct pen_vec3 a, struct pen_vec3 b)
 {
     if (a.x != b.x)
@@ -31,7 +31,7 @@ static int compare(struct pen_vec3 a, struct pen_vec3 b)
 }
 
 /* The corner that the edges distinguish: the one between two equal edges, or the one opposite the
- * greatest. -1 if all are equal. Edge i is opposite corner i. */
+ * greatest edge. -1 if all edges are equal. Edge i is opposite corner i. */
 static int distinguished_by(const struct pen_vec3 edge[3])
 {
     int greatest = 0;
@@ -46,8 +46,8 @@ static int distinguished_by(const struct pen_vec3 edge[3])
 }
 
 /* The distinguished corner. It does not depend on the order of the corners, on the triangle's
- * place, on mirroring, nor on a permutation of the axes, except where all edges have equal extents
- * up to such a permutation. */
+ * place, on mirroring, or on a permutation of the axes. The exception is a triangle whose edges all
+ * have equal extents up to such a permutation. */
 static int first_corner(const struct pen_vec3 v[3])
 {
     struct pen_vec3 edge[3], permuted[3];
@@ -61,7 +61,8 @@ static int first_corner(const struct pen_vec3 v[3])
     return first < 0 ? 0 : first; /* three equal points */
 }
 
-/* `otherwise` is the normal if the vertices are on one line; zero: they must not be. */
+/* Makes a triangle. `otherwise` is the normal if the vertices are on one line; zero: such a
+ * triangle is refused. */
 static bool make_with(struct pen_triangle *tri, const struct pen_vec3 v[3],
                       struct pen_vec3 otherwise)
 {
@@ -73,8 +74,8 @@ static bool make_with(struct pen_triangle *tri, const struct pen_vec3 v[3],
     struct dd3 normal = dd_cross(e, f);
     if (!is_finite3(dd_round3(normal)))
         return false;
-    /* The error of the normal is a few 2^-104 of the product of the edges: below this it would
-     * show. */
+    /* The error of the normal is a few 2^-104 of the product of the edges; below this limit it
+     * would be visible. */
     double least = 0x1p-40 * pen_largest3(dd_round3(e)) * pen_largest3(dd_round3(f));
     if (!pen_exact_enough(&normal, least, tri->v, 3, otherwise))
         return false;
@@ -126,7 +127,7 @@ static struct pen_box bounds(const void *self)
     return pen_outline_bounds(((const struct pen_triangle *)self)->v, 3, 0);
 }
 
-/* None: the facet is exact. */
+/* 0: the facet is exact. */
 static double scale(const void *self, struct pen_vec3 p)
 {
     (void)self, (void)p;

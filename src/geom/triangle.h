@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Triangles, and the rule by which every flat primitive owns its border: half-open winding in
  * sheared ray space. Seen along the ray, an edge counts if it passes from y <= 0 to y > 0 (or back)
- * on the right of the ray. An edge shared by two primitives takes the same decision in both,
- * because the difference of products has an exact sign. So a ray through an edge or a vertex of a
- * closed surface meets exactly one of the faces there. Outward is the side from which the vertices
- * run counter-clockwise.
+ * on the right of the ray. The difference of products has an exact sign, so two primitives that
+ * share an edge decide alike. So a ray through an edge or a vertex of a closed surface meets
+ * exactly one of the faces there. Outward is the side from which the vertices run
+ * counter-clockwise.
  *
- * t does not depend on the order that the vertices come in, on where the triangle is if all sums
- * are exact, nor on the signs of the axes: the extents of the edges along the axes distinguish one
- * vertex, and the sums treat the other two alike.
+ * t depends neither on the order of the vertices nor on the signs of the axes. If all sums are
+ * exact, it does not depend on the place of the triangle either. The extents of the edges along the
+ * axes distinguish one vertex, and the sums treat the other two alike.
  * Source: Woop, Benthin, Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013, with the
  * differences of products of math/exact.h in place of its fallback. */
 #ifndef PEN_GEOM_TRIANGLE_H
@@ -18,13 +18,13 @@
 #include "math/box.h"
 
 struct pen_triangle {
-    struct pen_vec3 v[3]; /* in the order given, beginning with the distinguished one */
+    struct pen_vec3 v[3]; /* in the given order, from the distinguished vertex on */
     struct pen_facet facet;
 };
 
-/* n is within 2 ulp of the exact normal, however narrow the triangle. Fails: returns false if a
- * coordinate is not finite, or not 0 and below PEN_LEAST, if the product of two edges overflows, or
- * if the vertices are on one line, decided exactly. */
+/* Makes a triangle. n is within 2 ulp of the exact normal, however narrow the triangle.
+ * Fails: returns false if a coordinate is not finite, or is not 0 and below PEN_LEAST, if the
+ * product of two edges overflows, or if the vertices are exactly on one line. */
 bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
                        struct pen_vec3 c);
 
@@ -54,9 +54,9 @@ static inline bool pen_flat_near(const struct pen_ray *ray, double t, double b)
     return t * t <= (0x1p20 * b * b) * ray->inv_dd;
 }
 
-/* Whether an intersection at t of a flat primitive with unit normal n is the ray's origin itself,
- * up to `bound` and the primitive's own rounding, which is proportional to `scale`. What lies
- * behind the origin must be within 2^10 bounds of it: farther away it is merely seen edge-on. */
+/* Whether an intersection at t with a flat primitive of unit normal n is the ray's origin itself,
+ * up to `bound` and the primitive's own rounding, which is proportional to `scale`. A point behind
+ * the origin must be within 2^10 bounds of it: farther away, the primitive is only seen edge-on. */
 static inline bool pen_flat_touches(struct pen_vec3 n, double scale, const struct pen_ray *ray,
                                     double t, double bound)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Triangulation by cutting ears: a triangle of three neighbours that holds no other vertex is cut
- * off, until three vertices are left. All orientations are exact. Of all ears the one with the
- * best shape goes first, because the plane of a narrow one is tilted by corners that are off.
+/* Triangulation by cutting ears: a triangle of three neighbours that contains no other vertex is
+ * cut off, until three vertices are left. All orientations are exact. The ear with the best shape
+ * is cut first, because corners off the plane tilt the plane of a narrow triangle most.
  * Source: Meisters, "Polygons have ears", American Mathematical Monthly 82(6), 1975. */
 #include "geom/internal/triangulate.h"
 
@@ -11,7 +11,7 @@
 
 struct vertex {
     struct pen_point2 at; /* as seen */
-    uint32_t prev, next;  /* in the outline that is left */
+    uint32_t prev, next;  /* in the remaining outline */
     int turn;             /* 1: it is convex; 0: straight; -1: reflex */
     double shape;         /* of its ear; negative if it has none */
 };
@@ -27,8 +27,8 @@ static bool is_same(struct pen_point2 a, struct pen_point2 b)
     return pen_point2_compare(a, b) == 0;
 }
 
-/* Whether q is in the triangle a, b, c, which runs counter-clockwise, or on its border; a vertex
- * that is seen in the same place as a corner is not. */
+/* Whether q is in the triangle a, b, c, which runs counter-clockwise, or on its border. A vertex
+ * that is seen at the place of a corner is not. */
 static bool holds(struct pen_point2 a, struct pen_point2 b, struct pen_point2 c,
                   struct pen_point2 q)
 {
@@ -45,7 +45,7 @@ static double square(struct pen_point2 a, struct pen_point2 b)
     return x * x + y * y;
 }
 
-/* The height of a triangle over its longest edge: the same bits when it is mirrored. */
+/* The height of a triangle over its longest edge. A mirrored triangle has the same bits. */
 static double shape_of(struct pen_point2 a, struct pen_point2 b, struct pen_point2 c)
 {
     double ab = square(a, b), bc = square(b, c), ca = square(c, a);
@@ -54,8 +54,8 @@ static double shape_of(struct pen_point2 a, struct pen_point2 b, struct pen_poin
     return area / (longest > ca ? longest : ca);
 }
 
-/* Decides whether vertex i is the tip of an ear. If some vertex is in the triangle, a reflex or
- * straight one is. */
+/* Decides whether vertex i is the tip of an ear. If the triangle contains a vertex, it contains a
+ * reflex or straight one. */
 static void judge(struct cutter *k, uint32_t i)
 {
     struct vertex *tip = &k->vertex[i];
@@ -70,7 +70,7 @@ static void judge(struct cutter *k, uint32_t i)
     tip->shape = shape_of(a, tip->at, c);
 }
 
-/* Whether ear a is cut before ear b. Of ears of one shape the order of their tips decides. */
+/* Whether ear a is cut before ear b. For ears of one shape, the order of their tips decides. */
 static bool is_before(const struct cutter *k, uint32_t a, uint32_t b)
 {
     double x = k->vertex[a].shape, y = k->vertex[b].shape;
@@ -80,7 +80,7 @@ static bool is_before(const struct cutter *k, uint32_t a, uint32_t b)
     return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z;
 }
 
-/* The best ear; of an outline that meets itself, which may have none, some vertex. */
+/* The best ear. An outline that meets itself may have none; then it is some vertex. */
 static uint32_t best_ear(const struct cutter *k, uint32_t first)
 {
     uint32_t best = first, i = first;
@@ -92,9 +92,9 @@ static uint32_t best_ear(const struct cutter *k, uint32_t first)
     return best;
 }
 
-/* The vertices as they are seen along n, Newell's normal: moved along n into the plane across the
- * axis in which it is longest, and mirrored if they run clockwise there. Seen along the axis
- * itself, three of them in a line would turn as they are off the plane. */
+/* Sets the vertices as they are seen along n, Newell's normal. They are moved along n into the
+ * plane across the axis in which n is longest, and mirrored if they run clockwise there. Seen along
+ * the axis itself, three of them on a line would turn by their distances from the plane. */
 static void flatten(struct cutter *k, uint32_t count, struct pen_vec3 n)
 {
     double x = fabs(n.x), y = fabs(n.y), z = fabs(n.z);

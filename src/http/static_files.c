@@ -49,6 +49,7 @@ static const char *type_of(const char *name)
                                            {".js", "text/javascript; charset=utf-8"},
                                            {".svg", "image/svg+xml"},
                                            {".yaml", "application/yaml"},
+                                           {".png", "image/png"},
                                            {".json", "application/json"}};
     const char *ending = strrchr(name, '.');
     for (size_t i = 0; ending && i < sizeof types / sizeof types[0]; i++) {

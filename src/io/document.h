@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /* Scene documents in JSON or XML. An XML document is converted to the JSON values of the same
- * scene, with a record of the element that each object and list was made from. The scene reader
- * therefore is the same for both, and errors in XML still have a line and a column.
+ * scene, with a record of the source element of each object and list. So the scene reader is the
+ * same for both, and errors in XML still have a line and a column.
  *
- * How XML maps to the JSON format (all rules: api/openapi.yaml, SceneXml):
- *  - a list is an element that holds its members (`<views>`, `<materials>`, `<lights>`,
- *    `<geometries>`);
- *  - an object inside an object is an element inside an element (`<transform>`, `<transforms>`);
- *  - every other key is an attribute, with - for _;
- *  - colours are 0 to 255, and `color` is a light's intensity;
- *  - a primitive's element has the attributes of its own material, or an element `<material>` has;
- *  - names are compared without regard to case, - and _, and some have other names
- *    (io/xml/spellings.h);
- *  - without `transfer` in `<render>`, pictures are encoded linearly.
+ * Mapping of XML to the JSON format (all rules: api/openapi.yaml, SceneXml):
+ *  - A list is an element that holds its members (`<views>`, `<materials>`, `<lights>`,
+ *    `<geometries>`).
+ *  - An object inside an object is an element inside an element (`<transform>`, `<transforms>`).
+ *  - Every other key is an attribute, with - for _.
+ *  - Colours are 0 to 255, and `color` is a light's intensity.
+ *  - The attributes of a primitive's own material are in the primitive's element, or in an element
+ *    `<material>`.
+ *  - Names are compared without regard to case, - and _. Some have other names
+ *    (io/xml/spellings.h).
+ *  - Without `transfer` in `<render>`, pictures are encoded linearly.
  *
- * Numbers are read and written in the calling thread's locale, which must be "C": the programs
- * never set another, and room embed sets it during its calls.
+ * Numbers are read and written in the calling thread's locale, which must be "C". The programs
+ * never set another locale, and module embed sets it during its calls.
  *
  * Text that is not well-formed, or neither UTF-8 nor UTF-16 with a byte-order mark, is PEN_SYNTAX:
- * the first error only, with line and column. Document types and entity declarations are refused
- * likewise. All other errors are collected as in JSON. */
+ * only the first error, with line and column. Document types and entity declarations are refused in
+ * the same way. All other errors are collected as in JSON. */
 #ifndef PEN_IO_DOCUMENT_H
 #define PEN_IO_DOCUMENT_H
 
@@ -43,7 +44,8 @@ bool pen_text_is_utf16(const char *text, size_t bytes);
 /* Parses JSON or, if `xml` is set, XML, whose text must outlive the document. Well-formed XML that
  * is not a scene (unknown elements, wrong attributes) is parsed too; pen_document_read reports its
  * errors.
- * Owns: the caller releases *out, also after a failure. Fails: as pen_json_parse. */
+ * Owns: the caller releases *out, also after a failure.
+ * Fails: as pen_json_parse. */
 bool pen_document_parse(const char *text, size_t bytes, bool xml, const struct pen_limits *limits,
                         struct pen_document *out, struct pen_status *st);
 void pen_document_release(struct pen_document *document);
@@ -58,15 +60,15 @@ bool pen_document_load(const char *text, size_t bytes, bool xml, const struct pe
                        struct pen_arena *arena, struct pen_scene_desc *desc,
                        struct pen_errors *errors);
 
-/* Replaces a JSON Pointer into the document by line and column, if it was XML. */
+/* Replaces a JSON Pointer into the document by line and column if the document was XML. */
 void pen_document_locate(const struct pen_document *document, struct pen_status *st);
 
-/* The same, for who has but the text of a document that was read before. */
+/* The same, for a caller that has only the text of a document that was read before. */
 void pen_text_locate(const char *text, size_t bytes, const struct pen_limits *limits,
                      struct pen_status *st);
 
-/* Appends a document as indented JSON, lines up to 100 characters where possible: numbers in the
- * fewest digits that read back as the same value, arrays of numbers or strings on one line.
+/* Appends a document as indented JSON, with lines up to 100 characters if possible. Numbers have
+ * the fewest digits that read back as the same value. Arrays of numbers or strings are on one line.
  * Fails: returns false when out of memory. */
 bool pen_json_write(const json_t *json, struct pen_buf *out);
 

@@ -34,7 +34,7 @@ json_t *pen_figure_rate(const struct pen_ray_counts *rays, double render_ms)
     return pen_figure(render_ms > 0 ? (double)ray_sum(rays) / render_ms / 1000 : 0);
 }
 
-/* {none, tree, packets}: expected costs, without those of choices that there are not. */
+/* {none, tree, packets}: expected costs, without choices that do not exist. */
 static json_t *expected_costs(const struct pen_accel_stats *accel)
 {
     json_t *costs = json_object();

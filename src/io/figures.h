@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The measurements of a render as JSON, in the form that all reports and statistics use.
- * Owns: each function returns a new value, which the caller json_decref()s. Fails: NULL when out
- * of memory. */
+/* The measurements of a render as JSON, in the form of all reports and statistics.
+ * Owns: each function returns a new value, which the caller json_decref()s.
+ * Fails: NULL when out of memory. */
 #ifndef PEN_IO_FIGURES_H
 #define PEN_IO_FIGURES_H
 
@@ -21,8 +21,9 @@ json_t *pen_figure_rays(const struct pen_ray_counts *rays);
 /* Millions of rays per second. */
 json_t *pen_figure_rate(const struct pen_ray_counts *rays, double render_ms);
 
-/* {kind, nodes, leaves, depth, bytes, sah_cost, build_ms}; choice and expected_costs of `auto`;
- * box_tests_per_ray and primitive_tests_per_ray if the render counted intersection tests. */
+/* {kind, nodes, leaves, depth, bytes, sah_cost, build_ms}; for `auto` also choice and
+ * expected_costs; box_tests_per_ray and primitive_tests_per_ray if the render counted intersection
+ * tests. */
 json_t *pen_figure_accelerator(const struct pen_accel_stats *accel,
                                const struct pen_render_stats *stats);
 

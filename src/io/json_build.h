@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Building JSON values such that running out of memory cannot leave out a part unnoticed. Each
- * function takes ownership of its JSON arguments and returns NULL if one of them is NULL or memory
- * runs out, so calls can be nested and only the result needs a check. */
+/* Building of JSON values that detects every failure. Each function takes ownership of its JSON
+ * arguments. It returns NULL if one of them is NULL or memory runs out. So calls can be nested, and
+ * only the result needs a check. */
 #ifndef PEN_IO_JSON_BUILD_H
 #define PEN_IO_JSON_BUILD_H
 
 #include <jansson.h>
 #include <stddef.h>
 
-/* Returns the list if it has `count` elements, that is, if none failed to be appended; otherwise
- * frees it and returns NULL. */
+/* Returns the list if it has `count` elements, that is, if all were appended. Otherwise frees it
+ * and returns NULL. */
 json_t *pen_json_all(json_t *list, size_t count);
 
 /* Adds a member to the object and returns the object. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The members are in the order of the table in api/scene-format.md. */
+/* Writes the members in the order of the table in api/scene-format.md. */
 #include "io/settings_json.h"
 
 #include "io/json_build.h"

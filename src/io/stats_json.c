@@ -68,7 +68,8 @@ static json_t *adaptive_json(const struct pen_adaptive_stats *adaptive)
                      rounds_json(adaptive));
 }
 
-/* Adds what is known of an adaptive render; and of one that a time has ended, what repeats it. */
+/* Adds the data of an adaptive render. For a render that a deadline ended, also the data to repeat
+ * it. */
 static json_t *with_adaptive(json_t *json, const struct pen_stats_input *in)
 {
     const struct pen_adaptive_stats *adaptive = &in->render->adaptive;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What repeats a render that a time has ended, from its statistics. */
+/* Reads the data to repeat a render that a deadline ended, from its statistics. */
 #include <string.h>
 
 #include "io/scene_json.h"

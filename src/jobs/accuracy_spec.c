@@ -9,7 +9,7 @@
 #include "io/settings_json.h"
 #include "jobs/internal/members.h"
 
-/* The settings that a ladder may have. */
+/* The settings that a ladder may have as keys. */
 static const char *const ladder_keys[] = {"samples_per_pixel", "light_samples", "light_pattern",
                                           "blur_samples",      "lens_samples",  "max_depth",
                                           "min_contribution",  "target_error",  NULL};
@@ -18,9 +18,9 @@ static const char target_key[] = "target_error";
 enum { DEFAULT_SEEDS = 5 };
 static const double default_budget_s = 60, default_flip = 0.02;
 
-/* The ladder of a study that has none: each kind of samples that the scene calls for, with those of
- * the pixel's area, since edges are in each picture. Through a lens, lens_samples are these. Where
- * they are all, target errors take samples to the edges alone. Fails: NULL when out of memory. */
+/* Makes the default ladder: each kind of samples that the scene calls for, and samples of the
+ * pixel's area, because every picture has edges. Through a lens, lens_samples are these. If the
+ * ladder has them all, target errors add samples only at edges. Fails: NULL when out of memory. */
 static json_t *default_ladder(const struct pen_scene_desc *desc, const struct pen_settings *base)
 {
     const unsigned effects = pen_desc_effects(desc, base);
@@ -120,7 +120,7 @@ static bool read_target(const json_t *members, struct pen_accuracy_spec *spec,
            metric >= 0;
 }
 
-/* The values that the ladder's settings have in `base`. */
+/* Returns the values that the ladder's settings have in `base`. */
 static json_t *base_values(const struct pen_accuracy_spec *spec, const struct pen_settings *base)
 {
     json_t *all = pen_settings_json(base), *values = json_object();
@@ -135,7 +135,7 @@ static json_t *base_values(const struct pen_accuracy_spec *spec, const struct pe
     return values;
 }
 
-/* Adds a row with these values. Takes the reference to them. */
+/* Adds a row with these values; takes the reference to them. */
 static bool add_row(struct pen_accuracy_spec *spec, const struct pen_settings *base, json_t *varied)
 {
     struct pen_errors none = {0};
@@ -147,7 +147,8 @@ static bool add_row(struct pen_accuracy_spec *spec, const struct pen_settings *b
     return pen_settings_read(varied, "", &row->settings, &none);
 }
 
-/* Whether the settings as they are stand among the ladder's rows, where only one setting varies. */
+/* Returns true if one of the ladder's rows has the settings as they are. Only one setting may
+ * vary. */
 static bool has_base(const struct pen_accuracy_spec *spec, const json_t *values)
 {
     void *only = json_object_iter(spec->ladder);
@@ -156,7 +157,7 @@ static bool has_base(const struct pen_accuracy_spec *spec, const json_t *values)
                               json_object_get(values, json_object_iter_key(only)));
 }
 
-/* The settings as they are, and one change at a time. */
+/* Adds the settings as they are, then each single change. */
 static bool add_single_rows(struct pen_accuracy_spec *spec, const struct pen_settings *base)
 {
     const char *key;
@@ -188,7 +189,7 @@ static bool add_product_rows(struct pen_accuracy_spec *spec, const struct pen_se
     return ok;
 }
 
-/* The most rows that the ladder may make. */
+/* Returns the most rows that the ladder may make. */
 static double count_rows(const struct pen_accuracy_spec *spec)
 {
     const char *key;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Choosing the function for a batch by its kind, and for a study by that of its job. */
+/* Chooses the function for a batch by its kind, and for a study by the kind of its job. */
 #include "jobs/internal/batch.h"
 
 #include "base/clock.h"

@@ -7,14 +7,14 @@
 #include "jobs/internal/study.h"
 
 struct accuracy {
-    struct pen_study study; /* the first member: progress and keep take it for the study */
+    struct pen_study study; /* the first member: progress and keep take the address for the study */
     struct pen_accuracy_spec spec;
     struct pen_accuracy_task task;
     struct pen_accuracy accuracy;
     json_t *report;
 };
 
-/* Stores what the study will take, so that readers of the job know it. A failure is ignored. */
+/* Stores the forecast of the study, for readers of the job. A failure is ignored. */
 static void forecast(void *user, const struct pen_accuracy_forecast *forecast)
 {
     struct accuracy *a = user;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The audit of a view: by the worker that ends the view, before its commit. The result is a part of
- * the batch's statistics.
+/* The audit of a view. The worker that ends the view makes it before the commit. The result is a
+ * part of the batch's statistics.
  *
- * An audit of many pixels takes longer than the picture. So what is judged is kept, as the state of
- * rounds is, and the audit gives way to a batch that comes first. Whoever claims the batch again
- * goes on, once the picture is there again: a picture with the same bytes has the same pixels
- * drawn, by a seed that is its hash. */
+ * An audit of many pixels takes longer than the picture. So its progress is kept, like the state of
+ * rounds, and the audit yields to a batch that comes first. The next worker that claims the batch
+ * makes the picture again, then continues the audit. The seed is a hash of the picture, so a
+ * picture with the same bytes has the same pixels drawn. */
 #include "jobs/internal/batch.h"
 
 #include <string.h>
@@ -21,7 +21,7 @@ struct kept_audit {
     struct pen_audit_progress progress;
 };
 
-/* What an earlier worker has kept of an audit with this seed; else nothing. */
+/* Returns the kept progress of an audit with this seed, or no progress. */
 static struct pen_audit_progress read_kept(struct pen_batch_context *context, uint64_t seed)
 {
     struct kept_audit kept = {.seed = 0};
@@ -40,7 +40,7 @@ static bool keep(struct pen_keeper *keeper, const struct pen_render_stats *stats
     const struct kept_audit kept = {.seed = seed, .progress = *progress};
     const struct pen_kept_part part = {.name = PART, .data = &kept, .bytes = sizeof kept};
     const struct pen_claim *claim = keeper->context->claim;
-    /* Of a view that is one batch, which has told nothing of its pixels since its rounds. */
+    /* Of a view that is one batch, because its pixels were not reported since its rounds. */
     const int64_t done =
         claim->kind == PEN_BATCH_RENDER ? (int64_t)(0.99 * (double)claim->pixels) : -1;
     return pen_batch_keep_after_rounds(keeper, stats, done, &part, pen_clock_ns());

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* A benchmark in the worker. It keeps what it has measured in the store, so that a worker that ends
- * loses a run and not the benchmark; and gives the batch back, to go on later, when a job of higher
- * priority waits. */
+/* A benchmark in the worker. It keeps its measurements in the store, so a worker that ends loses a
+ * run, not the benchmark. When a job of higher priority waits, it gives the batch back, and
+ * continues later. */
 #include "jobs/bench_spec.h"
 #include "jobs/internal/study.h"
 #include "study/report.h"
 
 struct benchmark {
-    struct pen_study study; /* the first member: progress and keep take it for the study */
+    struct pen_study study; /* the first member: progress and keep take the address for the study */
     struct pen_bench_spec spec;
     struct pen_bench bench;
     struct pen_bench_result result;
@@ -71,7 +71,7 @@ static bool write_report(struct benchmark *benchmark, struct pen_batch_output *o
     return ok;
 }
 
-/* The job's statistics are those of the baseline row's last counted run. */
+/* The job's statistics are those of the last counted run of the baseline row. */
 static bool write_stats(struct benchmark *benchmark, struct pen_batch_output *output,
                         struct pen_status *st)
 {

@@ -81,7 +81,7 @@ const struct pen_scene *pen_batch_scene(struct pen_batch_context *context, int *
     return *view >= 0 ? scene : NULL;
 }
 
-/* Four times what a batch is meant to take. */
+/* 1.5 times the time of a planned batch. */
 enum { SPLIT_MS = 3000 };
 
 void pen_batch_bound(struct pen_batch_context *context, double share)
@@ -96,7 +96,7 @@ bool pen_batch_is_long(void *user)
     return pen_clock_ns() >= context->split_ns;
 }
 
-/* Less than the ten seconds for which an explanation is waited for (http/handle_jobs.c). */
+/* Below the ten seconds that a client waits for an explanation (http/handle_jobs.c). */
 enum { FORECAST_S = 8 };
 
 int64_t pen_batch_forecast_end(const struct pen_batch_context *context)

@@ -4,7 +4,7 @@
 #include "study/bill.h"
 
 struct effects {
-    struct pen_study study; /* the first member: progress and keep take it for the study */
+    struct pen_study study; /* the first member: progress and keep take the address for the study */
     struct pen_bill bill;
 };
 

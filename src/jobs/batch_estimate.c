@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The first estimate of what a job will take: its budget, if it has one. Else it is made once,
- * before the job's first batch.
- *   - A job whose bound of rays (batch_layout.c) means more than three seconds gets a cost map of
- * all its views. That takes 1/52 of the work.
- *   - A job with a target error, whose work depends on its noise, gets a forecast, unless that
- * would take more than a thirtieth of the pixels.
+/* The first estimate of a job's time. For a job with a budget it is the budget. For other jobs it
+ * is made once, before the job's first batch:
+ *   - A job gets a cost map of all its views if its bound of rays (batch_layout.c) means more than
+ *     three seconds. The map takes 1/52 of the work.
+ *   - A job with a target error, whose work depends on its noise, gets a forecast, unless the
+ *     forecast would take more than a thirtieth of the pixels.
  *
- * A job that is expected to take longer than the operator allows fails: by this estimate if even
- * the lower end of its interval is above, and later by the time that it has taken and, for what is
- * left, the pace of rendering. What comes before the first pixel (the scene, and the estimate
- * itself) says nothing about the others. Where there is an estimate, which is from all parts of a
- * picture, the pace counts when that is of a part that is not small. */
+ * A job that is expected to take longer than the operator allows fails. At first the lower end of
+ * the estimate's interval decides. Later the sum of two times decides: the time that the job has
+ * taken, and the time of the rest at the pace of rendering. The time before the first pixel (for
+ * the scene and the estimate) does not count in the pace. An estimate is from all parts of a
+ * picture; so if there is one, the pace counts only after a part that is not small. */
 #include "jobs/internal/batch.h"
 
 #include <math.h>
@@ -21,14 +21,12 @@
 #include "jobs/internal/jobs.h"
 #include "render/forecast.h"
 
-enum {
-    TELLING_S = 10
-}; /* the time after which what a job has done tells how long the rest takes */
+enum { TELLING_S = 10 }; /* seconds after which the pace counts */
 
-/* Rays that take three seconds on a slow machine. */
+/* The number of rays that take three seconds on a slow machine. */
 static const double LONG_RAYS = 18e6;
 
-/* The share of a job's work that tells more than its estimate. */
+/* The share of a job's work from which on its pace counts more than its estimate. */
 static const double TELLING_SHARE = 0.1;
 
 static bool fail_expected(double seconds, const char *from, int max_seconds, struct pen_status *st)
@@ -40,7 +38,7 @@ static bool fail_expected(double seconds, const char *from, int max_seconds, str
                     seconds, seconds / 3600, from, max_seconds);
 }
 
-/* Whether the job can have a cost map. */
+/* Returns true if the job can have a cost map. */
 static bool is_long(const struct pen_batch_context *context)
 {
     const struct pen_stored_request *request = &context->request;
@@ -68,7 +66,7 @@ bool pen_batch_allowed(const struct pen_batch_context *context, const struct pen
            fail_expected(times * time_ms->expected / 1000, "from some of its pixels", most_s, st);
 }
 
-/* Makes the job's cost map. *time_ms is that of all views. */
+/* Makes the job's cost map. *time_ms is the time of all views. */
 static bool make_map(struct pen_batch_context *context, const struct pen_forecast_task *task,
                      struct pen_estimate *time_ms, struct pen_status *st)
 {
@@ -83,7 +81,7 @@ static bool make_map(struct pen_batch_context *context, const struct pen_forecas
     return ok;
 }
 
-/* Makes the forecast of one view. *time_ms is that of all, if the others are like it. */
+/* Makes the forecast of one view. *time_ms is the time of all views, if they are alike. */
 static bool make_forecast(struct pen_batch_context *context, const struct pen_forecast_task *task,
                           struct pen_estimate *time_ms, struct pen_status *st)
 {
@@ -97,7 +95,7 @@ static bool make_forecast(struct pen_batch_context *context, const struct pen_fo
     return true;
 }
 
-/* Stores what is expected, and the map. A failure is ignored. */
+/* Stores the expected time and the map. A failure is ignored. */
 static void store_estimate(struct pen_batch_context *context, double ms)
 {
     struct pen_buf map = {0};
@@ -109,7 +107,7 @@ static void store_estimate(struct pen_batch_context *context, double ms)
     pen_buf_release(&map);
 }
 
-/* Reads the map that another worker has made. Until it is there, all pixels count the same. */
+/* Reads the map that another worker has made. Without a map, all pixels count the same. */
 static void load_map(struct pen_batch_context *context)
 {
     struct pen_buf map = {0};
@@ -155,7 +153,8 @@ bool pen_batch_estimate(struct pen_batch_context *context, const struct pen_scen
     return true;
 }
 
-/* How long so much of the job's work takes at this worker's pace; 0 as long as it is not known. */
+/* Returns how long this part of the job's work takes at this worker's pace; 0 if the pace is not
+ * known yet. */
 static double seconds_for(const struct pen_batch_context *context, double work)
 {
     const struct pen_batch_pace *pace = pen_batch_pace_of(context);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* An explanation in the worker, so that the api process traces no ray. Its forecast comes before
- * other jobs, may be of a scene that no job could have, and is not interrupted for others: so it
- * ends after some seconds, with what it knows by then. A render that is asked for with it fails,
- * like a job, if it is expected to take longer than the operator allows, or does. */
+/* An explanation in the worker, because the api process traces no ray. Its forecast has a high
+ * priority, may be of a scene that no job could have, and does not yield. So it ends after some
+ * seconds, with what is known by then. A render that is asked for with it is treated like a job: it
+ * fails if it takes longer than the operator allows, or is expected to. */
 #include <stdlib.h>
 
 #include "base/clock.h"
@@ -59,7 +59,7 @@ static bool goes_on(void *user, const struct pen_adaptive *adaptive,
     return !is_overdue(user);
 }
 
-/* Fails after a render that had no time for all tiles, or did not begin the next round. */
+/* Fails if the render had no time for all tiles, or for the next round. */
 static bool check_whole(const struct explain *e, bool ok, struct pen_status *st)
 {
     const struct pen_batch_context *context = e->study.context;
@@ -95,7 +95,7 @@ static bool render(struct explain *e, struct pen_status *st)
     return pen_batch_hook_done(context, check_whole(e, ok, st), st);
 }
 
-/* The statistics are those of the render; without one they are empty. */
+/* The statistics are those of the render; empty without a render. */
 static bool write(struct explain *e, struct pen_batch_output *output, struct pen_status *st)
 {
     struct pen_batch_context *context = e->study.context;

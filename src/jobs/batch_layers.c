@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The layers of a view beside its picture, which the store has as PFM files in the end.
+/* The layers of a view beside its picture. The store has them as PFM files in the end.
  *
- * `cost` takes several times as long as the pixels. So a batch makes the layers of its own tiles,
- * before their pixels: if there is no time for all tiles, the first layer decides how many the
- * batch has. The batches of a view that has several keep their tiles of each layer in the store, as
- * a part whose name has the first tile; the batch that assembles the picture makes the files from
- * these. Parts are kept as far as the store has space for them; those that are missing are made
- * again. What a batch stores before its commit fails is replaced by the worker that makes it again.
+ * `cost` takes several times as long as the pixels. So a batch makes the layers of its own tiles
+ * before their pixels. If there is no time for all tiles, the first layer decides how many tiles
+ * the batch has. If a view has several batches, each batch stores its tiles of each layer as a
+ * part, whose name has the first tile. The batch that assembles the picture makes the files from
+ * the parts. If the store has no space for a part, the part is made again. What a batch stored
+ * before its commit failed is replaced by the worker that repeats the batch.
  *
- * With a target error `cost` depends on how often each pixel was sampled in the end, so that it
- * follows the rounds, in their batch. Its tiles are kept with the state of the last round as the
- * rounds are, and give way to a batch that comes first. */
+ * With a target error, `cost` depends on the final number of samples of each pixel. So it is made
+ * after the rounds, in their batch. Its tiles are kept with the state of the last round, as the
+ * rounds are, and yield to a batch that comes first. */
 #include "jobs/internal/batch.h"
 
 #include <stdio.h>
@@ -35,8 +35,8 @@ double pen_batch_layer_work(const struct pen_batch_context *context)
     return work;
 }
 
-/* The rows of tiles that some tiles are in, as an image of its own: its settings, where it begins
- * in the view, and the number that the first of the tiles has in it. */
+/* The rows of tiles that contain a run of tiles, as a separate image: its settings, its first row
+ * in the view, and the number that the run's first tile has in it. */
 struct strip {
     struct pen_settings settings;
     int first_row, first;
@@ -114,10 +114,11 @@ static bool store_file(struct pen_batch_context *context, enum pen_layer layer,
     return ok;
 }
 
-/* A part has this, and the values of its tiles; layers of one number have it once. */
+/* The head of a part; the values of its tiles follow. Layers of one number for each pixel have that
+ * number once. */
 struct part_head {
     uint32_t tiles;
-    uint32_t picture; /* after rounds, a hash of the picture, which tells by which rounds; else 0 */
+    uint32_t picture; /* after rounds, a hash of the picture, which identifies the rounds; else 0 */
 };
 
 struct part_name {
@@ -157,9 +158,9 @@ static bool write_part(const struct strip *strip, enum pen_layer layer, const st
     return (values && !part->failed) || pen_fail(st, PEN_NO_MEMORY, "no memory for a layer");
 }
 
-/* Puts a part into a film of the whole view; it must be of this picture, and of so many tiles or,
- * if that is 0, of any, which head->tiles becomes. Fails: PEN_NOT_FOUND, if it is not such a part;
- * PEN_NO_MEMORY. */
+/* Puts a part into a film of the whole view. The part must be of this picture. It must have
+ * head->tiles tiles; if that is 0, any number, which head->tiles becomes. Fails: PEN_NOT_FOUND
+ * (another part), PEN_NO_MEMORY. */
 static bool place_part(const struct pen_settings *s, enum pen_layer layer,
                        const struct pen_buf *part, int first, struct part_head *head,
                        struct pen_film *film, struct pen_status *st)
@@ -187,7 +188,7 @@ static bool place_part(const struct pen_settings *s, enum pen_layer layer,
     return true;
 }
 
-/* Reads a part as place_part does. *found = false: there is none that can be used. */
+/* Reads a part as place_part does. *found is false if there is no usable part. */
 static bool read_part(struct pen_batch_context *context, enum pen_layer layer, int first,
                       struct part_head *head, struct pen_film *film, bool *found,
                       struct pen_status *st)
@@ -235,8 +236,8 @@ bool pen_batch_layers_store(struct pen_batch_context *context, int tiles, struct
     return ok;
 }
 
-/* Puts the parts of a layer together; `begins` tells which tiles are the first ones of a batch.
- * Those of batches without a part are rendered. */
+/* Puts the parts of a layer together. `begins` marks the tiles that begin a batch. Tiles of batches
+ * without a part are rendered. */
 static bool assemble(struct pen_batch_context *context, enum pen_layer layer,
                      const unsigned char *begins, struct pen_film *film, struct pen_status *st)
 {
@@ -284,7 +285,7 @@ struct after_rounds {
     int done, tiles;                      /* of the layer */
 };
 
-/* Keeps the tiles that are done. Returns whether to go on. */
+/* Keeps the finished tiles. Returns true if the work may go on. */
 static bool keep(struct after_rounds *a)
 {
     struct pen_batch_context *context = a->keeper.context;
@@ -305,7 +306,7 @@ static bool keep(struct after_rounds *a)
     return goes_on;
 }
 
-/* Makes the tiles that are left. A layer that takes little is not interrupted. */
+/* Makes the tiles that are left. A cheap layer is not interrupted. */
 static bool render_after_rounds(struct after_rounds *a, struct pen_status *st)
 {
     struct pen_batch_context *context = a->keeper.context;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The size of a batch: two seconds of work. A crash loses at most one batch; a job is cancelled,
- * previewed and shared between workers in steps of one batch. Beforehand only an upper bound of a
- * job's primary and shadow rays is known, which blur multiplies, and the rate that workers have
- * told. A batch that takes longer is divided while it is rendered (batch_render.c), between two
- * tiles: so the client's choice of tiles holds only as far as none has more than a batch. A pixel
- * has as many samples as the client wants; below a block of pixels, which a cancel waits for as
- * well, nothing is divided. */
+/* The size of a batch: two seconds of work. A crash loses at most one batch. A job is cancelled,
+ * previewed and shared between workers in steps of a batch.
+ *
+ * When a job is submitted, only an upper bound of its primary and shadow rays is known, times what
+ * blur multiplies, and the rates that workers have reported. A batch that takes longer is divided
+ * between two tiles while it is rendered (batch_render.c). So the client's tiles are used only if
+ * none takes longer than a batch. A pixel has as many samples as the client asks for. A block of
+ * pixels is never divided, and a cancel waits for its end. */
 #include "jobs/internal/batch_layout.h"
 
 #include <math.h>
@@ -18,8 +19,8 @@
 /* Of a batch, as planned. */
 static const double BATCH_S = 2;
 
-/* Of workers that have not told their rate: rays a second. Two threads do 8 to 50 million in a
- * scene like the built-in room. */
+/* The rate of workers that have not reported theirs, in rays a second. Two threads do 8 to 50
+ * million in a scene like the built-in room. */
 static const double UNKNOWN_RATE = 4e6;
 
 /* Bounds the rows of a job in the store. */
@@ -27,7 +28,7 @@ enum { JOB_BATCHES_MAX = 16384 };
 
 enum { TILE_MAX = 64 };
 
-/* With a target error few pixels take max_samples, and not in one round. */
+/* With a target error, few pixels take max_samples, and not all in one round. */
 static const double adaptive_share = 1.0 / 32;
 
 static double rays_of_pixel(const struct pen_request *request)
@@ -61,12 +62,13 @@ double pen_batch_bound_rays(const struct pen_request *request)
     return request->view_count * rays_of_view(request);
 }
 
-/* A view that takes longer than a batch has two for each worker at least, so that all have some. */
+/* A view that takes longer than a batch has at least two batches for each worker, so that all
+ * workers take part. */
 static int batches_of_view(const struct pen_request *request,
                            const struct pen_batch_workers *workers, int tiles)
 {
     if (pen_settings_adaptive(&request->settings))
-        return 1; /* a round is decided from the whole picture */
+        return 1; /* the decisions of a round need the whole picture */
     const double rate = workers->rays_per_s > 0 ? workers->rays_per_s : UNKNOWN_RATE;
     double wanted = ceil(rays_of_view(request) / (rate * BATCH_S));
     if (wanted > 1 && wanted < 2.0 * workers->count)
@@ -84,7 +86,7 @@ bool pen_batch_needs_rate(const struct pen_request *request)
            rays_of_view(request) > BATCH_S * SLOWEST;
 }
 
-/* The only batch of a study. Its progress is counted in runs. */
+/* Makes the only batch of a study. Its progress is counted in runs. */
 static struct pen_batch_new study_batch(const struct pen_request *request)
 {
     const struct pen_bench bench = pen_bench_of_spec(&request->spec);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Rendering tiles, and assembling the picture of a view:
+/* Renders tiles, and assembles the picture of a view:
  *   - A view of one batch: the worker that renders it encodes the rows of the picture as they are
- *     finished, and commits pixels and picture in one transaction.
+ *     finished. It commits pixels and picture in one transaction.
  *   - A view of several batches: after the last of them, an assemble batch reads the committed
  *     pixels and encodes the picture.
  *
- * The size of batches (batch_layout.c) is a guess, which mirrors and glass may exceed a
- * hundredfold. So a batch that has been rendered for some time begins no more tiles: those that are
- * done are committed, and the others become a batch of their own. Then whoever comes next is
- * served, and a job that takes too long is found out. */
+ * The planned size of batches (batch_layout.c) is a guess; mirrors and glass may exceed it a
+ * hundredfold. So after some time a batch begins no more tiles. The finished tiles are committed,
+ * and the others become a batch of their own. So other jobs are served in time, and a job that
+ * takes too long is noticed. */
 #include "jobs/internal/batch.h"
 
 #include <sodium.h>
@@ -41,7 +41,7 @@ static bool reserve_image(struct pen_batch_context *context, struct pen_status *
     return true;
 }
 
-/* The context's image as a film of the job's size. */
+/* Returns the context's image as a film of the job's size. */
 static struct pen_film film_of(const struct pen_batch_context *context)
 {
     return (struct pen_film){.width = context->request.settings.width,
@@ -49,7 +49,7 @@ static struct pen_film film_of(const struct pen_batch_context *context)
                              .rgb = context->image};
 }
 
-/* Begins the picture of the batch's view, if all of its tiles are rendered. */
+/* Begins the picture of the batch's view, if the batch has all its tiles. */
 static bool begin_picture(struct pen_batch_context *context, int tiles,
                           struct pen_batch_output *output, struct pen_status *st)
 {
@@ -66,7 +66,7 @@ static void encode_rows(void *user, int rows)
     pen_png_rows(context->picture, rows);
 }
 
-/* Ends the picture, if the batch has one; the last tile was done at done_ns. */
+/* Ends the picture, if the batch has one; the last tile was finished at done_ns. */
 static bool end_picture(struct pen_batch_context *context, struct pen_batch_output *output,
                         int64_t done_ns, double *encode_ms, struct pen_status *st)
 {
@@ -97,11 +97,11 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_scene 
                                    .rows_user = context,
                                    .pixel_begins = pen_batch_pixel_hook(context),
                                    .pixel_user = context,
-                                   /* After a crash, the next tells at which pixel it happens. */
+                                   /* After a crash, this finds the pixel if it crashes again. */
                                    .pixel_by_pixel = context->claim->attempt > 1,
                                    .keep_tile_ms = true};
     if (!pen_settings_adaptive(s)) {
-        /* After a crash the layers follow. */
+        /* After a crash, the layers come last. */
         const bool last = context->claim->attempt <= 1;
         pen_batch_bound(context, last ? 1 : 1 / (1 + pen_batch_layer_work(context)));
         task.pause = pen_batch_is_long;
@@ -113,7 +113,7 @@ static bool run_tiles(struct pen_batch_context *context, const struct pen_scene 
     return pen_batch_hook_done(context, ok, st);
 }
 
-/* Makes the result that of the first tiles alone, if not all were begun. Returns whether it is. */
+/* Reduces the result to the first tiles, if not all tiles were begun. Returns true if it did. */
 static bool cut_result(struct pen_batch_context *context, const struct pen_render_stats *stats,
                        struct pen_batch_output *output)
 {
@@ -144,8 +144,8 @@ static bool take_pixels(const struct pen_batch_context *context, int tiles,
     return true;
 }
 
-/* Logs that samples of the batch are not in the picture, or that objects may not be; the job's
- * statistics tell, too. */
+/* Logs that samples are missing in the picture, or that objects may be missing. The job's
+ * statistics have this too. */
 static void warn_of_missing(const struct pen_claim *claim, const struct pen_render_stats *stats)
 {
     struct pen_log_about about = pen_claim_about(claim);
@@ -156,8 +156,8 @@ static void warn_of_missing(const struct pen_claim *claim, const struct pen_rend
         pen_log_about(PEN_LOG_WARN, &about, "view %d: %s", claim->view, text);
 }
 
-/* How long the rounds of a job with a budget may take, so that its commit comes in time:
- * compressing, encoding and storing take about half a microsecond for each pixel. 0 without a
+/* Returns the time for the rounds of a job with a budget, so that its commit is in time.
+ * Compressing, encoding and storing take about half a microsecond a pixel. Returns 0 without a
  * budget. */
 static int64_t time_for_rounds(const struct pen_batch_context *context)
 {
@@ -169,7 +169,7 @@ static int64_t time_for_rounds(const struct pen_batch_context *context)
     return left_ns > 1 ? (int64_t)left_ns : 1;
 }
 
-/* Stores the layers of the tiles that are rendered and, if they are the whole view, makes what else
+/* Stores the layers of the rendered tiles. If they are the whole view, also makes the audit that
  * the job may ask for. */
 static bool make_extras(struct pen_batch_context *context, bool whole,
                         const struct pen_render_stats *stats, struct pen_audit *audit,
@@ -196,7 +196,7 @@ static bool render(struct pen_batch_context *context, struct pen_batch_output *o
     bool audited = false;
     double layers_ms = 0;
     int tiles = claim->tile_count;
-    /* After a crash the pixels come first, which tell at which of them it happens. */
+    /* After a crash the pixels come first: if it crashes again, the trace has the pixel. */
     const bool layers_first = claim->attempt <= 1;
     int view;
     const struct pen_scene *scene = pen_batch_scene(context, &view, &times, st);

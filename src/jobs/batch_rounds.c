@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: MIT */
-/* The rounds of a view with a target error. The store keeps the state between two rounds and, as a
- * round may take hours, between two tiles of a round: so a worker that ends loses the tiles since,
- * and no more; and there the view gives way to a batch that comes first, and goes on after it. The
- * picture gets the same bytes.
+/* The rounds of a view with a target error. The store keeps the state between two rounds and,
+ * because a round may take hours, between two tiles of a round. So a worker that ends loses only
+ * the tiles since then. There the view also yields to a batch that comes first, and continues
+ * later. The bytes of the picture are the same.
  *
- * A state has 65 bytes for each pixel, of views of any size. So it is kept at most every ten
- * seconds, and not for more than a twentieth of the time.
+ * A state has 65 bytes a pixel, for views of any size. So it is kept at most every ten seconds, and
+ * keeping takes at most a twentieth of the time.
  *
- * A budget of time begins with the claim. Who goes on with what is kept has what is left of it: the
- * rounds that are kept have used up their time, and the time of waiting does not count.
+ * A budget of time begins with the claim. A worker that continues from a kept state has the rest of
+ * the budget. The kept rounds have used their time, and waiting does not count.
  *
- * Before each tile a render thread asks whether there is a reason to pause: that a state is due, or
- * twice a second whether the store has a batch that comes first. Only then the threads stop. To
- * stop them at regular times to look would cost more, as they have to wait for the slowest.
+ * Before each tile, a render thread asks whether to pause: because a state is due, or because the
+ * store has a batch that comes first (asked twice a second). Only then the threads stop. To stop
+ * them at regular intervals would cost more, because they wait for the slowest thread.
  *
- * Only a time tells for sure how long the rounds take, so those that take longer than the operator
- * allows end then.
+ * Only the clock says for sure how long the rounds take. So rounds that take longer than the
+ * operator allows end at that time.
  *
- * With the state goes the progress of the job: the view's pixels times the share of its rays or, if
- * it has a budget and no target, of its time. Between, readers see what the worker expects: with a
- * budget the share of its time, else the share of its rays and what the pace adds to it. */
+ * The job's progress is stored with the state: the view's pixels times the share of its rays or,
+ * with a budget and no target, of its time. Between two states, readers see what the worker
+ * expects. With a budget it is the share of the time; else the share of the rays plus what the pace
+ * adds. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -36,7 +37,7 @@ static const char *build_of(const json_t *host)
     return build ? build : "";
 }
 
-/* Writes the state of the rounds, which have come to these statistics. */
+/* Writes the state of the rounds, whose statistics are these. */
 static void save(const struct pen_batch_context *context, const struct pen_render_stats *stats,
                  struct pen_buf *state)
 {
@@ -68,7 +69,7 @@ bool pen_batch_keeper_pauses(void *user)
     return pen_batch_is_overdue(keeper->context) || pen_keeper_is_due(keeper);
 }
 
-/* The share of the view that is done; its layers follow. */
+/* Returns the finished share of the view, whose layers follow. */
 static double share_of(const struct pen_batch_context *context,
                        const struct pen_render_stats *stats)
 {
@@ -78,7 +79,7 @@ static double share_of(const struct pen_batch_context *context,
     return fmin(most, fmax(by_rays, by_time)) / (1 + pen_batch_layer_work(context));
 }
 
-/* Tells the heartbeat what is done, of rounds that have taken so long. */
+/* Reports the work that the rounds have done to the heartbeat. */
 static void tell(struct pen_batch_context *context, const struct pen_render_stats *stats)
 {
     const double view = 1.0 / context->request.view_count, ms = stats->render_ms,
@@ -94,7 +95,7 @@ static void tell(struct pen_batch_context *context, const struct pen_render_stat
     pen_batch_work_tell(context, &work);
 }
 
-/* Keeps the state, if that is due. Returns whether the rounds go on. */
+/* Keeps the state, if that is due. Returns true if the rounds go on. */
 static bool keep(void *user, const struct pen_adaptive *adaptive,
                  const struct pen_render_stats *stats)
 {
@@ -119,7 +120,7 @@ static bool keep(void *user, const struct pen_adaptive *adaptive,
     return !gives_way;
 }
 
-/* Reads what an earlier worker has kept into a new state. Returns whether there was something. */
+/* Reads the kept state of an earlier worker into a new state. Returns true if there was one. */
 static bool read_kept(struct pen_batch_context *context, float *rgb,
                       struct pen_render_stats *earlier)
 {

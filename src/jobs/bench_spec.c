@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a benchmark spec, and making the rows of its matrix. The reader of `render` objects reads
- * each value of the matrix, so the same values are allowed in both. */
+/* Reads a benchmark spec, and makes the rows of its matrix. The reader of `render` objects reads
+ * each value of the matrix, so both allow the same values. */
 #include "jobs/bench_spec.h"
 
 #include <limits.h>
@@ -82,7 +82,7 @@ static bool row_has(const struct pen_bench_row *row, const json_t *wanted)
     return true;
 }
 
-/* The first row that has all the values that the baseline names. */
+/* Finds the first row that has all the values that the baseline names. */
 static bool read_baseline(struct pen_bench_spec *spec, const json_t *baseline,
                           struct pen_errors *errors)
 {
@@ -107,13 +107,13 @@ bool pen_repeats_read(const json_t *members, int *repeats, struct pen_errors *er
     return pen_integer_read(members, "", "repeats", 1, PEN_BENCH_REPEATS_MAX, repeats, errors);
 }
 
-/* Whether the members ask to go on until something is reached. */
+/* Returns true if the members ask to run until an interval or a budget is reached. */
 static bool asks_interval(const json_t *members)
 {
     return json_object_get(members, "interval") || json_object_get(members, "budget_seconds");
 }
 
-/* How often rows are run, and what the times are judged by. */
+/* Reads how often rows are run, and by what the times are judged. */
 static bool read_method(const json_t *members, struct pen_bench_spec *spec,
                         struct pen_errors *errors)
 {
@@ -136,7 +136,7 @@ static bool read_method(const json_t *members, struct pen_bench_spec *spec,
     return false;
 }
 
-/* A seed that is another one each time. */
+/* Returns a seed that differs each time. */
 static int clock_seed(void)
 {
     return (int)((uint64_t)pen_clock_ns() * UINT64_C(0x9e3779b97f4a7c15) >> 33);
@@ -196,10 +196,10 @@ json_t *pen_bench_spec_members(const struct pen_bench_spec *spec, json_t *object
     return pen_json_with(object, "budget_seconds", json_real(spec->budget_s));
 }
 
-/* Primary and shadow rays of all runs: those that are timed, also of the baseline's twin, and one
- * more of each row, which counts tests. Of repeats that a budget ends, the first alone counts: the
- * budget bounds the others. That paths may fork is not counted again: pen_limits_check holds each
- * run to the limit on its own. */
+/* Returns the primary and shadow rays of all runs: the timed runs, the runs of the baseline's twin,
+ * and one more run of each row, which counts tests. If a budget ends the repeats, only the first
+ * repeat counts, because the budget bounds the others. Forking paths do not count here, because
+ * pen_limits_check checks each run separately. */
 static double work_of(const struct pen_bench_spec *spec, const struct pen_scene_desc *desc,
                       int views)
 {
@@ -241,7 +241,7 @@ bool pen_bench_spec_check(const struct pen_bench_spec *spec, const struct pen_li
     return true;
 }
 
-/* The settings without those that the matrix varies. */
+/* Returns the settings without those that the matrix varies. */
 static json_t *shared_settings(const struct pen_bench_spec *spec, const struct pen_settings *base)
 {
     json_t *render = pen_settings_json(base);

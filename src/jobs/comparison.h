@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The comparison of two pictures, as the command line and the API give it. */
+/* The comparison of two pictures, for the command line and the API. */
 #ifndef PEN_JOBS_COMPARISON_H
 #define PEN_JOBS_COMPARISON_H
 
@@ -20,17 +20,20 @@ struct pen_comparison {
     bool tags_differ; /* although the samples are equal: pen_picture_match */
 };
 
-/* The figures as an object of numbers; the PSNR of equal pictures is null, since JSON has no
- * infinity. Owns: the caller. Fails: NULL when out of memory. */
+/* Returns the figures as an object of numbers. The PSNR of equal pictures is null, because JSON has
+ * no infinity.
+ * Owns: the caller.
+ * Fails: NULL when out of memory. */
 json_t *pen_comparison_json(const struct pen_comparison *comparison);
 
-/* Appends FLIP's error of each pixel as a picture in the format "png", "png16" or "pfm". Fails:
- * PEN_NO_MEMORY. */
+/* Appends FLIP's error of each pixel as a picture in the format "png", "png16" or "pfm".
+ * Fails: PEN_NO_MEMORY. */
 bool pen_comparison_map(const float *errors, int width, int height, const char *format,
                         struct pen_buf *out, struct pen_status *st);
 
-/* Measures two pictures of the same size; appends the map as PNG, or else the figures as a line of
- * JSON. Fails: PEN_NO_MEMORY. */
+/* Measures two pictures of the same size. Appends the map as PNG, or else the figures as a line of
+ * JSON.
+ * Fails: PEN_NO_MEMORY. */
 bool pen_comparison_write(struct pen_picture *a, struct pen_picture *b, bool map,
                           struct pen_buf *out, struct pen_status *st);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Writing the errors of failed jobs, and logging them. */
+/* Writes the errors of failed jobs, and logs them. */
 #include "jobs/internal/failure.h"
 
 #include <stdio.h>
@@ -27,7 +27,7 @@ static struct place place_of(const struct pen_claim *claim, const struct pen_tra
     return place;
 }
 
-/* Appends a text in quotes for a shell. */
+/* Appends a text, quoted for a shell. */
 static void add_quoted(struct pen_buf *out, const char *text)
 {
     pen_buf_puts(out, "'");
@@ -36,7 +36,7 @@ static void add_quoted(struct pen_buf *out, const char *text)
     pen_buf_puts(out, "'");
 }
 
-/* Appends the value of a setting as the command line takes it: words without quotes. */
+/* Appends the value of a setting in the form of the command line: words without quotes. */
 static void add_value(struct pen_buf *out, const json_t *value)
 {
     char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
@@ -45,7 +45,7 @@ static void add_value(struct pen_buf *out, const json_t *value)
     free(text);
 }
 
-/* Appends values with commas between. */
+/* Appends values with commas between them. */
 static void add_values(struct pen_buf *out, const json_t *value)
 {
     if (!json_is_array(value))
@@ -56,7 +56,8 @@ static void add_values(struct pen_buf *out, const json_t *value)
     }
 }
 
-/* Appends a member of the request as options: of an object one for each member, KEY=VALUE,… */
+/* Appends a member of the request as options. An object gives an option for each of its members,
+ * KEY=VALUE,… */
 static void add_option(struct pen_buf *out, const char *option, const json_t *member)
 {
     const char *key;
@@ -74,7 +75,7 @@ static void add_option(struct pen_buf *out, const char *option, const json_t *me
     add_value(out, member);
 }
 
-/* Appends the options of a study: those of its members that it has. */
+/* Appends the options of a study, for the members that it has. */
 static void add_study(struct pen_buf *out, const json_t *request)
 {
     static const struct {
@@ -114,7 +115,7 @@ static void add_views(struct pen_buf *out, const struct place *place,
     }
 }
 
-/* The command line that repeats what failed. */
+/* Returns the command line that repeats the failure. */
 static json_t *repeat_json(const struct place *place, const struct pen_stored_request *request)
 {
     struct pen_buf line = {0};
@@ -148,7 +149,8 @@ static void log_failure(const struct pen_claim *claim, const char *error)
     json_decref(problem);
 }
 
-/* Adds the members that tell where the job failed: batch, pixel, and the command line to repeat. */
+/* Adds the members with the place of the failure: batch, pixel, and the command line that repeats
+ * it. */
 static void add_place(json_t *problem, const struct place *place, struct pen_store *store)
 {
     const struct pen_claim *claim = place->claim;
@@ -227,7 +229,7 @@ struct death {
     char *error;            /* out: NULL if none did */
 };
 
-/* Called by the store for a job that fails because its workers died: the job's error. */
+/* Makes the error of a job whose workers died; called by the store. */
 static char *death_error(void *user, const struct pen_claim *claim, int charges)
 {
     struct death *death = user;

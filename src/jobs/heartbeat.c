@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The thread checks the claim five times a second. Most checks only read the store
  * (pen_store_heartbeat writes every few seconds), so a cancel is noticed soon and a lease costs
- * little. Once a second a check tells readers what is done. A claim that begins and ends between
- * two checks costs two locks. Without a claim the thread sleeps until there is one. */
+ * little. Once a second a check reports the work done, for readers. A claim that begins and ends
+ * between two checks costs only two locks. Without a claim the thread sleeps. */
 #include "jobs/internal/heartbeat.h"
 
 #include <pthread.h>
@@ -16,11 +16,12 @@
 
 enum {
     CHECK_MS = 200,
-    TELL_MS = 600,  /* the shortest time between two checks that tell what is done */
+    TELL_MS = 600,  /* the shortest time between two checks that report work */
     LOG_MS = 10000, /* between log lines about a store that does not answer */
-    /* Until render threads count as stuck. They check the flag before each block of pixels, which
-     * takes long on a machine that is busy with other things: STUCK_MS are of one thread's
-     * processor time, too, and what waits without end, using none, counts as stuck later. */
+    /* The times after which render threads count as stuck. They check the flag before each block of
+     * pixels, which takes long on a busy machine. So STUCK_MS counts by the clock and by one
+     * thread's processor time. A thread that uses no processor time counts as stuck after
+     * STUCK_IDLE_MS. */
     STUCK_MS = 700,
     STUCK_IDLE_MS = 10000
 };
@@ -35,22 +36,22 @@ struct pen_heartbeat {
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t change;
-    int64_t logged_ns;        /* used by the thread alone; when it last logged a failing store */
-    bool quit, asleep;        /* guarded by lock */
-    bool active;              /* guarded by lock */
-    struct pen_claim claim;   /* guarded by lock; of the active claim */
-    const atomic_bool *stop;  /* guarded by lock; NULL: the batch is finished first */
-    uint64_t claims;          /* guarded by lock; the number of claims so far */
-    int64_t spent_ns;         /* guarded by lock; on the active claim, before since_ns */
-    int64_t since_ns;         /* guarded by lock; when its clock started; 0: it is stopped */
-    int64_t tell_ns;          /* guarded by lock; when that was last told, or the claim began */
+    int64_t logged_ns;       /* used by the thread alone; when it last logged a failing store */
+    bool quit, asleep;       /* guarded by lock */
+    bool active;             /* guarded by lock */
+    struct pen_claim claim;  /* guarded by lock; of the active claim */
+    const atomic_bool *stop; /* guarded by lock; NULL: the batch is finished first */
+    uint64_t claims;         /* guarded by lock; the number of claims so far */
+    int64_t spent_ns;        /* guarded by lock; on the active claim, before since_ns */
+    int64_t since_ns;        /* guarded by lock; when the claim's clock started; 0: it is stopped */
+    int64_t tell_ns;         /* guarded by lock; when work was last reported, or the claim began */
     enum pen_claim_end ended; /* guarded by lock */
-    int64_t told_ns;          /* guarded by lock; when the render threads were told to stop */
+    int64_t told_ns;          /* guarded by lock; when the render threads were asked to stop */
     bool failed;              /* guarded by lock; the job is stored as failed by its timeout */
     atomic_bool cancel;       /* atomic: relaxed, the render threads only need to see it soon */
 };
 
-/* Notes when the render threads were told to stop. Called with the lock held. */
+/* Notes when the render threads were asked to stop. Called with the lock held. */
 static void note_told(struct pen_heartbeat *heart)
 {
     heart->told_ns = pen_clock_ns();
@@ -67,14 +68,14 @@ static void end_claim(struct pen_heartbeat *heart, uint64_t claim_number, enum p
     atomic_store_explicit(&heart->cancel, true, memory_order_relaxed);
 }
 
-/* How long the worker has worked on the active claim. Called with the lock held. */
+/* Returns the working time on the active claim. Called with the lock held. */
 static int64_t spent_ns(const struct pen_heartbeat *heart)
 {
     return heart->spent_ns + (heart->since_ns ? pen_clock_ns() - heart->since_ns : 0);
 }
 
-/* Whether all workers together have worked on the job for longer than its timeout. Called with the
- * lock held. */
+/* Returns true if all workers together have worked on the job for longer than its timeout. Called
+ * with the lock held. */
 static bool is_late(const struct pen_heartbeat *heart)
 {
     const struct pen_claim *claim = &heart->claim;
@@ -82,9 +83,9 @@ static bool is_late(const struct pen_heartbeat *heart)
            claim->job_spent_us + spent_ns(heart) / 1000 >= claim->timeout_ms * 1000;
 }
 
-/* Whether render threads have been told to stop for so long that they count as stuck. While the
- * clock is stopped none work: the worker waits for the store, which may take long. Called with the
- * lock held. */
+/* Returns true if the render threads were asked to stop so long ago that they count as stuck. While
+ * the clock is stopped they do not work, because the worker waits for the store, which may take
+ * long. Called with the lock held. */
 static bool are_stuck(const struct pen_heartbeat *heart)
 {
     const int64_t ms = (pen_clock_ns() - heart->told_ns) / 1000000;
@@ -94,9 +95,9 @@ static bool are_stuck(const struct pen_heartbeat *heart)
     return ms >= (cpu_ms >= STUCK_MS ? STUCK_MS : STUCK_IDLE_MS);
 }
 
-/* Handles a claim that has ended before the worker is done with it: fails the job if its time is
- * up, and reports the render threads as stuck if they do not stop. Called and returns with the lock
- * held, and releases it meanwhile. */
+/* Handles a claim that has ended before the worker has finished it. It fails the job if its time is
+ * up, and reports render threads that do not stop as stuck. Called with the lock held, which it
+ * releases and takes again. */
 static void handle_ended_claim(struct pen_heartbeat *heart, const struct pen_claim *claim,
                                uint64_t claim_number)
 {
@@ -130,7 +131,7 @@ static void log_failure(struct pen_heartbeat *heart, const struct pen_log_about 
     pen_log_about(PEN_LOG_WARN, about, "heartbeat: %s", st->msg);
 }
 
-/* Adds to the claim what it tells of its work, if that is due. Called with the lock held. */
+/* Adds the work done to the claim, if a report is due. Called with the lock held. */
 static void add_work(struct pen_heartbeat *heart, struct pen_claim *claim)
 {
     const int64_t now_ns = pen_clock_ns();
@@ -146,9 +147,9 @@ static void add_work(struct pen_heartbeat *heart, struct pen_claim *claim)
         (double)(claim->job_spent_us + claim->spent_us) / 1000, others + done, per_ms);
 }
 
-/* Checks the active claim. Called and returns with the lock held; the store is called without it.
- * A store that does not answer does not end the claim: it may answer again before the lease runs
- * out. */
+/* Checks the active claim. Called with the lock held; releases it for the call of the store. A
+ * store that does not answer does not end the claim, because it may answer again before the lease
+ * ends. */
 static void check_claim(struct pen_heartbeat *heart)
 {
     struct pen_claim claim = heart->claim;

@@ -14,7 +14,7 @@ enum {
     ROUND_MS = 1000,      /* between rounds */
     LOG_MS = 60000,       /* between log lines about a store that fails */
     PAUSE_MS = 5,         /* the shortest pause after a slice */
-    EXPIRED_AT_ONCE = 16, /* jobs that retention removes between two pauses */
+    EXPIRED_AT_ONCE = 16, /* jobs beyond retention that are removed between two pauses */
 };
 
 struct pen_housekeeper {
@@ -37,7 +37,7 @@ static bool pause_for(struct pen_housekeeper *keeper, int64_t ms)
     return rc != 0;
 }
 
-/* A failure is no more than a delay: the next round tries again. */
+/* A failure is only a delay: the next round tries again. */
 static bool note_failure(struct pen_housekeeper *keeper, const struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
@@ -49,8 +49,8 @@ static bool note_failure(struct pen_housekeeper *keeper, const struct pen_status
     return false;
 }
 
-/* Removes jobs that retention no longer keeps; their statistics stay. Returns whether there may be
- * more. A job that a client removes meanwhile is as good as removed here. */
+/* Removes jobs beyond retention; their statistics stay. Returns true if there may be more. If a
+ * client removes a job meanwhile, that is no failure. */
 static bool expire_jobs(struct pen_housekeeper *keeper)
 {
     char id[PEN_ID_BYTES];
@@ -65,7 +65,7 @@ static bool expire_jobs(struct pen_housekeeper *keeper)
     return found;
 }
 
-/* Does a slice of each kind of work. Returns whether there was any. */
+/* Does a slice of each kind of work. Returns true if there was any work. */
 static bool do_slice(struct pen_housekeeper *keeper)
 {
     struct pen_status st;
@@ -76,7 +76,8 @@ static bool do_slice(struct pen_housekeeper *keeper)
     return expired || more;
 }
 
-/* After a slice it pauses for as long as the slice took: others have the store half of the time. */
+/* After a slice it pauses as long as the slice took. So the store is free for others half of the
+ * time. */
 static void *run(void *user)
 {
     struct pen_housekeeper *keeper = user;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The job object has two parts: the stored request, which submit.c wrote, and the state of the job,
- * which is added here. Both depend on the stored job alone, so a revision of a job always has the
+ * which is added here. Both depend only on the stored job, so a revision of a job always has the
  * same text. */
 #include <math.h>
 #include <string.h>
@@ -19,9 +19,9 @@ json_t *pen_time_json(int64_t wall_ms)
     return json_string(text);
 }
 
-/* The seconds left when the job's work was last told; null: not known. What workers are expected to
- * spend on it takes them as much longer as it did until then: they share their time among jobs, and
- * several may work on one. */
+/* Returns the seconds left when the job's work was last reported; null if not known. The workers'
+ * time that is left is scaled by the elapsed time for each second of workers' time so far, because
+ * workers share their time among jobs, and several may work on one job. */
 static json_t *eta_json(const struct pen_job_record *job)
 {
     const double spent_ms = (double)job->told_us / 1000,

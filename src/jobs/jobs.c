@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading, listing, cancelling and deleting jobs; their scenes, and the built-in ones. */
+/* Reads, lists, cancels and deletes jobs; returns their scenes and the built-in scenes. */
 #include "jobs/internal/jobs.h"
 
 #include <inttypes.h>
@@ -71,8 +71,8 @@ bool pen_jobs_state(struct pen_jobs *jobs, const char *id, enum pen_job_state *s
     return true;
 }
 
-/* A cursor is the letter j and the number of the last job on its page. The letter keeps clients
- * from taking a cursor for a number that they may compute. */
+/* A cursor is the letter j and the number of the last job on its page. The letter shows clients
+ * that it is not a number to compute with. */
 static bool read_cursor(const char *cursor, int64_t *below, struct pen_status *st)
 {
     char *end = NULL;
@@ -86,7 +86,7 @@ static bool read_cursor(const char *cursor, int64_t *below, struct pen_status *s
     return pen_fail(st, PEN_USAGE, "cursor must be the value that a list gave as `next`");
 }
 
-enum { LABEL_BYTES = 4 * 200 + 1 }; /* of a key of 200 characters, with its end */
+enum { LABEL_BYTES = 4 * 200 + 1 }; /* a key of 200 characters, and its end */
 
 /* Splits "key:value". */
 static bool read_label(const char *label, char key[LABEL_BYTES], struct pen_job_filter *filter,
@@ -104,12 +104,12 @@ static bool read_label(const char *label, char key[LABEL_BYTES], struct pen_job_
     return true;
 }
 
-/* Of the stored texts of a page. With the state of each job, some 700 bytes, 500 jobs come to 1 MiB
- * of JSON. */
+/* Size of the stored texts of a page. With some 700 bytes for the state of each job, 500 jobs make
+ * 1 MiB of JSON. */
 enum { PAGE_TEXT_BYTES = 640 << 10 };
 
-/* How many of these jobs a page has: at most `limit`, and those whose texts are short enough, but
- * the first one always. */
+/* Returns how many of these jobs a page has: at most `limit`, at most PAGE_TEXT_BYTES of texts, but
+ * always the first. */
 static int page_count(const struct pen_job_record *jobs, int count, int limit)
 {
     size_t bytes = 0;
@@ -123,7 +123,7 @@ static int page_count(const struct pen_job_record *jobs, int count, int limit)
     return page;
 }
 
-/* A page of the first `page` jobs. The list holds one job more if another page follows. */
+/* Makes a page of the first `page` jobs. The list has one job more if another page follows. */
 static json_t *list_json(const struct pen_job_record *jobs, int count, int page,
                          struct pen_status *st)
 {
@@ -210,25 +210,25 @@ bool pen_jobs_delete(struct pen_jobs *jobs, const char *id, const char *client, 
                      struct pen_status *st)
 {
     json_t *stats = keep_stats ? pen_jobs_stats(jobs, id, st) : NULL;
-    /* A job that had not ended has statistics soon, even if it has ended by now. */
+    /* A job that had not ended will have statistics soon, even if it has ended meanwhile. */
     if (keep_stats && !stats && st->code == PEN_CONFLICT)
         return pen_store_check_client(jobs->store, id, client, st) &&
                pen_fail(st, PEN_CONFLICT, "job %s has not ended; cancel it before deleting it", id);
     if (keep_stats && !stats && st->code != PEN_STORAGE)
-        return false; /* there is no such job, or the next try may read them */
+        return false; /* the job does not exist, or the next try may read them */
     char *text = stats ? json_dumps(stats, PEN_JSON_STORED) : NULL;
     json_decref(stats);
     if (stats && !text)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for statistics");
-    /* Where they cannot be read they are damaged and not worth keeping; where the store cannot be
+    /* Statistics that cannot be read are damaged and not worth keeping. If the store cannot be
      * read, it removes nothing either. */
     bool ok = pen_store_delete(jobs->store, id, client, keep_stats && !text ? "{}" : text, st);
     free(text);
     return ok;
 }
 
-/* The number of primitives in a list of objects, those in groups included. The recursion is not
- * bounded, which is allowed for built-in scenes alone. */
+/* Returns the number of primitives in a list of objects, including groups. The recursion is not
+ * bounded, so only built-in scenes are allowed. */
 static size_t primitive_count(const json_t *objects)
 {
     size_t count = 0, i;
@@ -241,7 +241,7 @@ static size_t primitive_count(const json_t *objects)
     return count;
 }
 
-/* A built-in scene as the API lists it. */
+/* Makes the list entry of a built-in scene. */
 static json_t *builtin_json(size_t i)
 {
     const char *name = pen_builtin_name(i);

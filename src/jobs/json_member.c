@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Finding the text of a member. The text is known to be well-formed JSON, so the scan only has to
- * tell strings from structure. */
+/* Finds the text of a member. The text is known to be well-formed JSON, so the scan only
+ * distinguishes strings from structure. */
 #include <string.h>
 
 #include "jobs/internal/members.h"
@@ -10,7 +10,7 @@ static bool is_space(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
-/* The text from `begin` to `end`, without the white space around it. */
+/* Returns the text from `begin` to `end`, without white space at its ends. */
 static const char *trim(const char *text, size_t begin, size_t end, size_t *length)
 {
     while (begin < end && is_space(text[begin]))
@@ -21,7 +21,7 @@ static const char *trim(const char *text, size_t begin, size_t end, size_t *leng
     return text + begin;
 }
 
-/* The end of the string that begins at `at`: its second quote. */
+/* Returns the end of the string that begins at `at`: its second quote. */
 static size_t string_end(const char *text, size_t bytes, size_t at)
 {
     for (at++; at < bytes && text[at] != '"'; at++)
@@ -32,9 +32,9 @@ static size_t string_end(const char *text, size_t bytes, size_t at)
 const char *pen_json_member(const char *text, size_t bytes, const char *key, size_t *length)
 {
     const size_t key_bytes = strlen(key);
-    size_t value = 0; /* where the member's value begins; 0: it is not found yet */
+    size_t value = 0; /* where the member's value begins; 0: not found yet */
     int depth = 0;
-    bool is_key = false, matches = false; /* of the outermost object: a key comes; it is `key` */
+    bool is_key = false, matches = false; /* outermost: a key is next; it was `key` */
     for (size_t at = 0; at < bytes; at++) {
         const char c = text[at];
         if (c == '"') {

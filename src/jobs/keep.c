@@ -6,7 +6,7 @@
 
 enum {
     KEEP_TIMES = 20,
-    RETRY_MS = 500, /* after the first try that fails */
+    RETRY_MS = 500, /* after the first failed try */
     RETRY_MAX_MS = 60000
 };
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The reader of `render` objects reads each value of a list, so the same values are allowed in
- * both. */
+/* The reader of `render` objects reads each value of a list, so both allow the same values. */
 #include "jobs/internal/members.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Problem documents (RFC 9457). The type is urn:penumbra:problem:NAME with the name of the code; it
- * is an identifier, not an address. For invalid input `errors` lists the places: each a JSON
- * Pointer into the document that was sent, or line and column of its text. They are written as
- * text, since a refused request gets little else. */
+ * is an identifier, not an address. For invalid input, `errors` lists the places. A place is a JSON
+ * Pointer into the document that was sent, or line and column of its text. Problems are written as
+ * text, because a refused request should cost little. */
 #include "jobs/jobs.h"
 
 #include <stdio.h>
@@ -10,13 +10,13 @@
 
 enum { MOSTLY_BYTES = 500 }; /* that a document has */
 
-/* Whether the error is about the document that was sent. */
+/* Returns true if the error is about the document that was sent. */
 static bool is_about_input(const struct pen_status *st)
 {
     return st->line > 0 || st->at[0] || st->code == PEN_INVALID || st->code == PEN_UNSUPPORTED;
 }
 
-/* Appends a character that JSON does not have as it is in a string. */
+/* Appends a character that a JSON string must escape. */
 static void write_escaped(struct pen_buf *out, char c)
 {
     static const char escaped[] = "\"\\\b\f\n\r\t", letters[] = "\"\\bfnrt";
@@ -44,7 +44,7 @@ static void write_string(struct pen_buf *out, const char *text)
     pen_buf_puts(out, "\"");
 }
 
-/* Appends a member of an object: `before` is what comes before its text, with its key. */
+/* Appends a member of an object. `before` is the text before its value, with the key. */
 static void write_member(struct pen_buf *out, const char *before, const char *text)
 {
     pen_buf_puts(out, before);
@@ -62,7 +62,7 @@ static void write_place(struct pen_buf *out, const struct pen_status *st)
     pen_buf_puts(out, "}");
 }
 
-/* A document without places and its closing brace. */
+/* Appends a document without places, and its closing brace. */
 static void write_problem(struct pen_buf *out, enum pen_code code, int http_status,
                           const char *detail)
 {
@@ -116,7 +116,7 @@ bool pen_problem_list_write(struct pen_buf *out, const struct pen_errors *errors
     return write_end(out, request_id);
 }
 
-/* Reads what was written; the text is released. */
+/* Parses the written text, and releases it. */
 static json_t *read_back(struct pen_buf *text)
 {
     const struct pen_limits limits = pen_limits_default();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Reports of jobs. The JSON is stored with the job's commit. The other formats of a benchmark are
- * made from it at each request; those of kinds "accuracy" and "effects" have pictures, and are
- * stored too. An explanation is JSON alone. */
+ * made from it at each request. Reports of kinds "accuracy" and "effects" have pictures, so all
+ * their formats are stored. An explanation has only JSON. */
 #include <string.h>
 
 #include "jobs/internal/ids.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a submission: whether it is a job or a bare scene; its scene, views, settings, limits. */
+/* Reads a submission: a job or a bare scene; its scene, views, settings, limits. */
 #include "jobs/internal/request.h"
 
 #include <stdio.h>
@@ -13,10 +13,11 @@
 
 static const char builtin_prefix[] = "builtin:";
 
-/* The timeout of a job that asks for none, a day: no job holds a worker for ever. */
+/* The default timeout, a day, so that no job holds a worker for ever. */
 enum { TIMEOUT_S = 24 * 60 * 60 };
 
-/* Of an explanation without a render: it takes a moment, and somebody waits for it. */
+/* The priority of an explanation without a render, because it is short and a client waits for
+ * it. */
 enum { EXPLAIN_PRIORITY = 100 };
 
 static void fail_unknown_scene(const char *name, struct pen_errors *errors)
@@ -25,27 +26,35 @@ static void fail_unknown_scene(const char *name, struct pen_errors *errors)
                      name, pen_did_you_mean(pen_builtin_nearest(name)).text);
 }
 
+/* Parses a scene that is a separate text. `text` must outlive the request. */
+static void read_own(struct pen_request *request, const char *text, size_t bytes, bool xml,
+                     const struct pen_limits *limits, struct pen_errors *errors)
+{
+    struct pen_status st;
+    if (!pen_document_parse(text, bytes, xml, limits, &request->own, &st))
+        pen_errors_add(errors, &st);
+    request->has = &request->own;
+    request->scene = request->own.json;
+    request->scene_text = text;
+    request->scene_bytes = bytes;
+}
+
 /* Finds and parses the scene that "builtin:NAME" names. */
 static void find_builtin(struct pen_request *request, const char *text,
                          const struct pen_limits *limits, struct pen_errors *errors)
 {
     const char *name = text + strlen(builtin_prefix);
-    struct pen_status st;
     size_t bytes = 0;
     const char *document = pen_builtin_find(name, &bytes);
     if (!document) {
         fail_unknown_scene(name, errors);
         return;
     }
-    request->builtin = pen_json_parse(document, bytes, limits, &st);
-    if (!request->builtin)
-        pen_errors_add(errors, &st);
-    request->scene = request->builtin;
-    request->scene_text = document;
-    request->scene_bytes = bytes;
+    read_own(request, document, bytes, false, limits, errors);
 }
 
-/* The body is neither a job nor a scene. Names the key that was meant, if one is misspelt. */
+/* Fails because the body is neither a job nor a scene. If a key looks misspelt, the error suggests
+ * the right key. */
 static void fail_neither(const struct pen_request *request, struct pen_errors *errors)
 {
     static const char *const names[] = {"scene", "format", NULL};
@@ -66,7 +75,7 @@ static void fail_neither(const struct pen_request *request, struct pen_errors *e
                      json_is_object(request->body) ? "neither key" : pen_found(request->body).text);
 }
 
-/* Finds the scene document in the body, or the built-in one that the body names. request->scene
+/* Finds the scene document in the body, or the built-in scene that the body names. request->scene
  * stays NULL after an error. */
 static void find_scene(struct pen_request *request, const struct pen_submission *in,
                        const struct pen_limits *limits, struct pen_errors *errors)
@@ -84,16 +93,19 @@ static void find_scene(struct pen_request *request, const struct pen_submission 
         request->scene_text = pen_json_member(in->body, in->bytes, "scene", &request->scene_bytes);
     } else if (text && strncmp(text, builtin_prefix, strlen(builtin_prefix)) == 0) {
         find_builtin(request, text, limits, errors);
+    } else if (text && pen_text_is_xml(text, json_string_length(scene))) {
+        read_own(request, text, json_string_length(scene), true, limits, errors);
     } else if (scene) {
         pen_request_fail(errors, PEN_INVALID, "", "scene",
-                         "must be a scene, or \"builtin:\" and a name, found %s",
+                         "must be a scene, \"builtin:\" and a name, or a scene in XML as a string, "
+                         "found %s",
                          pen_found(scene).text);
     } else {
         fail_neither(request, errors);
     }
 }
 
-/* The index of the scene's view that entry i of `views` names; -1 after an error. */
+/* Returns the index of the scene's view that entry i of `views` names; -1 after an error. */
 static int find_view(struct pen_request *request, const json_t *list, size_t i,
                      struct pen_errors *errors)
 {
@@ -134,8 +146,8 @@ static void read_views(struct pen_request *request, const json_t *list, struct p
     }
 }
 
-/* Fills request->views: the views that the job names, or all views of the scene; for a job about a
- * single view, the first. */
+/* Fills request->views with the views that the job names, else with all views of the scene. A job
+ * about a single view gets the first. */
 static bool choose_views(struct pen_request *request, struct pen_errors *errors)
 {
     uint32_t count = request->desc.view_count;
@@ -164,8 +176,8 @@ static bool choose_views(struct pen_request *request, struct pen_errors *errors)
     return true;
 }
 
-/* The JSON Pointer to the settings that an error about limits concerns: the job's `render` if it
- * has one, else the scene's. */
+/* Writes the JSON Pointer to the settings that an error about limits concerns: the job's `render`
+ * if it has one, else the scene's. */
 static void limits_place(const struct pen_request *request, char *at, size_t bytes)
 {
     if (!request->bare && json_object_get(request->body, "render"))
@@ -180,8 +192,8 @@ double pen_request_layer_work(const struct pen_request *request)
     return request->cost_layer ? pen_layer_work(PEN_LAYER_COST, request->cost) : 0;
 }
 
-/* How many times as long as the pixels of a view its audit takes: with a target error about, if
- * that leads to no fewer than 16 samples of a pixel, else more. */
+/* Returns the time of a view's audit, as a multiple of the time of its pixels. With a target error
+ * it is approximate: exact if a pixel then has at least 16 samples, else the audit takes longer. */
 static double audit_work(const struct pen_request *request)
 {
     const struct pen_settings *s = &request->settings, sampling = pen_settings_sampling(s);
@@ -195,7 +207,7 @@ static double audit_work(const struct pen_request *request)
     return audited / pixels * again / own;
 }
 
-/* Checks how long the pixels of a render are expected to take with its layers and audits. */
+/* Checks the expected time of a render's pixels with its layers and audits. */
 static bool check_extras_time(const struct pen_request *request, const struct pen_limits *limits,
                               const char *at, struct pen_status *st)
 {
@@ -229,7 +241,7 @@ static bool is_within_limits(const struct pen_request *request, const struct pen
            check_extras_time(request, limits, at, st);
 }
 
-/* The budget of a request, in seconds; NULL: it has none. */
+/* Returns the budget of a request, in seconds; NULL if it has none. */
 static double *budget_of(struct pen_request *request)
 {
     return request->kind == PEN_KIND_RENDER      ? &request->budget_seconds
@@ -238,8 +250,8 @@ static double *budget_of(struct pen_request *request)
                                                  : NULL;
 }
 
-/* No budget is longer than the operator allows a job to take, with the layers and the audit that
- * follow it. One that the body does not name, a default, becomes as long as that. */
+/* Bounds the budget: with the layers and the audit that follow it, it must not exceed the time that
+ * the operator allows a job. A default budget is reduced to this time. */
 static void bound_budget(struct pen_request *request, const struct pen_limits *limits,
                          struct pen_errors *errors)
 {
@@ -267,10 +279,10 @@ static void check_limits(struct pen_request *request, const struct pen_limits *l
     struct pen_status st;
     struct pen_limits allowed = *limits;
     if (request->explain && !request->analyze)
-        allowed.seconds = 0; /* it is not rendered, and may be asked how long it would take */
+        allowed.seconds = 0; /* it is not rendered, so a client may ask how long it would take */
     if (is_within_limits(request, &allowed, &st))
         return;
-    pen_document_locate(&request->document, &st);
+    pen_document_locate(request->has, &st);
     pen_errors_add(errors, &st);
 }
 
@@ -278,10 +290,10 @@ static void read_scene(struct pen_request *request, const struct pen_limits *lim
                        struct pen_errors *errors)
 {
     const json_t *render = request->bare ? NULL : json_object_get(request->body, "render");
-    bool ok = request->document.xml ? pen_document_read(&request->document, limits, request->arena,
-                                                        &request->desc, errors)
-                                    : pen_scene_read(request->scene, request->scene_at, limits,
-                                                     request->arena, &request->desc, errors);
+    bool ok = request->has->xml
+                  ? pen_document_read(request->has, limits, request->arena, &request->desc, errors)
+                  : pen_scene_read(request->scene, request->scene_at, limits, request->arena,
+                                   &request->desc, errors);
     request->settings = ok ? request->desc.settings : pen_settings_default();
     if (render)
         pen_settings_read(render, "/render", &request->settings, errors);
@@ -312,6 +324,7 @@ bool pen_request_read(const struct pen_submission *in, const struct pen_limits *
     out->timeout_ms = (int64_t)1000 * (timeout_s < TIMEOUT_S ? timeout_s : TIMEOUT_S);
     bool parsed = pen_document_parse(in->body, in->bytes, in->xml, limits, &out->document, &st);
     out->body = parsed ? out->document.json : NULL;
+    out->has = &out->document;
     out->arena = out->body ? pen_arena_new(0) : NULL;
     if (out->body && !out->arena)
         pen_fail(&st, PEN_NO_MEMORY, "no memory to read a scene");
@@ -337,6 +350,6 @@ void pen_request_release(struct pen_request *request)
     pen_document_release(&request->document);
     pen_bench_spec_release(&request->spec);
     pen_accuracy_spec_release(&request->accuracy);
-    json_decref(request->builtin);
+    pen_document_release(&request->own);
     *request = (struct pen_request){0};
 }

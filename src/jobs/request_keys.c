@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a job's keys; the table of all keys tells the kinds of jobs to which each belongs. */
+/* Reads a job's keys. The table of all keys has the kinds of jobs to which each key belongs. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -21,7 +21,7 @@ enum {
     SUBMITTED = RENDER | BENCHMARK | ACCURACY | EFFECTS /* those that a job may name */
 };
 
-/* The kinds of a set in words: "benchmark" or "effects". */
+/* Writes the kinds of a set in words: "benchmark" or "effects". */
 static void name_kinds(unsigned kinds, char *out, size_t bytes)
 {
     size_t used = 0;
@@ -31,7 +31,7 @@ static void name_kinds(unsigned kinds, char *out, size_t bytes)
                                      pen_job_kinds[i]);
 }
 
-/* The names of a set of kinds, with NULL at the end. */
+/* Lists the names of a set of kinds, with NULL at the end. */
 static void list_kinds(unsigned kinds, const char *names[PEN_KIND_COUNT + 1])
 {
     int count = 0;
@@ -61,7 +61,7 @@ static void read_kind(struct pen_request *request, struct pen_errors *errors)
         pen_job_kind_of_name(word, &request->kind);
 }
 
-/* The length of a string. The strings of a body hold no zero byte. */
+/* Returns the length of a string. The strings of a body contain no zero byte. */
 static size_t characters(const json_t *string)
 {
     return pen_utf8_count(json_string_value(string));
@@ -80,7 +80,7 @@ static void read_name(struct pen_request *request, struct pen_errors *errors)
                          (int)PEN_JOB_NAME_CHARACTERS, characters(request->name));
 }
 
-/* A list selects a label by "key:value", so a key is not empty and has no colon. */
+/* Lists select a label by "key:value", so a key must not be empty or contain a colon. */
 static void read_label(const char *key, const json_t *label, struct pen_errors *errors)
 {
     if (!key[0] || strchr(key, ':'))
@@ -98,13 +98,13 @@ static void read_label(const char *key, const json_t *label, struct pen_errors *
                          (int)PEN_JOB_NAME_CHARACTERS, characters(label), pen_utf8_count(key));
 }
 
-/* The length of a value as JSON text; 0 without one. */
+/* Returns the length of a value as JSON text; 0 without a value. */
 static size_t text_bytes(const json_t *value)
 {
     return value ? json_dumpb(value, NULL, 0, JSON_COMPACT | JSON_ENCODE_ANY) : 0;
 }
 
-/* Every reader of the job gets its texts again, and lists get those of many jobs. A name alone is
+/* Every reader of the job gets its texts, and lists have the texts of many jobs. A name alone is
  * never too long. */
 static void bound_texts(const struct pen_request *request, struct pen_errors *errors)
 {
@@ -215,7 +215,7 @@ static void read_times(struct pen_request *request, struct pen_errors *errors)
                     range, &seconds, errors);
     request->timeout_ms = (int64_t)ceil(seconds * 1000);
     snprintf(range, sizeof range, "above 0, at most %d", (int)PEN_BUDGET_SECONDS_MAX);
-    if (request->kind == PEN_KIND_RENDER) /* that of a study belongs to its spec */
+    if (request->kind == PEN_KIND_RENDER) /* the budget of a study belongs to its spec */
         pen_number_read(request->body, "", "budget_seconds", PEN_ABOVE_0, PEN_BUDGET_SECONDS_MAX,
                         range, &request->budget_seconds, errors);
 }
@@ -253,7 +253,7 @@ static const struct {
 };
 enum { KEY_COUNT = (int)(sizeof keys / sizeof keys[0]) };
 
-/* Writes "; the keys here are a, b, c": those of the job's kind. */
+/* Writes "; the keys here are a, b, c" with the keys of the job's kind. */
 static void list_keys(const struct pen_request *request, char *out, size_t bytes)
 {
     size_t used = (size_t)snprintf(out, bytes, "; the keys here are ");
@@ -280,7 +280,7 @@ static void refuse_unknown_key(const struct pen_request *request, const char *ke
     pen_request_fail(errors, PEN_INVALID, "", key, "unknown key in a job%s", hint);
 }
 
-/* Refuses the keys that only another kind of job may have. */
+/* Refuses keys that only another kind of job may have. */
 static void refuse_keys_of_other_kinds(const struct pen_request *request, struct pen_errors *errors)
 {
     for (int i = 0; i < KEY_COUNT; i++) {

@@ -28,7 +28,7 @@ static const char *const media_types[FORMAT_COUNT] = {[FORMAT_PNG] = "image/png"
                                                       [FORMAT_PNG16] = "image/png",
                                                       [FORMAT_PFM] = "image/x-portable-floatmap"};
 
-/* A request for a picture, its names looked up in the job. */
+/* A request for a picture, with its names looked up in the job. */
 struct wanted {
     const char *id;
     struct pen_stored_request request;
@@ -141,9 +141,9 @@ static void shrink_into(const struct pen_film *view, int shrink, int x0, int y0,
     }
 }
 
-/* The layout of a contact sheet: cells in a grid that is as square as the number of views allows,
- * with black gaps between them. Where the sheet would become too large all views are shrunk by the
- * same integer factor. */
+/* The layout of a contact sheet: cells in a grid as square as the number of views allows, with
+ * black gaps between them. If the sheet is too large, all views are shrunk by the same integer
+ * factor. */
 struct sheet_layout {
     int columns, rows, shrink, gap;
     int width, height;             /* of a cell */
@@ -247,7 +247,7 @@ static bool get_picture(struct pen_jobs *jobs, const struct wanted *want, struct
     return st->code == PEN_NOT_FOUND && make_picture(jobs, want, out, st);
 }
 
-/* Replaces a PNG whose longer edge has more pixels than that by a smaller one. */
+/* Replaces a PNG whose longer edge exceeds max_edge pixels by a smaller PNG. */
 static bool shrink(struct pen_buf *png, int max_edge, struct pen_status *st)
 {
     const struct pen_png_options options = {.bits = 8, .transfer = PEN_TRANSFER_SRGB};
@@ -301,7 +301,7 @@ bool pen_jobs_image(struct pen_jobs *jobs, const char *id, const struct pen_imag
     return ok;
 }
 
-/* Reads a view of a job that has succeeded, as its PFM file has it. */
+/* Reads a view of a job that has succeeded, with the values of its PFM file. */
 static struct pen_picture *read_view(struct pen_jobs *jobs, const char *id, const char *view,
                                      struct pen_status *st)
 {
@@ -379,7 +379,7 @@ bool pen_jobs_preview(struct pen_jobs *jobs, const char *id, const struct pen_im
     return ok;
 }
 
-/* The statistics that a removed job has left. */
+/* Returns the statistics that a removed job has left. */
 static json_t *removed_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st)
 {
     struct pen_buf text = {0};

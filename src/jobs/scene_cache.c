@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A short list with the most recently used scene in front. Scenes at the end are freed when there
- * are more than ENTRIES, or when all together take more than bytes_max; the scene in use always
+/* A short list with the most recently used scene in front. Scenes at its end are freed when there
+ * are more than ENTRIES, or when all scenes together exceed bytes_max. The scene in use always
  * stays. */
 #include "jobs/internal/scene_cache.h"
 
@@ -60,7 +60,7 @@ static void put_in_front(struct pen_scene_cache *cache, int from)
     cache->entry[0] = entry;
 }
 
-/* Frees scenes from the end of the list until a new one of that size may be added. */
+/* Frees scenes from the end of the list until a new scene of this size may be added. */
 static void evict_for(struct pen_scene_cache *cache, size_t bytes)
 {
     for (int i = 0; i < cache->count; i++)
@@ -72,7 +72,7 @@ static void evict_for(struct pen_scene_cache *cache, size_t bytes)
 }
 
 /* Limits for a stored document. The api process has accepted it under its own limits, so only the
- * limits that protect the parser itself are left. */
+ * limits that protect the parser remain. */
 static struct pen_limits open_limits(void)
 {
     struct pen_limits limits = pen_limits_default();

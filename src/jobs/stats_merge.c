@@ -2,7 +2,7 @@
 /* The statistics of a job, from those of its committed batches:
  *
  *   times, rays          sums over the batches; if several workers render at once, render_ms may be
- *                        longer than the time that has passed
+ *                        longer than the elapsed time
  *   threads, memory      the largest of all batches
  *   percentiles          of all tiles together
  *   adaptive             of the view with the largest estimated error
@@ -10,8 +10,9 @@
  *   queue_ms, total_ms   from the times of the job itself
  *   store_ms             the time that workers waited for the store
  *
- * Each batch stores the waiting time before its own commit. No later batch stores that of the last
- * commit, so that up to the commit's transaction is stored beside them. */
+ * Each batch stores the time that the worker waited for the previous commit. The wait for the last
+ * commit has no next batch. So it is stored beside the batch, as measured up to the commit's
+ * transaction. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -28,7 +29,7 @@ static const char *const of_audit[] = {"audit", NULL};
 
 struct sum {
     json_t *sums;  /* owned; the members that are added up: reals are times, integers are counts */
-    json_t *whole; /* owned; those that are taken whole */
+    json_t *whole; /* owned; the members that are taken whole */
     json_int_t threads, peak_bytes; /* the largest */
     double last_commit_ms;
     struct pen_weighted_time *times;
@@ -36,7 +37,7 @@ struct sum {
     bool no_memory, damaged;
 };
 
-/* Begins with what every statistics object has, also if no batch was committed. */
+/* Begins with the members that every statistics object has, even if no batch was committed. */
 static struct sum begin(void)
 {
     struct sum sum = {
@@ -54,7 +55,8 @@ static struct sum begin(void)
     return sum;
 }
 
-/* Adds to the members of `sums` those of the same names. Fails: a time is not finite. */
+/* Adds the members of `stats` to the members of `sums` with the same names. Fails if a time is not
+ * finite. */
 static bool add(json_t *sums, const json_t *stats)
 {
     const char *key;
@@ -103,7 +105,7 @@ static void add_tiles(struct sum *sum, const json_t *stats)
         return;
     for (size_t i = 0; i < n; i++) {
         const double ms = json_number_value(json_array_get(list, i));
-        sum->damaged |= !isfinite(ms * 1e6); /* figures are rounded to millionths */
+        sum->damaged |= !isfinite(ms * 1e6); /* figures are rounded to a millionth */
         sum->times[sum->time_count++] =
             (struct pen_weighted_time){.ms = ms, .weight = tiles / (double)n};
     }
@@ -118,8 +120,8 @@ static void take(struct sum *sum, const json_t *stats, const char *const *keys)
     }
 }
 
-/* As take, if the first key's number (or its member, if that is not NULL), times `sign`, is larger
- * than that of the one that is there. */
+/* Calls `take` if the first key's number (or its member, if that is not NULL) is larger than the
+ * present number. Both are multiplied by `sign`. */
 static void take_if_beyond(struct sum *sum, const json_t *stats, const char *const *keys,
                            const char *member, double sign)
 {
@@ -187,7 +189,7 @@ static json_t *job_stats(const struct sum *sum)
     return NULL;
 }
 
-/* The statistics from the sums, which are released. NULL after an error. */
+/* Makes the statistics from the sums, which are released. NULL after an error. */
 static json_t *finish(struct sum *sum, const struct pen_job_record *job, struct pen_status *st)
 {
     json_t *stats = NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading what submit.c has stored. A text that cannot be read was damaged in the store, so every
+/* Reads what submit.c has stored. A text that cannot be read was damaged in the store, so every
  * error here is PEN_STORAGE. */
 #include "jobs/internal/stored_request.h"
 
@@ -17,8 +17,8 @@ json_t *pen_stored_json(const char *text, struct pen_status *st)
     return json;
 }
 
-/* Reads the members beside kind, views and settings. Returns whether their numbers are of those
- * that a submit allows. */
+/* Reads the members beside kind, views and settings. Returns true if a submit allows their
+ * numbers. */
 static bool read_members(struct pen_stored_request *request)
 {
     const json_t *json = request->json, *audit = json_object_get(json, "audit"),

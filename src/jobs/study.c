@@ -10,7 +10,7 @@
 #include "study/report.h"
 
 enum { PROGRESS_MS = 250 };          /* the shortest time between two reports of progress */
-enum { KEEP_MS = 250, ASK_MS = 50 }; /* the shortest time between two states that are kept */
+enum { KEEP_MS = 250, ASK_MS = 50 }; /* shortest times between two states, two questions */
 
 static size_t picture_bytes(int width, int height)
 {
@@ -95,8 +95,8 @@ static struct part_name name_of(int place)
     return name;
 }
 
-/* Keeps a state with the pictures that the store does not have yet; NULL: there was no memory for
- * it. Returns whether the study goes on. */
+/* Keeps a state with the pictures that the store does not have yet. NULL: there was no memory for
+ * it. Returns true if the study goes on. */
 static bool keep_state(struct pen_study *study, const struct pen_unfinished *u, const char *state,
                        int64_t begun_ns)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Accepting and checking submissions. A repeated submit with the same Idempotency-Key gets the
- * first answer again, with the same bytes. It is the job in its first revision, which is made from
- * the stored job; so with the key only the job's id is stored, which outlives the job.
+/* Accepts and checks submissions. A repeated submit with the same Idempotency-Key gets the first
+ * answer again, with the same bytes. The answer is the job in its first revision, which is made
+ * from the stored job. So only the job's id is stored with the key, and may outlive the job.
  *
- * A submission is parsed once. The scene is stored as the text that was sent, and the first answer
- * is made from the JSON of the request, not from its stored text. */
+ * A submission is parsed once. The scene is stored as the text that was sent. The first answer is
+ * made from the JSON of the request, not from its stored text. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,7 +59,7 @@ static json_t *with_more(const struct pen_request *request, json_t *json)
     return json;
 }
 
-/* The job as accepted: the client's keys with all defaults filled in, without the scene. */
+/* Makes the job as accepted: the client's keys with all defaults filled in, without the scene. */
 static json_t *request_json(const struct pen_request *request)
 {
     json_t *labels =
@@ -77,7 +77,7 @@ static json_t *request_json(const struct pen_request *request)
     return with_more(request, json);
 }
 
-/* A job ready to be stored, and the memory into which its pointers lead. */
+/* A job ready to be stored, and the memory behind its pointers. */
 struct prepared {
     struct pen_job_new new;
     char id[PEN_ID_BYTES];
@@ -96,8 +96,8 @@ static void prepared_release(struct prepared *job)
     free(job->batches);
 }
 
-/* The scene is stored as it was sent, in JSON or XML. Only if its text was not found in the body it
- * is written again from its JSON. */
+/* The scene is stored as it was sent, in JSON or XML. If its text was not found in the body, it is
+ * written again from its JSON. */
 static bool prepare_scene(struct prepared *job, const struct pen_request *request)
 {
     if (!request->scene_text && !(job->scene = json_dumps(request->scene, PEN_JSON_STORED)))
@@ -107,7 +107,7 @@ static bool prepare_scene(struct prepared *job, const struct pen_request *reques
     return true;
 }
 
-/* The answer to the client: the job object in its first revision. */
+/* Makes the answer to the client: the job object in its first revision. */
 static char *make_answer(const char *id, const char *kind, int64_t created_ms, int64_t pixels,
                          json_t *request, struct pen_status *st)
 {
@@ -174,7 +174,7 @@ static bool prepare_views(struct pen_jobs *jobs, struct prepared *job,
     return true;
 }
 
-/* Computes the hashes of body and scene. If the scene is the whole body, it is hashed once. */
+/* Computes the hashes of body and scene. If the scene is the whole body, it is hashed only once. */
 static void hash(struct prepared *job, const struct pen_submission *in)
 {
     pen_sha256(in->body, in->bytes, job->body_sha256);
@@ -186,7 +186,7 @@ static void hash(struct prepared *job, const struct pen_submission *in)
     job->new.scene_sha256 = job->scene_sha256;
 }
 
-/* Unless the operator says otherwise, one client cannot fill the queue. */
+/* By default, one client cannot fill the queue. */
 static int64_t client_queue_max(const struct pen_limits *limits, const struct pen_submission *in)
 {
     if (limits->address_queue > 0 || in->client_is_shared)
@@ -232,7 +232,7 @@ static bool prepare(struct pen_jobs *jobs, struct prepared *job, const struct pe
     return true;
 }
 
-/* A submit whose outcome is unknown is repeated once: the store recognises the job by its id. */
+/* A submit with an unknown outcome is repeated once: the store recognises the job by its id. */
 static bool try_submit(struct pen_store *store, const struct pen_job_new *job,
                        enum pen_submit_result *result, struct pen_buf *first_answer,
                        struct pen_status *st)
@@ -258,7 +258,7 @@ static bool make_again(const struct pen_job_record *job, struct pen_submitted *o
     return ok;
 }
 
-/* The answer to an earlier submit holds as long as its job does. */
+/* The answer to an earlier submit is valid as long as its job exists. */
 static bool repeat_answer(struct pen_jobs *jobs, struct pen_submitted *out, struct pen_status *st)
 {
     struct pen_job_record job;
@@ -345,7 +345,7 @@ bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, j
     if (ok) {
         pen_scene_warnings(request.scene, request.scene_at, &request.desc, &warnings);
         for (size_t i = 0; i < warnings.count; i++)
-            pen_document_locate(&request.document, &warnings.item[i]);
+            pen_document_locate(request.has, &warnings.item[i]);
         *answer = json_pack("{s:b, s:o}", "valid", 1, "warnings", warnings_json(&warnings));
         ok = *answer != NULL;
         if (!ok)

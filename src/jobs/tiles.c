@@ -12,8 +12,8 @@ struct listing {
     bool outside; /* a batch lies outside the image: the store is damaged */
 };
 
-/* The number of tiles in the first rectangle of a run of `count` tiles that begins in column
- * `column`; a row has `across` tiles. */
+/* Returns the number of tiles in the first rectangle of a run of `count` tiles that begins in
+ * column `column`. A row has `across` tiles. */
 static int tiles_in_first_rect(int column, int count, int across)
 {
     if (column == 0 && count >= across)

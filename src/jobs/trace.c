@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Only atomic stores and loads, no lock: a signal handler may call pen_trace_crash. */
+/* Uses only atomic stores and loads, no lock, because a signal handler may call pen_trace_crash. */
 #include "jobs/trace.h"
 
 #include <pthread.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What a worker is doing, in memory that the supervisor shares and that outlives the worker: the
- * pixel of each render thread, the thread that crashed, the last lines of the log, the job of the
- * batch that it works on. All zeros at first. The worker writes it; the supervisor reads it to
- * report why the worker died, and whether that was over a job.
+/* What a worker is doing, in memory shared with the supervisor, which outlives the worker. It has
+ * the pixel of each render thread, the thread that crashed, the last lines of the log, and the job
+ * of the current batch. All bytes are zero at first. The worker writes it. The supervisor reads it,
+ * to report why the worker died and whether a job was the reason.
  *
- * Threads: each place is written by its own render thread alone. All fields but `job` are atomic
- * and relaxed: the reader needs only roughly the last state. */
+ * Threads: each render thread writes only its own place. All fields but `job` are atomic and
+ * relaxed, because the reader needs the last state only roughly. */
 #ifndef PEN_JOBS_TRACE_H
 #define PEN_JOBS_TRACE_H
 
@@ -25,17 +25,17 @@ struct pen_trace_place {
 
 struct pen_trace {
     atomic_int crashed; /* 1 + the number of the thread that crashed; 0: unknown */
-    struct pen_trace_place place[PEN_TRACE_THREADS]; /* by number of the render thread */
+    struct pen_trace_place place[PEN_TRACE_THREADS]; /* by the number of the render thread */
     struct pen_log_ring log;
-    char job[PEN_ID_BYTES]; /* "": works on no batch. Written by the worker's own thread; to be read
-                             * by others when the worker has ended */
-    atomic_bool proven;     /* has ended the work on a batch as it should: the worker is sound */
+    char job[PEN_ID_BYTES]; /* "": no batch. The worker's own thread writes it; the supervisor reads
+                               it after the worker has ended */
+    atomic_bool proven;     /* a batch has ended well, so the worker itself works */
 };
 
 /* Notes that work on a batch of this job begins. */
 void pen_trace_batch(struct pen_trace *trace, const char *job);
 
-/* Notes that it has ended; `proven`: with a result that the store has. */
+/* Notes that work on a batch has ended. `proven`: the store has its result. */
 void pen_trace_batch_ended(struct pen_trace *trace, bool proven);
 
 /* Notes that a thread is about to begin a pixel. */
@@ -47,8 +47,8 @@ void pen_trace_idle(struct pen_trace *trace);
 /* Notes that the calling thread has crashed. May be called in a signal handler. */
 void pen_trace_crash(struct pen_trace *trace);
 
-/* Sets *x and *y to the pixel of the thread that crashed; if that thread is not known, to the pixel
- * of the only thread that was rendering one. Returns false if neither is known. */
+/* Sets *x and *y to the pixel of the thread that crashed. If this thread is not known, to the pixel
+ * of the only thread that was rendering. Returns false if neither is known. */
 bool pen_trace_where(const struct pen_trace *trace, int *x, int *y);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Committed pixels are stored tile by tile, and each tile row by row from the top. The pixels of a
- * batch are then one contiguous run of values. */
+/* Committed pixels are stored tile by tile, and each tile row by row from the top. So the pixels of
+ * a batch are one contiguous run of values. */
 #include <string.h>
 
 #include "jobs/internal/view_pixels.h"
@@ -8,8 +8,8 @@
 #include "render/render.h"
 #include "render/transfer.h"
 
-/* The number of pixels in the tiles before tile `index`. All rows of tiles have the full height,
- * except possibly the last. */
+/* Returns the number of pixels in the tiles before tile `index`. All rows of tiles have the full
+ * height, except possibly the last. */
 static int64_t pixels_before(const struct pen_settings *s, int index)
 {
     int across = pen_tile_count(s->width, 1, s->tile);

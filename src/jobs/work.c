@@ -8,7 +8,7 @@
 #include "jobs/internal/batch.h"
 #include "shade/kernel.h"
 
-/* What an estimate counts, as a share of the work. */
+/* The weight of an estimate, as a share of the work. */
 static const double ESTIMATE_WEIGHT = 0.05;
 
 double pen_work_after(const struct pen_work *work, double ms)
@@ -53,7 +53,7 @@ const struct pen_batch_pace *pen_batch_pace_of(const struct pen_batch_context *c
     return NULL;
 }
 
-/* The pace of this worker in the claim's job, of which it has done some in its batch. */
+/* Returns the pace of this worker in the claim's job, including work of the current batch. */
 static double pace_with(const struct pen_batch_context *context, double work, double ms)
 {
     const struct pen_batch_pace *pace = pen_batch_pace_of(context);
@@ -146,8 +146,8 @@ void pen_batch_tile_done(void *user, struct pen_rect rect)
     pthread_mutex_unlock(&w->lock);
 }
 
-/* Adds the part of a tile that is done and the block that is begun, when a thread has come to this
- * pixel, the last of its block. */
+/* Adds the finished part of a tile, and the block that is begun. The thread has come to this pixel,
+ * the last of its block. */
 static void add_tile(const struct pen_batch_context *context, struct pen_rect tile, int x, int y,
                      struct pen_work *now)
 {
@@ -162,8 +162,8 @@ static void add_tile(const struct pen_batch_context *context, struct pen_rect ti
     now->begun += w->part * pen_cost_map_share(&w->map, view, block);
 }
 
-/* Adds what the render threads have done of tiles that are not done, by their places in the trace.
- * Of a tile that several share, in the end, the first of them tells. */
+/* Adds what the render threads have done of unfinished tiles, by their places in the trace. If
+ * several threads share a tile, at the end, the first of them counts. */
 static void add_places(const struct pen_batch_context *context, struct pen_work *now)
 {
     const struct pen_settings *s = &context->request.settings;

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The worker's loop, and what the worker does when something goes wrong:
+/* The worker's loop, and what the worker does about failures:
  *
  *   - The job is at fault (scene, memory, time): the job fails with a problem document.
  *   - The lease is lost, or the job was cancelled: the result is dropped.
  *   - The worker must stop during a study: it gives the study back, to be started again.
  *   - The store is busy or full: the worker keeps the result and tries again.
- *   - The store has an I/O error: the worker ends, and is not charged. The next one recovers.
- *   - A batch gives way to one that comes first: it is given back with its state (internal/keep.h).
- *   - What is stored of the job is damaged: the job fails.
+ *   - The store has an I/O error: the worker ends, and is not charged. The next worker recovers.
+ *   - A batch yields to a batch that comes first: it is given back with its state
+ *     (internal/keep.h).
+ *   - The stored job is damaged: the job fails.
  *
- * A result is kept until the store has stored or refused it. A commit whose outcome is unknown is
+ * A result is kept until the store has stored or refused it. A commit with an unknown outcome is
  * repeated, which does no harm. */
 #include "jobs/worker.h"
 
@@ -39,14 +40,14 @@ struct worker {
     struct pen_store *store;
     struct pen_batch_context context;
     struct pen_housekeeper *housekeeper;
-    int64_t expired_ns, seen_ns; /* when each was last done, see maintain */
-    int64_t worked_ns;           /* when there was last work, or none was looked for */
-    int memory_tries;            /* in a row */
-    int64_t serial;              /* of the last claim */
-    bool has_rate;               /* the row has a rate */
-    int64_t logged_ns;           /* when a failure of the store was last logged */
-    enum pen_code logged;        /* the code of that failure */
-    uint32_t wakeups;            /* pen_store_changes, from before the last claim that found none */
+    int64_t expired_ns, seen_ns; /* when maintain last did each of them */
+    int64_t worked_ns;    /* when there was last work, or when the worker began to look for work */
+    int memory_tries;     /* in a row */
+    int64_t serial;       /* of the last claim */
+    bool has_rate;        /* the row has a rate */
+    int64_t logged_ns;    /* when a failure of the store was last logged */
+    enum pen_code logged; /* the code of that failure */
+    uint32_t wakeups;     /* pen_store_changes, from before the last claim that found none */
 };
 
 static bool stopped(const struct worker *w)
@@ -54,13 +55,13 @@ static bool stopped(const struct worker *w)
     return atomic_load_explicit(w->stop, memory_order_relaxed);
 }
 
-/* Whether the same call may succeed later. */
+/* Returns true if the same call may succeed later. */
 static bool is_temporary(const struct pen_status *st)
 {
     return st->code == PEN_UNAVAILABLE || st->code == PEN_STORAGE_FULL || st->code == PEN_NO_MEMORY;
 }
 
-/* Logs a failure of the store, at most once in LOG_MS: it may last for hours. */
+/* Logs a failure of the store, at most once in LOG_MS, because it may last for hours. */
 static void log_failure(struct worker *w, const char *what, const struct pen_status *st)
 {
     int64_t now_ns = pen_clock_ns();
@@ -71,7 +72,7 @@ static void log_failure(struct worker *w, const char *what, const struct pen_sta
     pen_log(PEN_LOG_WARN, "%s: %s; trying again", what, st->msg);
 }
 
-/* Waits after a store call that has failed. Returns whether to try the call again. */
+/* Waits after a failed store call. Returns true if the call should be tried again. */
 static bool wait_to_retry(struct worker *w, const char *what, const struct pen_status *st)
 {
     w->memory_tries = st->code == PEN_NO_MEMORY ? w->memory_tries + 1 : 0;
@@ -82,8 +83,8 @@ static bool wait_to_retry(struct worker *w, const char *what, const struct pen_s
     return true;
 }
 
-/* Ends the job as failed; `why` NULL: its time is up. PEN_STALE means that the claim is no longer
- * held: the job has ended in another way. */
+/* Ends the job as failed. `why` NULL: its time is up. PEN_STALE means that the claim is no longer
+ * held, because the job has ended in another way. */
 static bool fail_job(struct worker *w, const struct pen_claim *claim, const struct pen_status *why,
                      struct pen_status *st)
 {
@@ -94,7 +95,7 @@ static bool fail_job(struct worker *w, const struct pen_claim *claim, const stru
     return ok;
 }
 
-/* Gives the batch back to the store. If that fails, the lease runs out later. */
+/* Gives the batch back to the store. If that fails, the lease expires later. */
 static bool release(struct worker *w, const struct pen_claim *claim, struct pen_status *st)
 {
     return pen_store_release(w->store, claim, st) || is_temporary(st);
@@ -119,7 +120,7 @@ static bool commit(struct worker *w, const struct pen_claim *claim,
     return ok || st->code == PEN_STALE;
 }
 
-/* Ends a claim whose batch has failed. If the claim is no longer held, nothing is left to do; else
+/* Ends a claim whose batch has failed. If the claim is no longer held, there is nothing to do. Else
  * the job fails, or the batch is given back. */
 static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen_claim_end ended,
                        const struct pen_status *why, struct pen_status *st)
@@ -138,8 +139,8 @@ static bool end_failed(struct worker *w, const struct pen_claim *claim, enum pen
     return fail_job(w, claim, why, st);
 }
 
-/* Runs the batch. If memory runs out, the caches of earlier jobs are dropped, since this job is not
- * to blame for them, and the batch is tried once more. */
+/* Runs the batch. If memory runs out, the caches of earlier jobs are dropped, because this job has
+ * not filled them, and the batch is tried once more. */
 static bool run_batch(struct worker *w, struct pen_batch_output *output, struct pen_status *why)
 {
     if (pen_batch_run(&w->context, output, why))
@@ -152,8 +153,8 @@ static bool run_batch(struct worker *w, struct pen_batch_output *output, struct 
 }
 
 /* Handles a claim: runs the batch and commits the result; then *proven is true. *next becomes the
- * next claim if the commit has taken one. The job is not charged for the time of the commit, which
- * waits for a store that fails. */
+ * next claim if the commit has taken one. The job is not charged for the time of the commit,
+ * because it waits for the store. */
 static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_next *next,
                          bool *proven, struct pen_status *st)
 {
@@ -191,8 +192,8 @@ static bool handle_claim(struct worker *w, struct pen_claim *claim, struct pen_n
     return ok;
 }
 
-/* Updates this worker's row in the list of workers. Where a failure may pass, the next update
- * follows later. */
+/* Updates this worker's row in the list of workers. After a failure that may pass, the next update
+ * tries again. */
 static bool update_row(struct worker *w, int64_t now_ns, struct pen_status *st)
 {
     const bool has_rate = w->context.rays_per_s > 0;
@@ -225,14 +226,14 @@ static bool maintain(struct worker *w, struct pen_status *st)
     return true;
 }
 
-/* Whether the worker is to end since it has had nothing to do. */
+/* Returns true if the worker must end because it had no work for a while. */
 static bool idled(const struct worker *w)
 {
     return w->options->idle_ms && pen_clock_ns() - w->worked_ns >= w->options->idle_ms * 1000000;
 }
 
-/* Claims a batch. If there is none, waits for a wake-up, at most IDLE_MS. A store that cannot be
- * asked is no lack of work. */
+/* Claims a batch. If there is none, waits for a wake-up, at most IDLE_MS. A store that does not
+ * answer does not count as no work. */
 static bool claim_or_wait(struct worker *w, struct pen_next *next, struct pen_status *st)
 {
     next->found = false;

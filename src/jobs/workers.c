@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The render workers, as the API lists them. A worker that has not been seen for a minute is left
- * out: it has died unnoticed, or its host is gone. */
+/* The render workers, as the API lists them. A worker that was not seen for a minute is left out:
+ * it has died unnoticed, or its host is gone. */
 #include <stdio.h>
 #include <string.h>
 
@@ -25,7 +25,7 @@ static json_t *worker_json(const struct pen_worker_record *worker)
                      pen_time_json(worker->seen_ms), "batches");
 }
 
-/* What a worker does with a batch: a study is named by the kind of its job. */
+/* Returns what a worker does with a batch; for a study, the kind of its job. */
 static const char *kind_name(const struct pen_worker_record *worker)
 {
     switch (worker->kind) {
@@ -36,7 +36,7 @@ static const char *kind_name(const struct pen_worker_record *worker)
     case PEN_BATCH_STUDY:
         return worker->job_kind;
     }
-    return "render"; /* a value that only a damaged store gives */
+    return "render"; /* only a damaged store has such a value */
 }
 
 static json_t *batch_json(const struct pen_worker_record *worker)
@@ -46,8 +46,8 @@ static json_t *batch_json(const struct pen_worker_record *worker)
                      "kind", kind_name(worker), "pixels", (json_int_t)worker->pixels);
 }
 
-/* Called by the store with one row for each batch that a worker holds; the rows of one worker
- * follow each other. */
+/* Called by the store for each batch that a worker holds. The rows of one worker follow each
+ * other. */
 static bool add_row(void *user, const struct pen_worker_record *worker)
 {
     struct listing *listing = user;

@@ -7,8 +7,8 @@
 
 #include "math/vec3.h"
 
-/* a b - c d with relative error <= 2u in the absence of over- and underflow: its sign is exact,
- * and it is 0 only if the true value is. */
+/* a b - c d with relative error <= 2u, unless it over- or underflows. Its sign is exact, and it is
+ * 0 only if the true value is 0. */
 static inline double pen_dop(double a, double b, double c, double d)
 {
     double w = c * d;
@@ -23,15 +23,15 @@ static inline double pen_sop(double a, double b, double c, double d)
     return pen_dop(a, b, -c, d);
 }
 
-/* The cross product, each component within 2u relative. */
+/* The cross product; each component has a relative error <= 2u. */
 static inline struct pen_vec3 pen_cross(struct pen_vec3 a, struct pen_vec3 b)
 {
     return pen_vec3(pen_dop(a.y, b.z, a.z, b.y), pen_dop(a.z, b.x, a.x, b.z),
                     pen_dop(a.x, b.y, a.y, b.x));
 }
 
-/* c + a.b + rest, summed as if in twice the precision: the error is some u of the result and 2^-102
- * of |c| + |a|.|b|, as long as `rest` is within 2^-50 of these.
+/* c + a.b + rest, as if summed in double-double. The error is some u of the result plus 2^-102 of
+ * |c| + |a|.|b|, if `rest` is within 2^-50 of these.
  * Source: Ogita, Rump, Oishi, "Accurate sum and dot product", SIAM J. Sci. Comput. 26, 2005. */
 static inline double pen_dot2_plus(double c, struct pen_vec3 a, struct pen_vec3 b, double rest)
 {
@@ -48,7 +48,7 @@ static inline double pen_dot2_plus(double c, struct pen_vec3 a, struct pen_vec3 
     return sum + (low + rest);
 }
 
-/* The dot product as if computed in twice the precision and rounded once (compensated). */
+/* The dot product, compensated: as if computed in double-double and rounded once. */
 static inline double pen_dot2(struct pen_vec3 a, struct pen_vec3 b)
 {
     double sum = a.x * b.x, low = fma(a.x, b.x, -sum);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Sums in fixed point. Source: Kulisch, "Computer Arithmetic and Validity", 2nd ed. 2013, chapter
- * 8: a register as wide as the range of products makes their sums exact. */
+/* Sums in fixed point. A register as wide as the range of products makes their sums exact.
+ * Source: Kulisch, "Computer Arithmetic and Validity", 2nd ed. 2013, chapter 8. */
 #include "math/exact_sum.h"
 
 #include <math.h>
@@ -21,7 +21,7 @@ static uint64_t split(double x, int *exponent)
     return biased > 0 ? fraction | UINT64_C(1) << 52 : fraction;
 }
 
-/* digits (6 of 32 bits) times factor, which fits. */
+/* Multiplies digits (6 of 32 bits) by factor; the product fits. */
 static void multiply(uint32_t digits[6], uint64_t factor)
 {
     uint32_t product[6] = {0};
@@ -54,7 +54,8 @@ void pen_exact_add(struct pen_exact_sum *sum, double a, double b, double c)
     }
 }
 
-/* Brings all limbs but the last into 0 ... 2^32 - 1; the last one then has the sum's sign. */
+/* Propagates carries: all limbs but the last become 0 ... 2^32 - 1, and the last one has the sum's
+ * sign. */
 static void carry(struct pen_exact_sum *sum)
 {
     int64_t over = 0;
@@ -66,7 +67,7 @@ static void carry(struct pen_exact_sum *sum)
     sum->limb[PEN_EXACT_LIMBS - 1] += over;
 }
 
-/* Makes the sum positive or zero. Returns its sign; *top: the highest limb that is not zero. */
+/* Makes the sum positive or zero. Returns its sign; *top is the highest limb that is not zero. */
 static int normalize(struct pen_exact_sum *sum, int *top)
 {
     int sign = 1;
@@ -106,15 +107,15 @@ int pen_exact_sign(struct pen_exact_sum *sum)
     return (value > 0) - (value < 0);
 }
 
-/* Takes value 2^exponent from the sum. */
+/* Subtracts value 2^exponent from the sum. */
 static void subtract(struct pen_exact_sum *sum, double value, int exponent)
 {
     int half = exponent / 2;
     pen_exact_add(sum, -value, pen_scale2(1, half), pen_scale2(1, exponent - half));
 }
 
-/* As pen_exact_direction; if `low` is not NULL, the sums lose what is returned, and *low gets their
- * rest. */
+/* As pen_exact_direction. If `low` is not NULL, the result is subtracted from the sums, and *low
+ * gets their rest. */
 static struct pen_vec3 direction(struct pen_exact_sum sum[3], struct pen_vec3 *low)
 {
     double value[3], rest[3] = {0, 0, 0};
@@ -141,8 +142,8 @@ struct pen_vec3 pen_exact_direction(struct pen_exact_sum sum[3])
     return direction(sum, NULL);
 }
 
-/* The sum of v[i] x v[i + 1] around the loop: moving all points by one vector adds terms that
- * cancel, and here they do so exactly. */
+/* The sum of v[i] x v[i + 1] around the loop. Moving all points by one vector adds terms that
+ * cancel exactly here. */
 static void sum_normal(const struct pen_vec3 *v, uint32_t count, struct pen_exact_sum sum[3])
 {
     for (uint32_t i = 0; i < count; i++) {

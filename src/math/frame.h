@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Frames: two unit vectors that make an orthonormal frame with a given one. No axis is special:
- * errors stay within a few roundings for every direction, and the frame is a continuous function of
- * the vector except where z changes its sign. */
+ * errors stay within a few roundings for every direction. The frame is a continuous function of the
+ * vector except where z changes its sign. */
 #ifndef PEN_MATH_FRAME_H
 #define PEN_MATH_FRAME_H
 
@@ -11,8 +11,8 @@ struct pen_across {
     struct pen_vec3 u, v; /* u x v is the vector they were made for */
 };
 
-/* The vectors across n, which is a unit vector up to some roundings: of length 1, and at right
- * angles to each other and to n, to within 4 times 2^-53. The length of n is corrected first;
+/* The vectors across n, which is a unit vector up to some roundings. They have length 1 and are at
+ * right angles to each other and to n, to within 4 times 2^-53. The length of n is corrected first;
  * without that, the frame's error would be twice as large.
  * Source: Duff, Burgess, Christensen, Hery, Kensler, Liani, Villemin, "Building an orthonormal
  * basis, revisited", JCGT 6(1), 2017. */

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors of doubles, one number to a lane, in files that are compiled once for each instruction
- * set (PEN_ISA_LIST, base/cpu.h). The instruction set's header defines
+/* Vectors of doubles, one number per lane, in files that are compiled once for each instruction set
+ * (PEN_ISA_LIST, base/cpu.h). The instruction set's header defines
  *
- *   LANES                        how many there are: 1 for base, 4 for AVX2, 8 for AVX-512
+ *   LANES                        their number: 1 for base, 4 for AVX2, 8 for AVX-512
  *   lanes                        the vector. + - * / and unary - work on it, lane by lane
  *   lane_mask                    the result of a comparison. & | ^ work on it
  *   lanes_splat, lanes_load, lanes_store, lanes_fma, lanes_sqrt, lanes_abs
- *   lanes_min, lanes_max         the second operand where one is NaN
+ *   lanes_min, lanes_max         the second operand if one is NaN
  *   lanes_smallest, lanes_largest   of all lanes, as a double; none is NaN
- *   lanes_less, lanes_at_most, lanes_equal     false where an operand is NaN
+ *   lanes_less, lanes_at_most, lanes_equal     false if an operand is NaN
  *   lanes_select                 a where the mask is set, else b
  *   lanes_at                     the number in one lane
  *   lanes_strided, lanes_store_strided         lane i at x[i stride]
@@ -16,17 +16,17 @@
  *   lanes_rows                   table[stride row[i]], an array of row numbers
  *   lane_mask_not, lane_mask_bits              bit i is lane i
  *   lane_mask_of                 the mask with these bits
- *   lane_words                   64 bits to a lane. + - * & | ^ << >> work on it
+ *   lane_words                   64 bits per lane. + - * & | ^ << >> work on it
  *   lanes_words, lanes_of_words  the bits of numbers, and back
  *   lane_words_odd               whether the lowest bit is set
  *   lane_words_count             0, 1 and so on, by lane
- *   lane_halves                  32 bits to a lane, with the same operations
+ *   lane_halves                  32 bits per lane, with the same operations
  *   lane_halves_count, lane_words_of_halves
  *   lane_halves_of_words         the lower 32 bits
  *   lanes_gather                 table[i], i from 0 on
  *
- * Every operation rounds as the scalar one does. So code that is written once in lanes gives the
- * same bits for every instruction set, and the same as the scalar function that does the same
+ * Every operation rounds like the scalar one. So code that is written once in lanes gives the same
+ * bits for every instruction set. These are also the bits of the scalar function with the same
  * operations in the same order; a comment names that function. Branches become masks. */
 #ifndef PEN_MATH_LANES_H
 #define PEN_MATH_LANES_H
@@ -43,13 +43,13 @@
 
 enum { LANES_ALL = (1 << LANES) - 1 }; /* as lane_mask_bits */
 
-/* The numbers that words below 2^52 are, through the fraction of 2^52. */
+/* Converts words below 2^52 to numbers, through the fraction of 2^52. */
 static inline lanes lanes_of_small(lane_words w)
 {
     return lanes_of_words(w | UINT64_C(0x4330000000000000)) - 0x1p52;
 }
 
-/* Vectors of space, one to a lane. */
+/* Vectors of space, one per lane. */
 struct lanes3 {
     lanes x, y, z;
 };
@@ -154,7 +154,7 @@ static inline lanes lanes3_norm1(struct lanes3 a)
     return lanes_abs(a.x) + lanes_abs(a.y) + lanes_abs(a.z);
 }
 
-/* The sum of the sizes of the products of a dot product. */
+/* The sum of the sizes of the products in a dot product. */
 static inline lanes lanes3_dot_size(struct lanes3 a, struct lanes3 b)
 {
     return lanes_abs(a.x * b.x) + lanes_abs(a.y * b.y) + lanes_abs(a.z * b.z);

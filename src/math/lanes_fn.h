@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* Elementary functions in lanes. Those of math/fn.h are the same source with one lane (fn.c).
  *
- * The one called most is pow, for highlights: x^y = exp(y log x). A relative error of log x is
- * multiplied by y log x, up to 745, so the logarithm must carry about 14 bits more than a double.
+ * The most frequent function is pow, for highlights: x^y = exp(y log x). A relative error of log x
+ * is multiplied by y log x, up to 745, so the logarithm must have about 14 bits more than a double.
  * It is therefore an unevaluated sum of two doubles with a relative error below 2^-66, and the
  * exponential takes such a sum.
  *
  * Products that must be exact are formed from factors cut to 26 bits, not with fma, which on the
- * baseline x86-64 would be a slow call. Arguments are reduced by tables (Tang, ACM
- * TOMS 15 and 16, 1989 and 1990) so finely that Taylor polynomials serve.
+ * baseline x86-64 would be a slow call. Tables reduce arguments (Tang, ACM TOMS 15 and 16, 1989 and
+ * 1990) so finely that Taylor polynomials are enough.
  *
- * Lanes whose arguments are special are computed like the others, without a meaning, and replaced;
- * what is expensive and seldom needed is left out where no lane needs it. */
+ * Lanes with special arguments are computed like the others; their results are meaningless and are
+ * then replaced. An expensive and rare step is skipped if no lane needs it. */
 #ifndef PEN_MATH_LANES_FN_H
 #define PEN_MATH_LANES_FN_H
 
@@ -24,8 +24,8 @@ struct lanes_sum {
     lanes hi, lo; /* hi + lo, |lo| within an ulp or so of hi */
 };
 
-/* Adding and subtracting it rounds a double below 2^51 in size to the nearest integer, which is
- * left in the low bits of the sum. */
+/* Adding and subtracting it rounds a double below 2^51 in size to the nearest integer, which
+ * remains in the low bits of the sum. */
 static const double LANES_ROUNDER = 0x1.8p52;
 
 /* x truncated to its upper 26 bits; the product of two such numbers is exact. */
@@ -34,21 +34,23 @@ static inline lanes lanes_upper(lanes x)
     return lanes_of_words(lanes_words(x) & UINT64_C(0xFFFFFFFFF8000000));
 }
 
-/* a + b exactly; |a| >= |b| or a = 0. Source: Dekker, Numer. Math. 18, 1971. */
+/* a + b exactly, given |a| >= |b| or a = 0.
+ * Source: Dekker, Numer. Math. 18, 1971. */
 static inline struct lanes_sum lanes_add_ordered(lanes a, lanes b)
 {
     lanes s = a + b;
     return (struct lanes_sum){s, b - (s - a)};
 }
 
-/* a + b exactly. Source: Knuth, TAOCP vol. 2, 4.2.2. */
+/* a + b exactly.
+ * Source: Knuth, TAOCP vol. 2, 4.2.2. */
 static inline struct lanes_sum lanes_add(lanes a, lanes b)
 {
     lanes s = a + b;
     return (struct lanes_sum){s, lanes_sum_error(a, b, s)};
 }
 
-/* The nearest integer of a ROUNDER-shifted double. */
+/* The nearest integer of a number to which LANES_ROUNDER has been added. */
 static inline lane_words lanes_shifted_integer(lanes shifted)
 {
     return lanes_words(shifted) - UINT64_C(0x4338000000000000);
@@ -60,8 +62,8 @@ static inline lanes lanes_power_of_2(lane_words e)
     return lanes_of_words((e + 1023) << 52);
 }
 
-/* value 2^e for 1/2 < value < 4, whatever the whole number e; rounds once, and only a result that
- * is subnormal. */
+/* value 2^e for 1/2 < value < 4 and any whole number e. Rounds once, and only if the result is
+ * subnormal. */
 static inline lanes lanes_scale(lanes value, lanes e)
 {
     const lane_words n = lanes_shifted_integer(e + LANES_ROUNDER);
@@ -75,8 +77,8 @@ static inline lanes lanes_scale(lanes value, lanes e)
 }
 
 /* e^(hi + lo), |lo| < 2^-20 max(1, |hi|).
- * hi + lo = k ln 2 / 128 + r with |r| <= 0.0028; e^r - 1 by Taylor's series to r^5, whose next
- * term is below 2^-60. All errors but the last addition's are below 0.01 ulp. */
+ * hi + lo = k ln 2 / 128 + r with |r| <= 0.0028; e^r - 1 by Taylor's series to r^5, whose next term
+ * is below 2^-60. All errors except that of the last addition are below 0.01 ulp. */
 static inline lanes lanes_exp_of_sum(lanes hi, lanes lo)
 {
     const lane_mask finite = lanes_less(hi, lanes_splat(710)); /* NaN stays NaN */
@@ -101,7 +103,7 @@ static inline lanes lanes_exp_of_sum(lanes hi, lanes lo)
     return lanes_select(finite, result, hi + (double)INFINITY);
 }
 
-/* ln(1 + r) - r + r^2/2 for |r| < 0.0064, Taylor's series to r^9. */
+/* ln(1 + r) - r + r^2/2 for |r| < 0.0064, by Taylor's series to r^9. */
 static inline lanes lanes_log_rest(lanes r)
 {
     lanes rr = r * r;
@@ -112,9 +114,9 @@ static inline lanes lanes_log_rest(lanes r)
 }
 
 /* ln x for finite x > 0.
- * x = 2^k z; with c the table's inverse of z's cell, ln x = k ln 2 - ln c + ln(1 + r),
- * r = z c - 1. c has so few bits that r is exact as a sum of two doubles, and where x is near 1, c
- * is 1 and k is 0: the relative error stays small where ln x vanishes. */
+ * x = 2^k z. With c the table's inverse of z's cell, ln x = k ln 2 - ln c + ln(1 + r), r = z c - 1.
+ * c has so few bits that r is exact as a sum of two doubles. If x is near 1, c is 1 and k is 0, so
+ * the relative error stays small where ln x vanishes. */
 static inline struct lanes_sum lanes_log_sum(lanes x)
 {
     const lane_mask subnormal = lanes_less(x, lanes_splat(0x1p-1022));
@@ -162,7 +164,7 @@ static inline lanes lanes_ln(lanes x)
     return lanes_select(usual, result, edge);
 }
 
-/* x^y where x > 0 is infinite, or y is huge, infinite or NaN, and where x is NaN. */
+/* x^y for an infinite x > 0, for NaN x, and for a y that is huge, infinite or NaN. */
 static inline lanes lanes_pow_edge(lanes x, lanes y)
 {
     const lanes zero = lanes_splat(0), one = lanes_splat(1);
@@ -189,7 +191,7 @@ static inline lanes lanes_pow(lanes x, lanes y)
     return lane_mask_bits(edge) ? lanes_select(edge, lanes_pow_edge(x, y), result) : result;
 }
 
-/* Sine of a reduced angle, |hi| < 0.8: Taylor's series to the 17th power. */
+/* Sine of a reduced angle, |hi| < 0.8, by Taylor's series to the 17th power. */
 static inline lanes lanes_sine_of_sum(struct lanes_sum a)
 {
     lanes z = a.hi * a.hi;
@@ -203,8 +205,8 @@ static inline lanes lanes_sine_of_sum(struct lanes_sum a)
     return a.hi + (a.hi * z * p + a.lo * (1 - 0.5 * z));
 }
 
-/* Cosine of a reduced angle, to the 18th power; what 1 - z/2 and z itself lose in rounding is
- * added back, since it is not small beside the result. */
+/* Cosine of a reduced angle, to the 18th power. The rounding errors of 1 - z/2 and of z are added
+ * back, since they are not small beside the result. */
 static inline lanes lanes_cosine_of_sum(struct lanes_sum a)
 {
     lanes z = a.hi * a.hi, h = lanes_upper(a.hi), l = a.hi - h;
@@ -220,7 +222,7 @@ static inline lanes lanes_cosine_of_sum(struct lanes_sum a)
     return w.hi + (w.lo - 0.5 * lost + (z * z * q - a.hi * a.lo));
 }
 
-/* Adds quarter turns to an angle, given and returned as its sine and cosine; outside the range of
+/* Adds quarter turns to an angle, given and returned as its sine and cosine. Outside the range of
  * the reduction they are NaN. */
 static inline void lanes_turn(lane_words quarters, lane_mask inside, lanes *sine, lanes *cosine)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The sign of the orientation determinant: in floating-point arithmetic with an error bound and,
- * where the bound does not decide, exactly, as a sum of doubles that do not overlap.
+/* The sign of the orientation determinant. It is computed in floating-point arithmetic with an
+ * error bound. If the bound does not decide, it is computed exactly, as a sum of doubles that do
+ * not overlap.
  * Source: Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
  * predicates", Discrete & Computational Geometry 18, 1997: the bound of figure 21 (A), and
  * Grow-Expansion of figure 6. */
@@ -54,6 +55,6 @@ int pen_orient2d(struct pen_point2 a, struct pen_point2 b, struct pen_point2 c)
     if (fabs(det) > bound)
         return sign(det);
     if ((a.x == c.x && a.y == c.y) || (b.x == c.x && b.y == c.y))
-        return 0; /* as where edges of a polygon share an end */
+        return 0; /* for example where edges of a polygon share an end */
     return orient_exact(a, b, c);
 }

@@ -8,7 +8,7 @@ struct pen_point2 {
 };
 
 /* 1 if a, b, c run counter-clockwise, -1 if clockwise, 0 if they are on one line. Exact for
- * coordinates that are 0 or have magnitudes within 2^-480 .. 2^480. */
+ * coordinates that are 0 or have magnitudes in 2^-480 .. 2^480. */
 int pen_orient2d(struct pen_point2 a, struct pen_point2 b, struct pen_point2 c);
 
 /* The order in which a sweep line passes points: by x, then by y. */

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The functions of math/sample.h in lanes: points of LANES indices in a row. sample.c is their
+/* The functions of math/sample.h in lanes: points of LANES consecutive indices. sample.c is their
  * instance with one lane.
  *
  * A hash of 64 bits gives the seeds of three Owen scramblings: of the order of the points, and of
- * both coordinates. Shuffling the order matters as soon as one path uses several sets: unshuffled,
- * point i of one and point i of another would lie in the same cells of their first coordinates.
+ * both coordinates. The order must be shuffled if one path uses several sets. Otherwise point i of
+ * one set and point i of another would lie in the same cells of their first coordinates.
  *
- * Owen scrambling flips each bit of a coordinate depending on the bits above it. Read backwards,
- * that is a function in which information flows only upwards, as it does in adding and in
- * multiplying by an odd number, and so a hash of such steps does it (Laine and Karras, EGSR 2011;
- * Burley, JCGT 9(4), 2020). The sequence of steps and constants used here: Vegdahl, "Building a
- * better LK hash", psychopath.io, 2021. */
+ * Owen scrambling flips each bit of a coordinate depending on the bits above it. In reversed bit
+ * order, this is a function in which each bit depends only on itself and lower bits. Addition and
+ * multiplication by an odd number are such functions, so a hash of such steps does it (Laine and
+ * Karras, EGSR 2011; Burley, JCGT 9(4), 2020). The sequence of steps and constants used here:
+ * Vegdahl, "Building a better LK hash", psychopath.io, 2021. */
 #ifndef PEN_MATH_SAMPLE_LANES_H
 #define PEN_MATH_SAMPLE_LANES_H
 
@@ -55,7 +55,8 @@ static inline lane_halves lanes_reverse_bits(lane_halves x)
     return (x >> 1 & 0x55555555) | (x & 0x55555555) << 1;
 }
 
-/* Owen's scrambling of numbers given and returned with their bits reversed, each with a seed. */
+/* Owen's scrambling of numbers with reversed bits, each with its seed. The results have reversed
+ * bits too. */
 static inline lane_halves lanes_scramble_reversed(lane_halves x, lane_halves seed)
 {
     x ^= x * 0x3D20ADEAu;
@@ -65,10 +66,10 @@ static inline lane_halves lanes_scramble_reversed(lane_halves x, lane_halves see
     return x ^ x * 0x53A22864u;
 }
 
-/* The bits of Sobol's second coordinate, reversed. His direction numbers are v_1 = 1/2,
- * v_(j+1) = v_j xor v_j / 2; reversed and read as polynomials over GF(2) they are the powers of
- * 1 + z. So the coordinate of an index read as P(z) is P(1 + z), and since
- * (1 + z)^16 = 1 + z^16 and so on, that takes five steps. */
+/* The bits of Sobol's second coordinate, reversed. His direction numbers are v_1 = 1/2, v_(j+1) =
+ * v_j xor v_j / 2. Reversed and read as polynomials over GF(2), they are the powers of 1 + z. So
+ * the coordinate of an index that is read as P(z) is P(1 + z). Since (1 + z)^16 = 1 + z^16 and so
+ * on, it takes five steps. */
 static inline lane_halves lanes_second_reversed(lane_halves x)
 {
     x ^= x >> 16;
@@ -104,7 +105,7 @@ static inline struct lanes_point2 lanes_sobol2(uint64_t hash, uint32_t index)
     return lanes_sobol2_of(seed, index + lane_halves_count());
 }
 
-/* pen_sobol2 of an index with a hash, each in its lane. */
+/* pen_sobol2 with an index and a hash in each lane. */
 static inline struct lanes_point2 lanes_sobol2_each(lane_words hash, lane_halves index)
 {
     const struct lanes_seeds seed = {lane_halves_of_words(hash * LANES_GOLDEN >> 32),
@@ -112,9 +113,9 @@ static inline struct lanes_point2 lanes_sobol2_each(lane_words hash, lane_halves
     return lanes_sobol2_of(seed, index);
 }
 
-/* pen_sample_hash in two steps: what keys with a seed share that differ in their purpose, pixel is
- * its y above its x, sequence the node above the pixel sample; and then that with a purpose, for
- * light 0. */
+/* pen_sample_hash in two steps, for keys with one seed that differ in their purpose. This is the
+ * common step: pixel has y above x, sequence has the node above the pixel sample. The next function
+ * adds a purpose, for light 0. */
 static inline lane_words lanes_sample_hash(uint64_t seed, lane_words pixel, lane_words sequence)
 {
     const lane_words h = lanes_mix((pen_mix64(seed) ^ pixel) + LANES_GOLDEN);
@@ -126,9 +127,10 @@ static inline lane_words lanes_sample_purpose(lane_words shared, uint32_t purpos
     return lanes_mix((shared ^ purpose) + LANES_GOLDEN);
 }
 
-/* pen_disk_of_square, without its case for the square's centre: lanes_unit_interval gives no such
- * point. Sine and cosine of at most an eighth of a turn are Taylor's series: within 3 ulp, and
- * without a reduction of the angle, since this is done for every point on a light or a lens. */
+/* pen_disk_of_square, without its case for the square's centre, which lanes_unit_interval never
+ * returns. Sine and cosine of at most an eighth of a turn are Taylor's series, within 3 ulp. They
+ * need no reduction of the angle, which matters because every point on a light or a lens needs
+ * them. */
 static inline struct lanes_point2 lanes_disk_of_square(struct lanes_point2 p)
 {
     const lanes a = 2 * p.x - 1, b = 2 * p.y - 1;

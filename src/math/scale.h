@@ -21,12 +21,13 @@ static inline int pen_exponent(double x)
     return biased == 0 || biased == 0x7ff ? 0 : biased - 1022 - shift;
 }
 
-/* x 2^e: exact, except for one rounding where the result is subnormal, and overflow to infinity. */
+/* x 2^e. It is exact, except for overflow to infinity and for one rounding if the result is
+ * subnormal. */
 static inline double pen_scale2(double x, int e)
 {
     for (int i = 0; i < 3 && e > 1023; i++, e -= 1023)
         x *= 0x1p1023;
-    /* Steps down stay 53 bits above the subnormal range, so that only the last one rounds. */
+    /* Steps down stay 53 bits above the subnormal range, so only the last one rounds. */
     for (int i = 0; i < 3 && e < -1022; i++, e += 969)
         x *= 0x1p-969;
     e = e > 1023 ? 1023 : e < -1022 ? -1022 : e;
@@ -36,7 +37,7 @@ static inline double pen_scale2(double x, int e)
     return x * power;
 }
 
-/* The larger of two numbers, none of which is NaN. */
+/* The larger of two numbers; neither is NaN. */
 static inline double pen_larger(double a, double b)
 {
     return a > b ? a : b;

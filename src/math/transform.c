@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Affine maps. They are built and applied while a scene is loaded, never per ray, so every sum of
- * products here is compensated, and sums of products of three entries are exact: whether a map can
+/* Affine maps. They are built and applied while a scene is loaded, never per ray. So every sum of
+ * products here is compensated, and sums of products of three entries are exact. Whether a map can
  * be inverted, and whether it mirrors, has no tolerance and no range. */
 #include "math/transform.h"
 
@@ -58,8 +58,8 @@ static bool all_finite(const struct pen_transform *f)
     return true;
 }
 
-/* The cube root of 0.001 <= a < 1000: Newton's iteration, whose last step takes the residual from
- * an exact cube, so that cubes of short numbers give their roots exactly. */
+/* The cube root of 0.001 <= a < 1000, by Newton's iteration. Its last step takes the residual from
+ * an exact cube, so cubes of short numbers give their roots exactly. */
 static double cube_root(double a)
 {
     double y = a < 1 ? 0.5 + 0.5 * a : 0.7 + 0.3 * a;
@@ -76,8 +76,8 @@ struct pen_transform pen_transform_identity(void)
     return (struct pen_transform){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 }
 
-/* Rodrigues' formula as a matrix: cos I + sin [k]x + (1 - cos) k k^T, with k = a / |a|. The axis
- * is divided, not multiplied with an inverse: along a coordinate axis k and k k^T are then exact,
+/* Rodrigues' formula as a matrix: cos I + sin [k]x + (1 - cos) k k^T, with k = a / |a|. The axis is
+ * divided rather than multiplied by an inverse. So along a coordinate axis k and k k^T are exact,
  * and all products are with 0 or 1. */
 static struct pen_transform rotation(struct pen_vec3 axis, double degrees)
 {
@@ -137,8 +137,8 @@ struct pen_vec3 pen_transform_vector(const struct pen_transform *f, struct pen_v
     return pen_vec3(pen_dot2(row(f, 0), v), pen_dot2(row(f, 1), v), pen_dot2(row(f, 2), v));
 }
 
-/* The sum is exact where its rounding, below 2^-50 of the sum of the products' sizes, might hide
- * its sign. What subnormal products lose is below 2^-670 if entries are below 2^400. */
+/* The sum is exact if its rounding, below 2^-50 of the sum of the products' sizes, might hide its
+ * sign. Subnormal products lose less than 2^-670 if entries are below 2^400. */
 int pen_transform_orientation(const struct pen_transform *f)
 {
     struct pen_exact_sum exact = {{0}};
@@ -162,8 +162,8 @@ int pen_transform_orientation(const struct pen_transform *f)
     return pen_exact_sign(&exact);
 }
 
-/* The inverse transpose is the cofactor matrix over the determinant. Of a map that nearly flattens
- * space, sums of cofactors cancel to almost nothing, so they are exact. */
+/* The inverse transpose is the cofactor matrix over the determinant. For a map that nearly flattens
+ * space, sums of cofactors cancel to almost nothing, so they are computed exactly. */
 struct pen_vec3 pen_transform_normal(const struct pen_transform *f, struct pen_vec3 n)
 {
     struct pen_exact_sum sum[3] = {{{0}}};
@@ -189,7 +189,8 @@ bool pen_transform_similarity(const struct pen_transform *f, double *scale)
     for (int j = 0; j < 3; j++) {
         int exponent = vector_exponent(column(f, j));
         if (exponent < e - 1 || exponent > e + 1)
-            return false; /* columns of equal length differ less in their largest entries */
+            return false; /* lengths differ: columns of equal length differ less in their largest
+                             entries */
         c[j] = pen_scale(column(f, j), power_of_two(-e));
     }
     double square = pen_dot2(c[0], c[0]), slack = 1e-6 * square;

@@ -13,7 +13,8 @@ struct pen_transform {
 
 struct pen_transform pen_transform_identity(void);
 
-/* scale, then rotate about an axis (any length, not zero) by degrees, then translate. */
+/* The map that scales, then rotates about an axis (any length, not zero) by degrees, then
+ * translates. */
 struct pen_transform pen_transform_make(double scale, struct pen_vec3 axis, double degrees,
                                         struct pen_vec3 translate);
 
@@ -27,8 +28,8 @@ struct pen_vec3 pen_rotate(struct pen_vec3 v, struct pen_vec3 axis, double degre
 struct pen_vec3 pen_transform_point(const struct pen_transform *f, struct pen_vec3 p);
 struct pen_vec3 pen_transform_vector(const struct pen_transform *f, struct pen_vec3 v);
 
-/* A plane's normal: by the inverse transpose, up to a positive factor, so that the outside stays
- * the image of the outside. Each component is within 1 ulp of the exact one. */
+/* A plane's normal, by the inverse transpose, up to a positive factor. So the outside is mapped to
+ * the outside. Each component is within 1 ulp of the exact one. */
 struct pen_vec3 pen_transform_normal(const struct pen_transform *f, struct pen_vec3 n);
 
 /* The sign of the determinant of the linear part, exactly: -1 if the map mirrors, 0 if it flattens
@@ -39,10 +40,10 @@ int pen_transform_orientation(const struct pen_transform *f);
  * length; then *scale = cbrt |det|. */
 bool pen_transform_similarity(const struct pen_transform *f, double *scale);
 
-/* Whether the linear part can be inverted: its entries are finite, and its determinant is not 0,
- * exactly. How well it can be inverted is not asked: a map that nearly flattens space moves points
- * and normals as exactly as any other, and what it puts on one line or one point is decided where
- * primitives are made. */
+/* Whether the linear part can be inverted: its entries are finite, and its determinant is not
+ * exactly 0. A map that nearly flattens space can be inverted, because it moves points and normals
+ * as exactly as any other map. The constructors of primitives test whether it puts points on one
+ * line or one point. */
 bool pen_transform_invertible(const struct pen_transform *f);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors of three doubles. Every operation rounds once per written operator, in the written
- * order, on every machine (the build forbids contraction), except where fma is written. */
+/* Vectors of three doubles. Every operation rounds once per written operator, in the written order,
+ * on every machine (the build forbids contraction), except where fma is written. */
 #ifndef PEN_MATH_VEC3_H
 #define PEN_MATH_VEC3_H
 
@@ -30,7 +30,7 @@ static inline struct pen_vec3 pen_scale(struct pen_vec3 a, double s)
     return pen_vec3(a.x * s, a.y * s, a.z * s);
 }
 
-/* Component by component. */
+/* The product, component by component. */
 static inline struct pen_vec3 pen_mul(struct pen_vec3 a, struct pen_vec3 b)
 {
     return pen_vec3(a.x * b.x, a.y * b.y, a.z * b.z);
@@ -57,14 +57,14 @@ static inline double pen_length(struct pen_vec3 a)
     return sqrt(pen_dot(a, a));
 }
 
-/* |x| + |y| + |z|, the norm that rounding bounds are stated in. */
+/* |x| + |y| + |z|, the norm of rounding bounds. */
 static inline double pen_norm1(struct pen_vec3 a)
 {
     return fabs(a.x) + fabs(a.y) + fabs(a.z);
 }
 
-/* The unit vector along a; a must not be zero, and its squares must neither overflow nor
- * underflow (true for everything inside the local frame). */
+/* The unit vector along a. a must not be zero, and its squares must neither overflow nor underflow,
+ * which holds for everything inside the local frame. */
 static inline struct pen_vec3 pen_normalize(struct pen_vec3 a)
 {
     double s = 1.0 / pen_length(a);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The state of an adaptive render, and the estimates that follow from it. */
+/* The state of an adaptive render, and its estimates. */
 #include "render/adaptive.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@ static size_t pixels_of(const struct pen_adaptive *a)
     return (size_t)a->settings->width * (size_t)a->settings->height;
 }
 
-/* What the arrays of a state take for each pixel, the ones with the strictest alignment first. */
+/* The bytes of a state's arrays per pixel. The arrays with the strictest alignment are first. */
 enum {
     BYTES_PER_PIXEL = sizeof(struct pen_pixel_sums) + sizeof(struct pen_pixel_estimate) +
                       3 * sizeof(float) + sizeof(uint16_t) + sizeof(unsigned char)
@@ -74,8 +74,8 @@ void pen_pixel_mean(const struct pen_pixel_sums *sums, double rgb[3])
         rgb[c] = (sums->sum[0][c] + sums->sum[1][c]) * each;
 }
 
-/* The mean square error of one encoded value, from those of the halves: the variance of their mean,
- * and the square of what the curve of the transfer function adds. */
+/* The mean square error of one encoded value, from those of the halves. It is the variance of their
+ * mean, plus the square of the error that the curve of the transfer function adds. */
 static double channel_error(const double encoded[2], double of_mean)
 {
     const double apart = (encoded[0] - encoded[1]) / 2;

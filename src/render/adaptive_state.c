@@ -8,7 +8,7 @@ static const char magic[8] = "PENADP5";
 
 static const double ms_max = 1e12; /* 30 years: a time that can be counted in nanoseconds */
 
-/* What comes before the build's text, the times of tiles, the sums, and the wanted pixels. */
+/* The part before the build's text, the times of tiles, the sums, and the wanted pixels. */
 struct header {
     char magic[8];
     uint32_t width, height, tiles, build_bytes;
@@ -28,7 +28,7 @@ static size_t tiles_of(const struct pen_settings *s)
     return (size_t)pen_tile_count(s->width, s->height, s->tile);
 }
 
-/* The most that a state has, with 256 bytes for the build. */
+/* The largest size of a state, with 256 bytes for the build. */
 static size_t state_bytes(const struct pen_settings *settings)
 {
     return sizeof(struct header) + 256 + tiles_of(settings) * sizeof(double) +
@@ -61,7 +61,7 @@ void pen_adaptive_save(const struct pen_adaptive *adaptive, const struct pen_ren
     pen_buf_add(out, adaptive->wanted, pixels_of(s));
 }
 
-/* Whether a byte that was read is one of a bool: using another one as a bool is undefined. */
+/* Whether a byte is a valid bool. Using another byte as a bool is undefined. */
 static bool is_bool(const bool *at)
 {
     unsigned char byte;
@@ -69,7 +69,8 @@ static bool is_bool(const bool *at)
     return byte <= 1;
 }
 
-/* Whether statistics are of rounds with this target, which have ended or one of which goes on. */
+/* Whether statistics are of rounds with this target, which have ended or one of which is
+ * unfinished. */
 static bool fits(const struct pen_adaptive_stats *a, const struct pen_settings *s)
 {
     if (!is_bool(&a->met) || !is_bool(&a->timed) || !is_bool(&a->ended))
@@ -81,7 +82,7 @@ static bool fits(const struct pen_adaptive_stats *a, const struct pen_settings *
            (size_t)a->round[a->rounds].tiles < tiles_of(s);
 }
 
-/* Whether a header and what follows it are of these settings and this build. */
+/* Whether a header and the bytes after it are of these settings and this build. */
 static bool is_usable(const struct header *h, const unsigned char *rest, size_t count,
                       const struct pen_settings *s, const char *build)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Threads take the drawn pixels from a counter. What is found of a pixel does not depend on the
- * others, so the result is the same for any number of threads. */
+/* Threads take the drawn pixels from a counter. The verdict on a pixel does not depend on other
+ * pixels, so the result is the same for any number of threads. */
 #include "render/audit.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ enum verdict { RIGHT, UNDECIDED, WRONG };
 
 struct job {
     const struct pen_audit_task *task;
-    struct pen_settings sampling; /* those of the pixels that are rendered again */
+    struct pen_settings sampling; /* for rendering pixels again */
     struct pen_kernel_input input;
     const struct pen_kernel *kernel;
     struct pen_kernel_scratch **scratch; /* by thread */
@@ -30,12 +30,13 @@ struct job {
     size_t *drawn; /* numbers of pixels */
     uint64_t count;
     pthread_mutex_t lock;
-    uint64_t first, next;         /* the pixels that are begun; next is guarded by lock */
+    uint64_t first,
+        next; /* the pixels from the first begun one to the next; next is guarded by lock */
     uint64_t wrong, undecided;    /* guarded by lock */
     struct pen_audit_cell *cells; /* the same */
 };
 
-/* Draws pixels without replacement: numbers that were drawn before are passed over. */
+/* Draws pixels without replacement: skips numbers that were drawn before. */
 static bool draw(struct job *job, size_t pixels, struct pen_status *st)
 {
     const uint64_t wanted = job->task->pixels;
@@ -57,7 +58,7 @@ static bool draw(struct job *job, size_t pixels, struct pen_status *st)
     return ok;
 }
 
-/* The samples that each replicate of a pixel gets. */
+/* The number of samples for each replicate of a pixel. */
 static uint32_t samples_for(const struct job *job, size_t at)
 {
     const struct pen_audit_task *task = job->task;
@@ -72,7 +73,7 @@ static uint32_t samples_for(const struct job *job, size_t at)
     return each < 1 << 30 ? (uint32_t)each : 1U << 30;
 }
 
-/* Renders the replicates of a pixel: their sums, and the colour that all of them give. */
+/* Renders the replicates of a pixel: their sums, and the colour of all of them together. */
 static void render_again(const struct job *job, int thread, size_t at,
                          struct pen_pixel_sums replicate[PEN_AUDIT_REPLICATES], double rgb[3])
 {
@@ -145,15 +146,15 @@ static bool is_cancelled(const struct job *job)
     return job->task->cancel && atomic_load_explicit(job->task->cancel, memory_order_relaxed);
 }
 
-/* Takes the next pixel, which is judged then, unless the audit is cancelled. False: there is none,
- * or the caller pauses. */
+/* Takes the next pixel for judgement, unless the audit is cancelled. Returns false if there is
+ * none, or if the caller pauses. */
 static bool take_pixel(struct job *job, uint64_t *i)
 {
     const struct pen_audit_task *task = job->task;
     pthread_mutex_lock(&job->lock);
     if (job->next > job->first && job->next < job->count && task->pause &&
         task->pause(task->pause_user))
-        job->count = job->next; /* the next look finds no more either */
+        job->count = job->next; /* later calls find no more either */
     *i = job->next;
     const bool more = job->next < job->count;
     job->next += more;
@@ -176,7 +177,7 @@ static void audit_pixels(void *user, int thread)
     }
 }
 
-/* The settings of what is rendered again: several camera rays, whose points can be continued. */
+/* The settings for rendering pixels again: several camera rays, whose points can be continued. */
 static struct pen_settings sampling_of(const struct pen_audit_task *task)
 {
     struct pen_settings s = pen_settings_sampling(task->settings);
@@ -251,8 +252,8 @@ bool pen_audit_run(struct pen_thread_pool *pool, const struct pen_audit_task *ta
     return pen_audit_continue(pool, task, &progress, audit, st);
 }
 
-/* The logarithm of the probability of k or fewer of n, each with probability p: that of k, times
- * one and what smaller numbers add relative to it. */
+/* The logarithm of the probability of k or fewer of n, each with probability p. It is the
+ * probability of k, times one plus the relative contributions of smaller numbers. */
 static double log_at_most(double k, double n, double p)
 {
     double log_k = n * pen_ln(1 - p), sum = 1, term = 1;

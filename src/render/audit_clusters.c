@@ -27,7 +27,7 @@ void pen_audit_note_wrong(struct pen_audit_cell cells[PEN_AUDIT_CELLS],
     extend(&cells[row * SIDE + column], &(struct pen_audit_cell){1, x, y, x, y});
 }
 
-/* Takes a cell, and all that belong to its cluster, out of those that are left. */
+/* Removes a cell, and all cells of its cluster, from those that are left. */
 static struct pen_audit_cell take_cluster(const struct pen_audit_cell *cells, bool *left, int first)
 {
     struct pen_audit_cell sum = {.wrong = 0};
@@ -48,7 +48,7 @@ static struct pen_audit_cell take_cluster(const struct pen_audit_cell *cells, bo
     return sum;
 }
 
-/* Puts a cluster behind those that have as many wrong pixels, if it is one of the largest. */
+/* Inserts a cluster after those with as many wrong pixels, if it is one of the largest. */
 static void insert(struct pen_audit *audit, const struct pen_audit_cell *sum)
 {
     int at = audit->clusters < PEN_AUDIT_CLUSTERS ? audit->clusters++ : PEN_AUDIT_CLUSTERS;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Bright things that may be seen in surfaces at places that are not computed: through refraction or
- * frosted glass, in cones, and in mirrors that mirrors show; and highlights of cones. Samples of
- * beams that meet such a surface look for nothing, but what they may not have seen counts while
+ * frosted glass, in cones, and in mirrors that mirrors show. Also highlights of cones. Samples of
+ * beams that meet such a surface look for nothing. The light that they may have missed counts while
  * they agree. */
 #include "render/internal/beam_bounds.h"
 
-/* What surfaces may show. */
+/* The light that surfaces may show. */
 struct hidden {
     struct pen_vec3 light; /* of the brightest thing, in each channel */
     uint32_t mirrors;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Things that no beam meets since a primitive is in front of them.
+/* Things that no beam meets because a primitive is in front of them.
  *
  * A primitive hides the bounds of a thing if it is convex and opaque, and is the first that the
- * rays to their corners meet: from the eye, or from the corners of the part of the lens from which
- * they are seen. The rays of a point that meet a convex body are a convex cone, and so are the
- * lines that lead from it back to the lens: so all rays of the beam meet it that are between these.
- * Of a convex body seen through a rectangle, the corners of that show what is farthest: so it is
- * before the thing if it is so there. */
+ * rays to their corners meet. These rays start at the eye, or at the corners of the part of the
+ * lens from which the bounds are seen. The rays of a point that meet a convex body are a convex
+ * cone, and so are the lines from it back to the lens. So all rays of the beam between these rays
+ * meet the body. The farthest point of a convex body that is seen through a rectangle is seen at a
+ * corner. So the body is in front of the thing if it is so at the corners. */
 #include <fenv.h>
 #include <math.h>
 #include <stdatomic.h>
@@ -14,7 +14,7 @@
 #include "render/internal/beam_bounds.h"
 #include "render/internal/kernel_input.h"
 
-/* Whether a primitive is convex, and nothing is seen through it. */
+/* Whether a primitive is convex and opaque. */
 static bool is_screen(const struct pen_scene *scene, uint32_t prim)
 {
     const struct pen_prims *prims = &scene->prims;
@@ -39,7 +39,7 @@ static bool is_screen(const struct pen_scene *scene, uint32_t prim)
     return false;
 }
 
-/* Whether a ray comes to a primitive from outside. From inside a convex body, what is farthest is
+/* Whether a ray comes to a primitive from outside. From inside a convex body, the farthest point is
  * not at the corners. */
 static bool is_outside(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray)
 {
@@ -49,7 +49,7 @@ static bool is_outside(const struct pen_prims *prims, struct pen_hit hit, const 
 }
 
 /* The first primitive on the ray through a point of the image and of the lens, and its depth in
- * lengths of the pinhole's `middle`. False if it cannot hide anything. */
+ * lengths of the pinhole's `middle`. Returns false if it cannot hide anything. */
 static bool first_on(const struct pen_kernel_input *input, struct pen_point2 at,
                      struct pen_point2 lens, uint32_t *prim, double *depth)
 {
@@ -86,8 +86,8 @@ float pen_beam_depth(const struct pen_kernel_input *input, struct pen_box box)
     return (float)(room * least / pen_dot(middle, middle));
 }
 
-/* The depth in front of which one primitive is that hides all of the bounds, which begin at pixel
- * (x, y); INFINITY: none does. */
+/* The depth of a primitive that hides all of the bounds, which begin at pixel (x, y); INFINITY if
+ * none does. */
 static double hidden_from(const struct pen_kernel_input *input, const struct bounds *b, int x,
                           int y)
 {
@@ -108,7 +108,7 @@ static double hidden_from(const struct pen_kernel_input *input, const struct bou
     return most;
 }
 
-/* What threads do, block by block. */
+/* The work of threads, block by block. */
 struct pass {
     struct pen_beams *beams;
     const struct pen_kernel_input *input;
@@ -116,13 +116,13 @@ struct pass {
     atomic_int next;
 };
 
-/* All of a rectangle of pixels, from all of the lens. */
+/* The bounds of a whole rectangle of pixels, seen from the whole lens. */
 static struct bounds whole(int side)
 {
     return (struct bounds){.a = {side, 0}, .b = {0, side}, .lens_lo = {-1, -1}, .lens_hi = {1, 1}};
 }
 
-/* Leaves out what is hidden in a pixel, where things from `depth` on are. */
+/* Removes hidden things from a pixel: those at `depth` or beyond. */
 static void hide_in_pixel(const struct pass *pass, int x, int y, double depth)
 {
     struct pen_beams *beams = pass->beams;

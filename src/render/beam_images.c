@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* Images of things in surfaces: bright primitives in mirrors, and highlights, which are the images
- * of lights. A flat mirror shows an image as far behind it as the thing is before it. A round
+/* Images of things in surfaces: bright primitives in mirrors, and highlights, which are images of
+ * lights. A flat mirror shows an image as far behind it as the thing is in front of it. A round
  * surface shows one where its normal halves the angle between the eye and the thing. */
 #include <math.h>
 
 #include "math/fn.h"
 #include "render/internal/beam_bounds.h"
 
-/* A flat mirror, and how wide the cone of its rays is. */
+/* A flat mirror, with the width of the cone of its rays. */
 struct mirror {
     struct pen_vec3 point, normal, kr;
     double blur; /* the tangent of the cone's half-angle */
-    float near;  /* as that of bounds */
+    float near;  /* as in struct bounds */
 };
 
 /* The tangent of the half-angle of a material's reflected rays. */
@@ -26,7 +26,7 @@ static const struct pen_material *material_of(const struct pen_scene *scene, uin
     return &scene->materials[scene->prim_material[prim]];
 }
 
-/* The most that a primitive mirrors. */
+/* An upper bound of the light that a primitive mirrors. */
 static struct pen_vec3 mirrored_by(const struct pen_scene *scene, uint32_t prim)
 {
     const struct pen_material *m = material_of(scene, prim);
@@ -72,9 +72,9 @@ static void set_light(struct bounds *b, struct pen_vec3 light)
     b->light[2] = (float)light.z;
 }
 
-/* Adds the image of a bright thing in a flat mirror: that of a sphere around it. A blurred one is
+/* Adds the image of a bright thing in a flat mirror: that of a sphere around it. A blurred image is
  * seen in a wider sphere. There a ray meets the thing with a probability of at most its share of
- * the cone, from as near as the mirror can be. */
+ * the cone, from the nearest place of the mirror. */
 static bool add_mirrored(struct pen_beams *beams, const struct pen_kernel_input *input,
                          uint32_t prim, const struct mirror *mirror)
 {
@@ -99,7 +99,7 @@ static bool add_mirrored(struct pen_beams *beams, const struct pen_kernel_input 
     return pen_beam_add_thing(beams, &thing);
 }
 
-/* Adds what flat mirrors show of bright things. */
+/* Adds the images of bright things in flat mirrors. */
 static bool add_mirrors(struct pen_beams *beams, const struct pen_kernel_input *input)
 {
     enum { MIRRORS_MOST = 16 };
@@ -118,13 +118,13 @@ static bool add_mirrors(struct pen_beams *beams, const struct pen_kernel_input *
     return true;
 }
 
-/* What a surface shows an image of. */
+/* The thing or light whose image a surface shows. */
 struct source {
     bool far;
-    struct pen_vec3 at; /* its middle; if it is far, the direction to it */
+    struct pen_vec3 at; /* its middle; the direction to it if it is far */
 };
 
-/* The place of a surface where it shows the image. */
+/* The place of a surface at which it shows the image. */
 struct place {
     struct pen_vec3 p, normal, along; /* a point, and unit vectors; `along` is a tangent */
     double curved[2];                 /* the curvature along that tangent, and across it */
@@ -147,7 +147,7 @@ static struct pen_vec3 any_tangent(struct pen_vec3 n)
     return pen_normalize(pen_cross(n, axis));
 }
 
-/* Each step brings a place of a round surface nearer. */
+/* Steps that approach a place of a round surface. */
 enum { STEPS = 50 };
 
 static bool is_there(struct pen_vec3 a, struct pen_vec3 b)
@@ -176,7 +176,7 @@ static struct pen_vec3 across(struct pen_vec3 v, struct pen_vec3 axis)
     return pen_along(v, axis, -pen_dot(v, axis));
 }
 
-/* Along a line, rays to the eye and to the source have the same slope. */
+/* The place on a line: rays to the eye and to the source have the same slope there. */
 static double along_line(struct pen_vec3 eye, struct pen_vec3 source, bool far,
                          struct pen_vec3 axis)
 {
@@ -207,7 +207,8 @@ static void place_on_cylinder(const struct pen_kernel_input *input,
     at->curved[1] = 1 / side->r;
 }
 
-/* On a plane through q: the eye's image behind it, the place and the source are on a line. */
+/* The place on a plane through q: it is on the line from the eye's image behind the plane to the
+ * source. */
 static bool place_on_plane(const struct pen_kernel_input *input, struct pen_vec3 q,
                            struct pen_vec3 normal, const struct source *source, struct place *at)
 {
@@ -247,9 +248,8 @@ static bool place_on(const struct pen_kernel_input *input, uint32_t prim,
     return true;
 }
 
-/* How far from its place an image goes along a tangent, in which the surface is curved so much:
- * the mirrored ray is off by twice the angle of the normal, and by the angles at the eye and at the
- * source. */
+/* How far an image extends from its place along a tangent with this curvature. The mirrored ray is
+ * off by twice the angle of the normal, and by the angles at the eye and at the source. */
 static double reach(const struct place *at, const struct pen_kernel_input *input,
                     const struct source *source, double angle, double curved)
 {
@@ -271,7 +271,7 @@ static struct pen_vec3 absolute(struct pen_vec3 v)
     return pen_vec3(fabs(v.x), fabs(v.y), fabs(v.z));
 }
 
-/* The bounds of an image that has so large a half-angle as seen from its place. False if the
+/* The bounds of an image with this half-angle as seen from its place. Returns false if the
  * primitive does not show it. */
 static bool image_in(const struct pen_kernel_input *input, uint32_t prim,
                      const struct source *source, const struct place *at, double angle,
@@ -281,7 +281,7 @@ static bool image_in(const struct pen_kernel_input *input, uint32_t prim,
     const struct pen_vec3 half = pen_normalize(halfway(input, source, at->p));
     if (!(pen_dot(half, at->normal) > 0) || !(pen_dot(direction_to(source, at->p), at->normal) > 0))
         return false;
-    angle += 2 * pen_length(pen_sub(half, at->normal)); /* where steps end before the place */
+    angle += 2 * pen_length(pen_sub(half, at->normal)); /* for steps that end before the place */
     const double i = reach(at, input, source, angle, at->curved[0]),
                  k = reach(at, input, source, angle, at->curved[1]);
     const struct pen_vec3 axes[] = {
@@ -298,8 +298,8 @@ static bool image_in(const struct pen_kernel_input *input, uint32_t prim,
            thing->hull.count >= 3;
 }
 
-/* Adds the highlight of a light on a primitive if it is less than some pixels wide: there it is as
- * bright as FAINT or more. */
+/* Adds the highlight of a light on a primitive if it is only some pixels wide: the part that is at
+ * least as bright as FAINT. */
 static bool add_highlight(struct pen_beams *beams, const struct pen_kernel_input *input,
                           uint32_t prim, const struct pen_light *light)
 {
@@ -360,7 +360,7 @@ static bool add_image(struct pen_beams *beams, const struct pen_kernel_input *in
     return pen_beam_add_thing(beams, &thing);
 }
 
-/* Adds what round mirrors show of bright things. */
+/* Adds the images of bright things in round mirrors. */
 static bool add_round_mirrors(struct pen_beams *beams, const struct pen_kernel_input *input)
 {
     const struct pen_scene *scene = input->scene;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Samples that look for things, and what they may not have seen. */
+/* Samples that look for things, and the light that they may have missed. */
 #include <math.h>
 
 #include "math/fn.h"
@@ -20,8 +20,8 @@ enum pen_beam_things pen_beam_things(const struct pen_beams *beams, size_t pixel
     return PEN_BEAM_SMALL;
 }
 
-/* Bounds as seen from a point of the lens: those of a lens are cut to the pixel. Returns the
- * density of their points, for which the whole beam has 1; 0: nothing of them is seen from there.
+/* Bounds as seen from a point of the lens; with a lens they are cut to the pixel. Returns the
+ * density of their points, which is 1 for the whole beam; 0 if no part of them is seen from there.
  */
 static double bounds_from(const struct pen_beams *beams, const struct bounds *b,
                           struct pen_point2 lens, struct bounds *seen)
@@ -43,7 +43,7 @@ static double bounds_from(const struct pen_beams *beams, const struct bounds *b,
     return 1 / (seen->a.x * seen->b.y * lens_share);
 }
 
-/* The density with which bounds give a point of the beam. */
+/* The density with which a point of the beam is drawn from bounds. */
 static double density_at(const struct pen_beams *beams, const struct bounds *b, struct pen_point2 p,
                          struct pen_point2 lens)
 {
@@ -57,7 +57,7 @@ static double density_at(const struct pen_beams *beams, const struct bounds *b, 
     return i >= 0 && i <= 1 && k >= 0 && k <= 1 ? density : 0;
 }
 
-/* A point of bounds, by a point of the unit square for the image and one for the lens. */
+/* A point of bounds, from a point of the unit square for the image and one for the lens. */
 static void point_in(const struct pen_beams *beams, const struct bounds *b, struct pen_point2 s,
                      struct pen_point2 *p, struct pen_point2 *lens)
 {
@@ -112,11 +112,12 @@ double pen_beam_sample(const struct pen_beams *beams, const struct pen_camera_sa
 /* The rays of a blurred mirror for each camera ray: pen_settings_sampling. */
 static const double BLURRED_RAYS = 4;
 
-/* What is shown somewhere counts as seen if so many samples of a pixel agree: with as many of its
- * neighbours each, they miss what takes a thirtieth of these with a probability of 0.01. */
+/* A thing at an unknown place counts as seen if this number of samples of a pixel agree. With as
+ * many samples in each neighbour, a thing that covers a thirtieth of these pixels is missed with a
+ * probability of 0.01. */
 static const double ENOUGH = 16;
 
-/* The mean square of what values change if a share of so much light is added, or lost. */
+/* The mean square change of a pixel's values if a share of this light is added, or lost. */
 static double change(const struct pen_beams *beams, const double linear[3], const double light[3],
                      double share, double lost)
 {
@@ -140,7 +141,7 @@ double pen_beam_unseen(const struct pen_beams *beams, size_t pixel, const double
     double small = 0;
     if (met->small_share > 0 && view->agree)
         small = pen_smaller(1, part / (double)met->small_share);
-    /* A convex thing takes half of the least rectangle around it or more: so each sample of its
+    /* A convex thing covers at least half of the least rectangle around it. So each sample of its
      * bounds halves the probability that it is unseen, unless others hide it. */
     const double bounds = beams->first[pixel + 1] - beams->first[pixel];
     if (met->small_share > 0 && view->looks)

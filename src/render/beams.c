@@ -6,21 +6,21 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Bounds of bright things that take a larger share of a beam are met by samples of the whole beam
- * as well. */
+/* If bounds of bright things cover a larger share of a beam than this, samples of the whole beam
+ * meet them too. */
 static const double LARGE = 0.25;
 
-/* Own light from which on a primitive is bright. */
+/* The least own light of a bright primitive. */
 static const double BRIGHT = 4;
 
-/* A primitive is small if it is less than a pixel wide; if it is brighter than white, as many
- * times that, but at most so many pixels. */
+/* A primitive is small if it is less than a pixel wide. If it is brighter than white by a factor,
+ * this width is larger by that factor, but at most this number of pixels. */
 static const double WIDTH_MOST = 8;
 
-/* The most small things of a beam that is no texture, and the most bounds that are sampled. */
+/* The most small things of a beam that is not a texture, and the most bounds that are sampled. */
 enum { SMALL_MOST = 4, BOUNDS_MOST = 16 };
 
-/* What a material shines by itself; of a pattern, more than either of its two colours. */
+/* A material's own light; for a pattern, an upper bound of both colours. */
 static struct pen_vec3 own_light(const struct pen_scene *scene, const struct pen_material *m)
 {
     struct pen_vec3 sum = pen_add(m->emission, pen_mul(scene->ambient, m->ka));
@@ -40,7 +40,7 @@ struct pen_vec3 pen_beam_light_within(const struct pen_light *light, struct pen_
                      1 / pen_larger(light->kc + light->kl * d + light->kq * dd, 1e-6));
 }
 
-/* What lights bring to some of a box, at most. */
+/* An upper bound of the light from all lights in a box. */
 static struct pen_vec3 lights_within(const struct pen_scene *scene, struct pen_box box)
 {
     struct pen_vec3 sum = {0, 0, 0};
@@ -63,7 +63,7 @@ struct pen_vec3 pen_beam_light(const struct pen_scene *scene, uint32_t prim)
                    pen_mul(pen_add(m->kr, m->kt), scene->background));
 }
 
-/* How bright most of a primitive may be: highlights are things of their own. */
+/* The brightness of most of a primitive. Highlights are separate things. */
 static double brightness(const struct pen_scene *scene, uint32_t prim)
 {
     const struct pen_material *m = material_of(scene, prim);
@@ -101,8 +101,8 @@ static void add_met(struct pen_beams *beams, const struct bounds *b, double part
     *(b->small ? &met->small_share : &met->share) += times;
 }
 
-/* What takes all of a beam is met by its samples. So much of that may be in a picture that it is
- * not kept as bounds. */
+/* Adds a thing that covers a whole beam, whose samples meet it. It is not kept as bounds, because a
+ * picture may contain very many. */
 static bool add_beam(struct pen_beams *beams, const struct bounds *b)
 {
     static const double all = 0.999;
@@ -170,7 +170,8 @@ static double outside(double from, double to, double at)
     return pen_larger(0, pen_larger(from - at, at - to));
 }
 
-/* Lowers the light of a thing whose light falls to what it may have in the pixel at (x, y). */
+/* Lowers the light of a thing whose light falls off to the most that it may have in the pixel at
+ * (x, y). */
 static void fall_to(const struct thing *thing, struct bounds *b, int x, int y)
 {
     const struct pen_point2 lo = pen_hull_least(&thing->hull), hi = pen_hull_largest(&thing->hull);
@@ -208,7 +209,7 @@ static bool add_pixel(struct pen_beams *beams, const struct thing *thing,
     return !(b.share > 0) || add_beam(beams, &b);
 }
 
-/* Which places of the lens, along one axis, bring lo to hi into 0 to 1. */
+/* The places of the lens, along one axis, from which lo to hi is within 0 to 1. */
 static bool lens_range(double lo, double hi, double shear, double *from, double *to)
 {
     *from = -1;
@@ -221,7 +222,7 @@ static bool lens_range(double lo, double hi, double shear, double *from, double 
     return *from < *to;
 }
 
-/* Adds the beam of a lens, whose rectangle is lo to hi from the corner of the pixel on. */
+/* Adds the beam of a lens, whose rectangle is lo to hi relative to the corner of the pixel. */
 static bool add_lens_pixel(struct pen_beams *beams, const struct thing *thing, struct pen_point2 lo,
                            struct pen_point2 hi, int x, int y)
 {
@@ -281,7 +282,7 @@ bool pen_beam_add_thing(struct pen_beams *beams, const struct thing *thing)
     return true;
 }
 
-/* Whether a polygon is less than so many pixels wide in the mean. */
+/* Whether a polygon's mean width is less than this number of pixels. */
 static bool is_thin(const struct pen_hull *hull, double pixels)
 {
     const struct pen_point2 lo = pen_hull_least(hull), hi = pen_hull_largest(hull);
@@ -289,7 +290,7 @@ static bool is_thin(const struct pen_hull *hull, double pixels)
     return pen_hull_area(hull) < pixels * pen_larger(pixels, sqrt(x * x + y * y));
 }
 
-/* Whether a sphere certainly is no thing unless it is bright: the usual case, told quickly. */
+/* Whether a sphere is certainly no thing unless it is bright: a fast test of the usual case. */
 static bool is_wide(const struct pen_kernel_input *input, uint32_t prim)
 {
     const struct pen_pinhole *p = &input->pinhole;
@@ -311,8 +312,8 @@ static bool share_a_corner(struct pen_outline a, struct pen_outline b)
     return false;
 }
 
-/* Whether a flat primitive is part of a surface: it shares a corner with one that stands near it in
- * the document. Small ones of a surface are no things. */
+/* Whether a flat primitive is part of a surface: it shares a corner with one that is near it in the
+ * document. Small primitives of a surface are no things. */
 static bool is_facet(const struct pen_prims *prims, uint32_t prim)
 {
     enum { NEAR = 4 };
@@ -358,7 +359,7 @@ static bool sort_bounds(struct pen_beams *beams)
         free(sorted);
         return false;
     }
-    uint32_t *next = beams->first + 1; /* becomes first */
+    uint32_t *next = beams->first + 1; /* this array becomes `first` */
     for (size_t i = 0; i < beams->count; i++)
         next[beams->bounds[i].pixel + 1]++;
     for (size_t i = 0; i < pixels; i++)
@@ -370,7 +371,7 @@ static bool sort_bounds(struct pen_beams *beams)
     return true;
 }
 
-/* Keeps the bounds of a pixel that samples are drawn from, from number `count` on; of the others
+/* Keeps the bounds of a pixel from which samples are drawn, from number `count` on. Of the others
  * only the light counts. */
 static void keep_bounds(struct pen_beams *beams, const struct bounds *from, size_t n, size_t count)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Cells are taken in scattered order: so those that are done by a deadline are of all parts of a
- * view. */
+/* Cells are taken in scattered order, so that the cells that are done by a deadline are spread over
+ * the whole view. */
 #include "render/cost_map.h"
 
 #include <math.h>
@@ -13,31 +13,31 @@
 #include "render/internal/kernel_input.h"
 #include "render/render.h"
 
-/* Of a job: MOST_CELLS bounds what the store keeps of it. For up to MANY_CELLS blocks take fewer
- * camera rays, and for up to FEW_CELLS they are smaller, though a ray costs more there. */
+/* Numbers of cells of a job. MOST_CELLS limits the size of a stored map. Up to MANY_CELLS, blocks
+ * take fewer camera rays. Up to FEW_CELLS they are smaller, although a ray costs more there. */
 enum { MOST_CELLS = 1024, MANY_CELLS = 512, FEW_CELLS = 160 };
 
-/* Of all cells: some ten seconds of two threads. Pixels take at most their share of it, as far as
- * the numbers of samples tell. */
+/* The most rays of all cells: some ten seconds of two threads. A pixel takes at most its share of
+ * them, as estimated from the numbers of samples. */
 static const double RAYS_MAX = 4e7;
 
 static const double CELL_STEP = 0.618;
 
-/* Steps by which shares are saved, below the largest. */
+/* Steps of stored shares per octave, below the largest share. */
 enum { STEPS_AN_OCTAVE = 16 };
 
 struct sampler {
     const struct pen_forecast_task *task;
     struct pen_cost_map *map;
     struct pen_settings sampling;
-    struct pen_kernel_input input; /* of the view with the place `view` */
+    struct pen_kernel_input input; /* of the view at index `view` */
     struct pen_kernel kernel;
     struct pen_kernel_scratch **scratch; /* by thread */
     int view, threads, side, step;
-    int64_t end_ns; /* when no more cells of the view are begun; 0: none */
-    double pixels;  /* that a view may take, with all samples */
-    double fewer;   /* how many times fewer samples blocks of the view take */
-    double excess;  /* by how much that may be too much, of all views */
+    int64_t end_ns; /* time after which no more cells of the view are begun; 0: none */
+    double pixels;  /* number that a view may take, with all samples */
+    double fewer;   /* divisor of the samples in blocks of the view */
+    double excess;  /* factor by which that may be too much, for all views */
     atomic_int next;
 };
 
@@ -80,7 +80,8 @@ static struct pen_rect cell_rect(const struct pen_cost_map *map, int column, int
                              part_of(map->height, row + 1, map->rows) - y};
 }
 
-/* Cuts a view into nearly square cells, at most so many and no more than it has pixels. */
+/* Divides a view into nearly square cells: at most this number, and at most the number of its
+ * pixels. */
 static void cut_view(struct pen_cost_map *map, double cells)
 {
     const double side = sqrt((double)map->width * map->height / most(1, cells));
@@ -95,8 +96,8 @@ static int camera_samples(const struct sampler *s, int view)
     return pen_camera_samples(lens, &sampling);
 }
 
-/* Chooses cells and blocks: as many as PEN_COST_MAP_PART of the work allows in the view with the
- * fewest camera rays, of which blocks may leave some out. */
+/* Chooses cells and blocks: the number that PEN_COST_MAP_PART of the work allows in the view with
+ * the fewest camera rays. Blocks may leave out some of these. */
 static void choose_cells(struct sampler *s, const int *view)
 {
     struct pen_cost_map *map = s->map;
@@ -115,7 +116,7 @@ static void choose_cells(struct sampler *s, const int *view)
     cut_view(map, least(all, floor(s->pixels * fewer / (s->side * s->side))));
 }
 
-/* Chooses how many samples the blocks of a view take. */
+/* Chooses the number of samples in the blocks of a view. */
 static void choose_samples(struct sampler *s, int view)
 {
     const int camera = camera_samples(s, view);
@@ -135,7 +136,7 @@ static bool is_cancelled(const struct sampler *s)
     return s->task->cancel && atomic_load_explicit(s->task->cancel, memory_order_relaxed);
 }
 
-/* A block somewhere in a cell. */
+/* A block at a random place in a cell. */
 static struct pen_rect block_in(const struct sampler *s, struct pen_rect cell, int number)
 {
     const int width = smaller(s->side, cell.width), height = smaller(s->side, cell.height);
@@ -172,15 +173,15 @@ static void time_cells(void *user, int thread)
     while ((i = atomic_fetch_add_explicit(&s->next, 1, memory_order_relaxed)) < cells &&
            !is_cancelled(s) && (i == 0 || s->end_ns == 0 || pen_clock_ns() < s->end_ns)) {
         const int cell = (int)((int64_t)i * s->step % cells);
-        if (!warm) /* the first block of a thread also waits for memory that others find in caches
-                    */
+        if (!warm) /* the first block of a thread also waits for memory that later blocks find in
+                      caches */
             time_cell(s, thread, cell);
         warm = true;
         time_cell(s, thread, cell);
     }
 }
 
-/* Times the cells of a view, which has this number in the scene. */
+/* Times the cells of the view with this number in the scene. */
 static bool time_view(struct pen_thread_pool *pool, struct sampler *s, int view)
 {
     const int64_t end_ns = s->task->deadline_ns;
@@ -221,8 +222,8 @@ static bool time_views(struct pen_thread_pool *pool, struct sampler *s, const in
     return ok;
 }
 
-/* Turns times into shares, and estimates the time of all: its error from the differences of
- * neighbouring cells, as in forecast.c. */
+/* Turns times into shares, and estimates the time of all pixels. Its error comes from the
+ * differences of neighbouring cells, as in forecast.c. */
 static void normalise(const struct sampler *s)
 {
     struct pen_cost_map *map = s->map;
@@ -278,7 +279,7 @@ static double overlap(int a, int a_length, int b, int b_length)
     return end > begin ? end - begin : 0;
 }
 
-/* The first of n parts of a length that can have something at or after `at`. */
+/* The first of n parts of a length that can contain a place at or after `at`. */
 static int part_at(int length, int at, int n)
 {
     const int part = (int)((int64_t)at * n / length);
@@ -304,8 +305,8 @@ double pen_cost_map_share(const struct pen_cost_map *map, int view, struct pen_r
     return share;
 }
 
-/* The head of a saved map: views, columns and rows, of two bytes each. A byte for each cell
- * follows. */
+/* The head of a stored map: views, columns and rows, of two bytes each. Then follows one byte for
+ * each cell. */
 enum { HEAD_BYTES = 6 };
 _Static_assert(HEAD_BYTES + MOST_CELLS <= PEN_COST_MAP_BYTES, "a map fits");
 

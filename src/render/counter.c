@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A thread that counts has a copy of the scene whose accelerator is a counting view of the shared
- * one, and traces by the counting functions. Kernels need not know. */
+/* A counting thread has a copy of the scene whose accelerator is a counting view of the shared one,
+ * and traces with the counting functions. Kernels are not affected. */
 #include "render/internal/counter.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The decision after a round. Threads take slices of the picture, whose number does not depend on
- * that of the threads, and the slices' sums are added in order: so a decision is the same on every
- * machine. */
+/* The decision after a round. Threads take slices of the picture. The number of slices does not
+ * depend on the number of threads, and their sums are added in order. So a decision is the same on
+ * every machine. */
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -11,27 +11,29 @@
 #include "render/adaptive.h"
 #include "render/internal/beams.h"
 
-/* The rate at which a mean square error falls with the number of samples, as n^-RATE: between 1,
- * of independent samples, and 1.5, of a stratified set across an edge (Mitchell, SIGGRAPH 96). */
+/* The rate at which a mean square error falls with the number of samples, as n^-RATE. It is between
+ * 1, for independent samples, and 1.5, for a stratified set across an edge (Mitchell, SIGGRAPH 96).
+ */
 static const double RATE = 1.25;
 
-/* Of a normal distribution: PEN_ADAPTIVE_CONFIDENCE are within so many standard deviations. */
+/* In a normal distribution, PEN_ADAPTIVE_CONFIDENCE of the values are within this number of
+ * standard deviations. */
 static const double SPREAD = 2.576;
 
 /* The error of an unseen edge, see unseen_edge. */
 static const double UNSEEN = 0.3;
 
-/* Where samples are limited, a round aims at this part of the error. */
+/* If samples are limited, a round aims at this part of the error. */
 static const double STEP = 0.6;
 
-/* A round takes at least this part of the samples taken so far. It costs a pass over the picture,
- * whatever it refines, and without this the last rounds would refine a few pixels each. */
+/* A round takes at least this part of the samples taken so far. Each round costs a pass over the
+ * picture, and without this limit the last rounds would refine a few pixels each. */
 static const double LEAST_ROUND = 1.0 / 32;
 
-/* The rate at which the error falls across an edge; where a picture is smooth it falls faster. */
+/* The rate at which the error falls across an edge. Where a picture is smooth, it falls faster. */
 static const double EDGE_RATE = 1.5;
 
-/* The pixels of a slice, if there are no more than so many slices. Each slice has sums of its own,
+/* The pixels of a slice, if that makes at most SLICES_MOST slices. Each slice has its own sums,
  * which cost some microseconds. */
 enum { SLICE_PIXELS = 2048, SLICES_MOST = 64 };
 
@@ -41,33 +43,34 @@ enum { SIZES = 32 };
 /* Levels of priority: eighths of powers of two, from 0 on; below 2^LOWEST all are 0. */
 enum { EIGHTHS = 8, LOWEST = -120, LEVELS = 128 * EIGHTHS };
 
-/* What is known of the pixels of a slice; then, added up, of all. */
+/* The sums over the pixels of a slice; then, added up, over all pixels. */
 struct slice {
     int first_row, end_row;
     double before[SIZES], after[SIZES];                 /* see true_part: sums of errors, */
     double before_squares[SIZES], after_squares[SIZES]; /* and of their squares */
     double error, squares;                              /* of the pixels' own estimates, */
-    double told;                                        /* and what their halves tell; */
-    double hidden;     /* what unseen things may add to that at the upper end of the interval, */
-    uint64_t unproven; /* and how many pixels they may change by more than the target */
-    double around;     /* errors as neighbours tell them: of all pixels, */
+    double told;                                        /* and the estimates of their halves; */
+    double hidden; /* the most that unseen things add to that at the upper end of the interval, */
+    uint64_t unproven; /* and the number of pixels that they may change by more than the target */
+    double around;     /* errors as estimated from neighbours: of all pixels, */
     double at_level[LEVELS];  /* of those with that priority, */
-    uint64_t samples[LEVELS]; /* whose next round takes so many samples, */
-    double capped_error;      /* and of those that may have no more samples */
+    uint64_t samples[LEVELS]; /* the samples of their next round, */
+    double capped_error;      /* and of pixels that may have no more samples */
     uint64_t capped;
 };
 
-/* What the threads do with each slice. */
+/* The work of the threads with each slice. */
 struct pass {
     struct pen_adaptive *adaptive;
     struct slice *slices;
     int slice_count;
-    /* By number of samples: true_part, and the error of an unseen edge for each unit of
+    /* By number of samples: true_part, and the error of an unseen edge per unit of
      * square_difference. */
     double truth[SIZES];
     float unseen[SIZES];
     double target;
-    double after_doublings[2 * SIZES]; /* which part of an error is left after i - SIZES of them */
+    double after_doublings[2 *
+                           SIZES]; /* the part of an error that remains after i - SIZES doublings */
     void (*visit)(struct pen_adaptive *adaptive, const struct pass *pass, struct slice *slice);
     atomic_int next;
 };
@@ -90,15 +93,16 @@ static void run_pass(struct pen_thread_pool *pool, struct pass *pass)
     pen_thread_pool_run(pool, threads, visit_slices, pass);
 }
 
-/* How many slices a picture has. */
+/* The number of slices of a picture. */
 static int slices_in(const struct pen_settings *s)
 {
     const double full = (double)s->width * s->height / SLICE_PIXELS;
     return full < 1 ? 1 : full < SLICES_MOST ? (int)full : SLICES_MOST;
 }
 
-/* The slices of a state, and one more for their sum; all empty. They have up to a megabyte, so they
- * are made once. Fails: NULL; PEN_NO_MEMORY. */
+/* The slices of a state, and one more for their sum; all empty. They take up to a megabyte, so they
+ * are made once.
+ * Fails: NULL; PEN_NO_MEMORY. */
 static struct slice *slices_of(struct pen_adaptive *a, struct pen_status *st)
 {
     const int count = slices_in(a->settings);
@@ -128,7 +132,7 @@ static bool is_capped(const struct pen_adaptive *a, size_t pixel)
     return 2.0 * a->sums[pixel].samples > a->settings->max_samples;
 }
 
-/* Three times the mean square of what values differ. */
+/* Three times the mean square difference of the values. */
 static float square_difference(const struct pen_pixel_estimate *a,
                                const struct pen_pixel_estimate *b)
 {
@@ -138,15 +142,15 @@ static float square_difference(const struct pen_pixel_estimate *a,
 }
 
 /* The mean square error of an edge that no sample has seen. n samples that are stratified along
- * both axes leave a strip of the pixel unseen that is at most about 2 / n wide. An edge that
- * separates this pixel from a neighbour is in the strip of one of the two. If it is anywhere in
- * them, the mean square of the width that it cuts off is between (1 / n)^2 / 6 and (2 / n)^2 / 6.
- */
+ * both axes leave an unseen strip of the pixel that is at most about 2 / n wide. An edge that
+ * separates this pixel from a neighbour is in the strip of one of the two. If its place in the
+ * strips is uniform, the mean square of the width that it cuts off is between (1 / n)^2 / 6 and (2
+ * / n)^2 / 6. */
 static float unseen_edge(const struct pen_adaptive *a, const struct pass *pass, int x, int y)
 {
     const int width = a->settings->width, height = a->settings->height;
     const struct pen_pixel_estimate *e = &a->estimates[(size_t)y * (size_t)width + (size_t)x];
-    /* Beyond the picture's borders is what is within. */
+    /* Beyond its borders the picture is continued by its outermost pixels. */
     const struct pen_pixel_estimate *const neighbour[] = {
         x > 0 ? e - 1 : e, x + 1 < width ? e + 1 : e, y > 0 ? e - width : e,
         y + 1 < height ? e + width : e};
@@ -158,9 +162,9 @@ static float unseen_edge(const struct pen_adaptive *a, const struct pass *pass, 
     return most * pass->unseen[size_of(a->sums[e - a->estimates].samples)];
 }
 
-/* Counts the things that a pixel may not have seen. A share v of a beam is missed by n samples with
- * a probability of (1 - v)^n: 1 / n with 0.16 to 0.39, 4 / n with 0.01. Returns what the error is
- * more if a share of 1 / n is unseen; sets what it is if 4 / n is. */
+/* Counts the things that a pixel may not have seen. n samples miss a share v of a beam with a
+ * probability of (1 - v)^n: 1 / n with 0.16 to 0.39, 4 / n with 0.01. Returns the increase of the
+ * error if a share of 1 / n is unseen. Sets the increase for 4 / n. */
 static double unseen_things(struct pen_adaptive *a, const struct pass *pass, struct slice *slice,
                             size_t at)
 {
@@ -182,7 +186,7 @@ static double unseen_things(struct pen_adaptive *a, const struct pass *pass, str
     return most - error;
 }
 
-/* Adds up what doublings have brought. */
+/* Sums the effect of doublings. */
 static void visit_doubled(struct pen_adaptive *a, const struct pass *pass, struct slice *slice)
 {
     (void)pass;
@@ -209,18 +213,18 @@ static void add_doubled(const struct slice *slices, int count, struct slice *all
         }
 }
 
-/* Which part of what the halves of pixels with 2n samples tell is their error, at most. With q(n)
- * the mean square error of n samples, they tell q(n) - q(2n) (adaptive.h), and with n they told
- * q(n / 2) - q(n). If q falls by the factor R with each doubling, R is the ratio of the two, and
- * the error is 1 / (R - 1) of what is told.
+/* The largest part of the halves' estimate that is error, for pixels with 2n samples. Let q(n) be
+ * the mean square error of n samples. The estimate is q(n) - q(2n) (adaptive.h); with n samples it
+ * was q(n / 2) - q(n). If q falls by the factor R with each doubling, R is the ratio of the two,
+ * and the error is 1 / (R - 1) of the estimate.
  *
- * The sums over many pixels give R with an interval, of which the lower end is taken. But pixels
- * differ: R is 2 where samples are as good as independent ones, 2^1.5 across most edges, 4 across
- * edges along the pixel's sides. 1 / (R - 1) is convex, so its mean over such a mixture is at most
- * what its chord from 1 at R = 2 to 1/3 at R = 4 has at the mean of R. So the chord is taken, as
- * far as 2^1.5. Below 2 it is 1: samples are not worse than independent ones. Pixels of the pilot
- * have no earlier estimate, and R of the others may not be theirs, since these were chosen to be
- * refined. */
+ * The sums over many pixels give R with an interval; the lower end is used. But pixels differ: R is
+ * 2 where samples are like independent ones, 2^1.5 across most edges, 4 across edges along the
+ * pixel's sides. 1 / (R - 1) is convex. So its mean over such a mixture is at most the value of its
+ * chord from 1 at R = 2 to 1/3 at R = 4, at the mean of R. So the chord is used, up to 2^1.5. Below
+ * R = 2 the value is 1, because samples are not worse than independent ones. Pixels of the pilot
+ * have no earlier estimate. R of the other pixels may not be theirs, because these were chosen for
+ * refinement. */
 static double true_part(const struct slice *all, int size)
 {
     const double before = all->before[size], after = all->after[size];
@@ -232,7 +236,7 @@ static double true_part(const struct slice *all, int size)
     return ratio < 2 ? 1 : 1 - ((ratio < most ? ratio : most) - 2) / 3;
 }
 
-/* Sets what is known of each pixel by itself. */
+/* Sets the estimates of each pixel that use only its own samples. */
 static void visit_own(struct pen_adaptive *a, const struct pass *pass, struct slice *slice)
 {
     size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
@@ -258,9 +262,9 @@ static double error_with(const struct pass *pass, double error, uint32_t samples
                : error * pass->after_doublings[SIZES + size_of(wanted) - size_of(samples)];
 }
 
-/* The error of a pixel as its neighbours tell it: the mean of theirs, as if they had as many
- * samples, and of an edge that it may have; and its own unseen things, of which neighbours tell
- * nothing. */
+/* The error of a pixel as estimated from its neighbours. It is the mean of their errors, scaled to
+ * the same number of samples, and the error of an edge that it may have. Its own unseen things are
+ * added, because neighbours do not show them. */
 static double error_around(const struct pen_adaptive *a, const struct pass *pass, int x, int y)
 {
     const int width = a->settings->width, height = a->settings->height;
@@ -279,7 +283,7 @@ static double error_around(const struct pen_adaptive *a, const struct pass *pass
     return sum / count + (double)a->things[at];
 }
 
-/* The binary exponent and the first three bits after it are those of the number. */
+/* The level of a priority: the number's binary exponent and the first three bits after it. */
 static int level_of(double priority)
 {
     enum { MANTISSA_BITS = 52, EIGHTH_BITS = 3, BIAS = 1022 };
@@ -291,13 +295,13 @@ static int level_of(double priority)
     return level < LEVELS ? level : LEVELS - 1;
 }
 
-/* The priority of a pixel: what its neighbourhood's error is for each sample. */
+/* The priority of a pixel: its neighbourhood's error per sample. */
 static int priority_of(const struct pen_adaptive *a, size_t at, double around)
 {
     return level_of(around / a->sums[at].samples);
 }
 
-/* Sorts the errors by what can be done about them. */
+/* Sums the errors by the priority of their pixels. */
 static void visit_around(struct pen_adaptive *a, const struct pass *pass, struct slice *slice)
 {
     size_t at = (size_t)slice->first_row * (size_t)a->settings->width;
@@ -318,7 +322,7 @@ static void visit_around(struct pen_adaptive *a, const struct pass *pass, struct
         }
 }
 
-/* Adds the slices up, in order. */
+/* Sums the slices, in order. */
 static void add_slices(const struct slice *slices, int count, struct slice *all)
 {
     for (int i = 0; i < count; i++) {
@@ -338,7 +342,7 @@ static void add_slices(const struct slice *slices, int count, struct slice *all)
     }
 }
 
-/* The sum of the errors, given by level, once every pixel has been doubled until it is below
+/* The sum of the errors, given by level, after every pixel has been doubled until it is below
  * `level`. A doubling lowers the error by 2^RATE and the priority by twice that. */
 static double predicted(const double *errors, int level)
 {
@@ -353,8 +357,8 @@ static double predicted(const double *errors, int level)
     return sum;
 }
 
-/* The lowest level such that the goal is reached with all pixels refined that are at it or above;
- * found by halving. */
+/* The lowest level such that the goal is reached if all pixels at it or above are refined; found by
+ * bisection. */
 static int level_for(const struct slice *all, double goal)
 {
     int level = LEVELS;
@@ -364,8 +368,8 @@ static int level_for(const struct slice *all, double goal)
     return level;
 }
 
-/* The level at which a round takes its least number of samples, or the given one if that is lower.
- * Level 0 has pixels whose error is zero, which stay as they are. */
+/* The level at which a round takes its least number of samples, or the given level if that is
+ * lower. Level 0 contains pixels whose error is zero, which are not refined. */
 static int level_of_least(const struct slice *all, int level)
 {
     uint64_t sum = 0, total = 0;
@@ -379,8 +383,8 @@ static int level_of_least(const struct slice *all, int level)
     return level < 1 ? level : 1;
 }
 
-/* The lowest level, from `level` on, such that doubling all pixels at it or above takes no more
- * samples than are allowed. */
+/* The lowest level, from `level` on, such that doubling all pixels at it or above takes at most the
+ * allowed samples. */
 static int level_within(const struct slice *all, int level, uint64_t samples)
 {
     uint64_t sum = 0;
@@ -403,8 +407,9 @@ static struct pen_decision decision_of(const struct slice *all, double pixels,
     double aim = goal->target * goal->target;
     if (goal->samples != UINT64_MAX && aim < high * STEP * STEP)
         aim = high * STEP * STEP;
-    /* The sum of errors at which the upper end of the interval would be the target; the errors that
-     * neighbours tell add up to the pixels' own, but for chance, and to what may be hidden. */
+    /* The sum of errors at which the upper end of the interval would be the target. Up to chance,
+     * the neighbours' estimates have the same sum as the pixels' own, plus the light that may be
+     * hidden. */
     const double sum = high > 0 ? aim / high * all->around - all->capped_error : 0;
     bool any = false;
     d.level = level_within(all, level_of_least(all, level_for(all, sum)), goal->samples);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The image is cut into cells of equal size, row by row, and one pixel of each is drawn by a hash
- * of the cell's number. A cell's pixels are alike more often than not, so the sum over cells is
- * known better than from as many independent pixels: its variance is estimated from the differences
- * of neighbouring cells (the successive-difference estimator of stratified sampling; Wolter,
+/* The image is divided into cells of equal size, row by row. A hash of the cell's number draws one
+ * pixel of each. A cell's pixels are usually alike, so the sum over cells has a smaller error than
+ * that of as many independent pixels. Its variance is estimated from the differences of
+ * neighbouring cells (the successive-difference estimator of stratified sampling; Wolter,
  * "Introduction to Variance Estimation", 2007, 8.2).
  *
- * Where there is a deadline, cells and blocks are taken in scattered order, so that those that are
- * done by then are of all parts of the image. */
+ * With a deadline, cells and blocks are taken in scattered order, so that those that are done by
+ * then are spread over the whole image. */
 #include "render/forecast.h"
 
 #include <math.h>
@@ -24,17 +24,17 @@
 
 enum { BLOCKS = 96, KINDS = 4 };
 
-/* Of a pre-render with a deadline: some ten seconds of two threads. Pixels take at most their share
- * of it, as far as the numbers of samples tell. */
+/* The most rays of a pre-render with a deadline: some ten seconds of two threads. A pixel takes at
+ * most its share of them, as estimated from the numbers of samples. */
 static const double RAYS_MAX = 4e7;
 
-/* How far the processor time of the same work varies while other programs share caches, memory and
- * clock: in 64 renders of eight scenes at two sizes, beside programs that kept 0 to 3/4 of the
- * processors, it was 0.78 to 1.14 times what is expected. */
+/* The variation of the processor time of the same work while other programs share caches, memory
+ * and clock. In 64 renders of eight scenes at two sizes, beside programs that used 0 to 3/4 of the
+ * processors, the time was 0.78 to 1.14 times the expected one. */
 static const double MACHINE_OFF = 0.15;
 
-/* Steps of scattered orders: of the blocks, which has no divisor in common with their number, and
- * of the cells as a part of theirs. */
+/* Steps of scattered orders: for blocks, a number that has no common divisor with theirs; for
+ * cells, a part of their number. */
 enum { BLOCK_STEP = 59 };
 static const double CELL_STEP = 0.618;
 
@@ -49,11 +49,11 @@ struct forecast {
     struct pen_kernel kernel;
     struct pen_kernel_scratch **scratch; /* by thread */
     int threads, columns, rows;          /* of cells */
-    int cell_step, block_step;           /* from one cell or block to the one that comes next */
+    int cell_step, block_step;           /* distance to the next cell or block in order */
     int side;                            /* of a block, in pixels */
-    int64_t until_ns;                    /* when no more cells or blocks are begun; 0: none */
+    int64_t until_ns; /* time after which no more cells or blocks are begun; 0: none */
     struct pen_forecast_samples samples;
-    double (*rays)[KINDS];                       /* by cell; 0 where it is not done */
+    double (*rays)[KINDS];                       /* by cell; 0 for a cell that is not done */
     double block_ns[BLOCKS], block_rays[BLOCKS]; /* the same */
     atomic_llong thread_ns, cpu_ns;              /* of all threads; relaxed */
     atomic_bool *seen;                           /* as in pen_forecast; relaxed */
@@ -66,7 +66,7 @@ static int drawn(uint64_t hash, int lo, int hi)
     return lo + (int)((hash >> 33) % (uint64_t)(hi > lo ? hi - lo : 1));
 }
 
-/* Begin of part i of n of a length. */
+/* The begin of part i of n of a length. */
 static int part_of(int length, int i, int n)
 {
     return (int)((int64_t)length * i / n);
@@ -77,7 +77,7 @@ static bool is_cancelled(const struct forecast *f)
     return f->task->cancel && atomic_load_explicit(f->task->cancel, memory_order_relaxed);
 }
 
-/* Whether to begin no more cells or blocks, of which so many are begun. */
+/* Whether to begin no more cells or blocks; `begun` is the number begun. */
 static bool is_over(const struct forecast *f, int begun)
 {
     return is_cancelled(f) || (begun > 0 && f->until_ns != 0 && pen_clock_ns() >= f->until_ns);
@@ -116,7 +116,7 @@ static void count_cell(struct forecast *f, int thread, int cell)
     f->rays[cell][3] = (double)rays.transmission;
 }
 
-/* A thread's time, and what it had of a processor. */
+/* A thread's time, and the processor time in it. */
 struct watch {
     int64_t ns, cpu_ns;
 };
@@ -145,7 +145,7 @@ static void count_cells(void *user, int thread)
     watch_end(f, &watch);
 }
 
-/* Times a block somewhere in part n of the image's blocks. */
+/* Times a block at a random place in part n of the image's blocks. */
 static void time_block(struct forecast *f, int thread, int n)
 {
     const struct pen_settings *s = f->settings;
@@ -175,15 +175,16 @@ static void time_blocks(void *user, int thread)
     watch_end(f, &watch);
 }
 
-/* How many rays of a kind stand for one of the pre-render; `kind` KINDS is all of them. With fewer
- * points on lights or rays of cones, those that follow from them may all be left out. */
+/* The number of rays of a kind that one ray of the pre-render represents; `kind` KINDS is all of
+ * them. With fewer points on lights or rays of cones, all rays that follow from these may be left
+ * out. */
 static double times(const struct forecast *f, int kind)
 {
     const double blur = f->samples.blur, by_kind[] = {1, f->samples.light * blur, blur, blur};
     return f->samples.camera * by_kind[kind];
 }
 
-/* By how much that may be too many. */
+/* The factor by which that may be too many. */
 static double excess(const struct forecast *f, int kind)
 {
     return (kind < KINDS ? times(f, kind) : times(f, 1)) / f->samples.camera;
@@ -197,7 +198,7 @@ static int done_cells(const struct forecast *f)
     return done;
 }
 
-/* The most rays of a kind that the image may have if no pixel that is done has one. */
+/* The most rays of a kind that the image may have if no finished pixel has one. */
 static double unseen(const struct forecast *f, int kind, int done)
 {
     const double pixels = (double)f->settings->width * f->settings->height,
@@ -208,7 +209,7 @@ static double unseen(const struct forecast *f, int kind, int done)
                : 0;
 }
 
-/* The sum over the image, from the sum over the cells that are done. */
+/* The sum over the image, from the sum over the finished cells. */
 static struct pen_estimate estimate(const struct forecast *f, int kind)
 {
     const int cells = f->columns * f->rows, done = done_cells(f);
@@ -226,10 +227,10 @@ static struct pen_estimate estimate(const struct forecast *f, int kind)
             squares += (v - before) * (v - before);
         before = v;
     }
-    /* A part of the pixels that is not small is known, and adds no error. */
+    /* If the finished pixels are a large part of all, that part is known and adds no error. */
     const bool known = f->samples.camera * f->samples.light * f->samples.blur == 1;
     const double unknown = known ? 1 - done / pixels : 1, mean = sum / done;
-    const double alone = cells > 1 ? mean * mean : 0; /* of one cell of several, nothing is known */
+    const double alone = cells > 1 ? mean * mean : 0; /* one cell of several gives no variance */
     const double variance = done > 1 ? squares / (2.0 * (done - 1)) / done * unknown : alone;
     const double off = 1.96 * sqrt(variance > 0 ? variance : 0);
     if (sum == 0 && kind < KINDS)
@@ -239,8 +240,8 @@ static struct pen_estimate estimate(const struct forecast *f, int kind)
                                  (mean + off) * pixels};
 }
 
-/* The processor time of a ray is that of all blocks together; the spread of that ratio gives its
- * interval. */
+/* The processor time of a ray: the ratio over all blocks together. The spread of that ratio gives
+ * its interval. */
 static struct pen_estimate estimate_time(const struct forecast *f, const struct pen_estimate *total)
 {
     double ns = 0, rays = 0, squares = 0, done = 0;
@@ -265,7 +266,8 @@ static struct pen_estimate estimate_time(const struct forecast *f, const struct 
     return (struct pen_estimate){ms, low / excess(f, KINDS), ms * (1 + off)};
 }
 
-/* As many cells as asked for, nearly square, but no more than pixels. */
+/* Divides the image into the requested number of cells, nearly square, but at most one per pixel.
+ */
 static void cut(struct forecast *f)
 {
     const double width = f->settings->width, height = f->settings->height;
@@ -310,7 +312,7 @@ static double least(double a, double b)
     return a < b ? a : b;
 }
 
-/* Takes cells and blocks in scattered order, and fewer samples of a pixel that has very many. */
+/* Sets scattered orders of cells and blocks, and fewer samples for pixels with very many. */
 static void bound(struct forecast *f, struct pen_settings *sampling)
 {
     const double pixels = (double)sampling->width * sampling->height,
@@ -325,15 +327,15 @@ static void bound(struct forecast *f, struct pen_settings *sampling)
         f->cell_step++;
 }
 
-/* The end of a part of the time that is left, 0 without a deadline. */
+/* The end of a part of the remaining time; 0 without a deadline. */
 static int64_t part_of_time(const struct forecast *f, double part)
 {
     const int64_t deadline_ns = f->task->deadline_ns;
     return deadline_ns == 0 ? 0 : pen_clock_between(pen_clock_ns(), deadline_ns, part);
 }
 
-/* Makes blocks smaller where a thread would not end two of them in time, if a pixel takes as long
- * as those of the cells, which `ns` of all threads went to. */
+/* Makes blocks smaller if a thread would not finish two of them in time. The time of a pixel is
+ * estimated from the cells, which took `ns` of all threads. */
 static void choose_side(struct forecast *f, int64_t ns)
 {
     const double pixel_ns = (double)ns * f->threads / done_cells(f),
@@ -342,7 +344,7 @@ static void choose_side(struct forecast *f, int64_t ns)
         f->side /= 2;
 }
 
-/* Cells take half of the time, and blocks the other; rounds, if there are any, half of all. */
+/* Cells take half of the time, blocks the other half. Rounds, if any, take half of all. */
 static void pre_render(struct pen_thread_pool *pool, struct forecast *f)
 {
     const double part = pen_settings_adaptive(f->task->settings) ? 0.25 : 0.5;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a render will take, from a sparse pre-render. */
+/* The cost of a render, forecast from a sparse pre-render. */
 #ifndef PEN_RENDER_FORECAST_H
 #define PEN_RENDER_FORECAST_H
 
@@ -16,29 +16,29 @@ struct pen_estimate {
 struct pen_forecast {
     struct pen_estimate primary, shadow, reflection, transmission, total; /* rays */
     struct pen_estimate cpu_ms;  /* processor time of all threads */
-    struct pen_estimate time_ms; /* by the clock, if every thread has a processor for itself */
-    double used;                 /* the share of its time that a thread of the pre-render had one */
+    struct pen_estimate time_ms; /* by the clock, if every thread has its own processor */
+    double used;                 /* share of time that a thread of the pre-render had a processor */
     double memory_bytes;         /* of scene, film and threads */
-    int pixels;                  /* of the pre-render; fewer if its deadline has come */
-    double spent_ms;             /* on it */
+    int pixels;                  /* of the pre-render; fewer if it reached its deadline */
+    double spent_ms;             /* time of the pre-render */
     const char *kernel;
     unsigned effects;
-    /* By primitive number: whether it is the first surface of a pixel of the pre-render, seen by
-     * the pinhole through the pixel's middle. */
+    /* By primitive number: whether it is the first surface of a pixel of the pre-render, on the
+     * pinhole's ray through the pixel's middle. */
     atomic_bool *seen;
 };
 
 /* The least number of cells, and the most pixels that a quick forecast renders. */
 enum { PEN_FORECAST_CELLS = 4096, PEN_FORECAST_QUICK_PIXELS = PEN_FORECAST_CELLS + 96 * 64 };
 
-/* What to forecast; everything is borrowed. */
+/* A forecast to make. Everything is borrowed. */
 struct pen_forecast_task {
     const struct pen_scene *scene;
     int view;
     const struct pen_settings *settings;
-    bool quick; /* PEN_FORECAST_CELLS cells at most, however large the image is */
-    /* When it is to end, by pen_clock_ns; 0: when it is done. It takes some pixels at least. Those
-     * that are left, and samples that are left out of pixels that have very many, widen the
+    bool quick; /* PEN_FORECAST_CELLS cells at most, for any image size */
+    /* The end of the pre-render, by pen_clock_ns; 0: when it is done. It always takes some pixels.
+     * Pixels that are left out, and samples that are left out of pixels with very many, widen the
      * intervals. */
     int64_t deadline_ns;
     /* As in pen_render_task; may be NULL. */
@@ -47,15 +47,17 @@ struct pen_forecast_task {
     void *pixel_user;
 };
 
-/* Where a kind of ray can be met, but no pixel that was rendered has met one, as with a small
- * mirror, the upper end of its interval is not 0: by the exact interval of a share (Clopper and
- * Pearson; the "rule of three"), 3.7 / n of the pixels can meet one at every depth.
+/* Makes a forecast. It renders one pixel in each of max(1 %, 4096) equal parts of the image and
+ * counts its rays. Then it renders some blocks, to measure the time of a ray. Rays vary from part
+ * to part as from pixel to pixel of neighbouring parts, which gives the intervals. The pixels are
+ * the same at each call, unless it reaches its deadline.
  *
- * Renders one pixel in each of max(1 %, 4096) equal parts of the image, and counts its rays; then
- * some blocks, to measure the time of a ray. Rays vary from part to part as from pixel to pixel of
- * neighbouring parts, which gives the intervals; the pixels are the same at each call, unless the
- * deadline comes. Threads: as pen_render_run. Owns: release *out after success. Fails:
- * PEN_NO_MEMORY, PEN_CANCELLED. */
+ * If a kind of ray is possible, but no rendered pixel has one, as with a small mirror, the upper
+ * end of its interval is not 0. By the exact interval of a share (Clopper and Pearson; the "rule of
+ * three"), 3.7 / n of the pixels can have one at every depth.
+ * Owns: release *out after success.
+ * Threads: as pen_render_run.
+ * Fails: PEN_NO_MEMORY, PEN_CANCELLED. */
 bool pen_forecast_make(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
                        struct pen_forecast *out, struct pen_status *st);
 void pen_forecast_release(struct pen_forecast *forecast);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* How many samples an adaptive render takes is told by adaptive renders of the view at two small
- * sizes. What more than the pilot they take is mostly spent at edges, whose share of the pixels
- * falls with the width of the picture, and in penumbrae and blur, whose share stays. So it is taken
- * to be a power of the width, whose exponent the two sizes tell. */
+/* Adaptive renders of the view at two small sizes show the number of samples that an adaptive
+ * render takes. Samples beyond the pilot are mostly spent at edges, whose share of the pixels falls
+ * with the width of the picture, and in penumbrae and blur, whose share is constant. So their
+ * number per pixel is modelled as a power of the width. The two sizes give the exponent. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,21 +14,21 @@
 /* The pixels of the larger of the two pictures. */
 static const double SMALL_PIXELS = 4096;
 
-/* The exponent lies between 0, where all that is refined keeps its share, and LARGEST_POWER. The
- * interval lets it be off by so much upwards and downwards; the pilot itself varies by PILOT_OFF.
- * Over the ten built-in scenes, targets of 0.03, 0.02, 0.01 and 0.005, and pictures of 12 000 and
- * 90 000 pixels, the interval of all rays covers all 80 renders, whose rays are 0.58 to 1.37 times
- * what is expected. */
+/* The exponent is between 0, at which refined pixels keep their share, and LARGEST_POWER. The
+ * interval allows it to be off by UPWARDS and DOWNWARDS; the pilot varies by PILOT_OFF. This was
+ * tested over the ten built-in scenes, targets of 0.03, 0.02, 0.01 and 0.005, and pictures of 12
+ * 000 and 90 000 pixels. The interval of all rays covers all 80 renders; their rays are 0.58 to
+ * 1.37 times the expected number. */
 static const double LARGEST_POWER = 1.5, UPWARDS = 2, DOWNWARDS = 0.75, PILOT_OFF = 0.05;
 
-/* What a ray takes, with all that rounds take: of processors, and by the clock if every thread has
- * one for itself. */
+/* The time of a ray, including the overhead of rounds: processor time, and time by the clock if
+ * every thread has its own processor. */
 struct ray_time {
     double cpu_ms, ms;
 };
 
-/* A smaller picture of the view: its camera rays for each pixel, what a ray takes, and whether
- * time has ended its rounds. */
+/* A smaller picture of the view: its camera rays per pixel, the time of a ray, and whether a
+ * deadline ended its rounds. */
 struct small {
     double mean;
     struct ray_time ray;
@@ -40,9 +40,9 @@ static double within(double low, double x, double high)
     return x < low ? low : x > high ? high : x;
 }
 
-enum { TIMED_TILE = 8 }; /* the time is asked for between tiles */
+enum { TIMED_TILE = 8 }; /* the deadline is tested between tiles */
 
-/* Renders a smaller picture, in `part` of the time that is left. */
+/* Renders a smaller picture, in `part` of the remaining time. */
 static bool render_small(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
                          double shrink, double part, struct small *out, struct pen_status *st)
 {
@@ -73,13 +73,13 @@ static bool render_small(struct pen_thread_pool *pool, const struct pen_forecast
     const struct pen_ray_counts *r = &stats.rays;
     out->mean = stats.adaptive.samples.mean;
     const double rays = (double)(r->primary + r->shadow + r->reflection + r->transmission);
-    /* The clock goes on while threads wait for a processor. Alone, a render takes no less
-     * than its threads do that share its processor time evenly. */
+    /* The clock continues while threads wait for a processor. Alone, a render takes at least the
+     * time of threads that share its processor time evenly. */
     const double cpu_ms = stats.cpu_ms,
                  used = cpu_ms < stats.thread_ms ? cpu_ms / stats.thread_ms : 1;
     out->ray.cpu_ms = cpu_ms / rays;
     out->ray.ms = within(cpu_ms / stats.threads, used * stats.render_ms, HUGE_VAL) / rays;
-    /* A round for which too little time is left is not begun. */
+    /* A round is not begun if too little time remains. */
     out->timed_out = timed && !stats.adaptive.met &&
                      (double)(stats.done_ns - begun_ns) > 0.5 * part * (double)left_ns;
     return true;
@@ -90,15 +90,16 @@ static double log2_of(double x)
     return x > 0 ? pen_ln(x) / pen_ln(2) : 0;
 }
 
-/* Extends the interval to what max_samples allows: rounds were ended before their time, and would
- * have taken more, nobody knows how many. */
+/* Extends the interval to the number that max_samples allows: rounds were ended early, and it is
+ * unknown how many samples they would have taken. */
 static void widen(struct pen_estimate *growth, double most)
 {
     growth->high = most > growth->high ? most : growth->high;
     growth->expected = sqrt(growth->expected * growth->high);
 }
 
-/* By which factor the camera rays of all rounds exceed those of the pilot, and what a ray takes. */
+/* The factor by which the camera rays of all rounds exceed those of the pilot, and the time of a
+ * ray. */
 static bool find_growth(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
                         struct pen_estimate *growth, struct ray_time *ray, struct pen_status *st)
 {
@@ -127,7 +128,7 @@ static double both_off(double a, double b)
     return sqrt(a * a + b * b);
 }
 
-/* The product of two estimates that are off independently. */
+/* The product of two estimates with independent errors. */
 static struct pen_estimate product(struct pen_estimate a, struct pen_estimate b)
 {
     const double expected = a.expected * b.expected;

@@ -13,7 +13,7 @@ static double paths_of(const struct pen_scene *scene, int view, const struct pen
     return (double)pen_camera_samples(lens, s) * (blurred ? s->blur_samples : 1);
 }
 
-/* The same, and the shadow rays from what they hit. */
+/* The same, plus the shadow rays from their hits. */
 static double work_of(const struct pen_scene *scene, int view, const struct pen_settings *s)
 {
     double each = 1;
@@ -23,7 +23,7 @@ static double work_of(const struct pen_scene *scene, int view, const struct pen_
     return paths_of(scene, view, s) * each;
 }
 
-/* Divides a number of samples by at most `excess`. Returns by what it did. */
+/* Divides a number of samples by at most `excess`. Returns the divisor used. */
 static double cut(int *samples, int least, double excess)
 {
     const int all = *samples;

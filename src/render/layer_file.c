@@ -7,7 +7,7 @@
 #include "film/encode.h"
 #include "render/transfer.h"
 
-/* What white stands for, for people. */
+/* Writes the number that white represents as text. */
 static void describe(const struct pen_layer_task *task, double white, char *text, size_t bytes)
 {
     const bool tests = task->cost == PEN_COST_TESTS;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Threads take rows of blocks, 8 pixels high, of a tile from a counter, tile after tile. Each pixel
- * is a pure function of its place, except that times are measured. */
+ * is a pure function of its place, except for measured times. */
 #include "render/layers.h"
 
 #include <math.h>
@@ -17,9 +17,9 @@
 
 enum { BLOCK_PIXELS = PEN_BLOCK_SIDE * PEN_BLOCK_SIDE };
 
-/* What a thread works with. */
+/* The working memory of a thread. */
 struct worker {
-    struct pen_kernel_scratch *scratch; /* of times and tests; else NULL */
+    struct pen_kernel_scratch *scratch; /* for times and tests; else NULL */
     struct pen_counter *counter;
     struct pen_kernel_scratch *counting; /* that of the counter */
 };
@@ -33,7 +33,7 @@ struct job {
     int threads;
     struct pen_layer_tiles *tiles;
     pthread_mutex_t lock;
-    int64_t next; /* guarded by lock; the row of blocks that is begun next */
+    int64_t next; /* guarded by lock; the next row of blocks to begin */
 };
 
 const char *const pen_layer_names[PEN_LAYER_COUNT + 1] = {
@@ -59,7 +59,7 @@ static const struct pen_pixel_sums *sums_at(const struct job *job, int x, int y)
     return &job->adaptive->sums[(size_t)y * (size_t)job->task->settings->width + (size_t)x];
 }
 
-/* The camera rays of a pixel. */
+/* The number of camera rays of a pixel. */
 static double samples_at(const struct job *job, int x, int y)
 {
     if (job->adaptive)
@@ -67,7 +67,7 @@ static double samples_at(const struct job *job, int x, int y)
     return pen_camera_samples(job->input.lens.open, job->task->settings);
 }
 
-/* The value of a pixel of the layers that do not depend on the work it takes. */
+/* The value of a pixel in the layers that do not depend on its work. */
 static struct pen_vec3 value_at(const struct job *job, int x, int y)
 {
     const struct pen_vec3 none = {0, 0, 0}, one = {1, 1, 1};
@@ -128,7 +128,7 @@ static double tests_at(const struct job *job, const struct worker *worker, int x
     return (double)(after.boxes - before.boxes + after.primitives - before.primitives);
 }
 
-/* The nanoseconds that a block takes: processor time, so that it does not matter what else runs. */
+/* The time of a block in nanoseconds. It is processor time, so other programs do not affect it. */
 static double time_of(const struct job *job, const struct worker *worker, struct pen_rect block)
 {
     const int64_t begun = pen_clock_thread_ns();
@@ -145,7 +145,7 @@ static void put(const struct job *job, int x, int y, struct pen_vec3 v)
     to[2] = (float)v.z;
 }
 
-/* What the pixels of a block cost: their tests, or their shares of its time. */
+/* The costs of the pixels of a block: their tests, or their shares of its time. */
 static void cost_block(const struct job *job, const struct worker *worker, struct pen_rect block)
 {
     double tests[BLOCK_PIXELS], sum = 0, factor = 1;
@@ -181,15 +181,15 @@ static bool stopped(const struct pen_layer_task *task)
     return task->cancel && atomic_load_explicit(task->cancel, memory_order_relaxed);
 }
 
-/* The rows of blocks of a tile that is not cut. */
+/* The number of rows of blocks in a tile that is not cut off by the image's edge. */
 static int rows_of_tile(const struct pen_settings *s)
 {
     const int height = s->tile < s->height ? s->tile : s->height;
     return (height + PEN_BLOCK_SIDE - 1) / PEN_BLOCK_SIDE;
 }
 
-/* Takes the next row of blocks, whose tile is counted as done: each that is begun is finished,
- * unless the layer is cancelled. False: there is none, or the caller pauses. */
+/* Takes the next row of blocks, whose tile counts as done: every begun tile is finished, unless the
+ * layer is cancelled. Returns false if there is none, or if the caller pauses. */
 static bool take_row(struct job *job, struct pen_rect *row)
 {
     const struct pen_settings *s = job->task->settings;
@@ -200,7 +200,7 @@ static bool take_row(struct job *job, struct pen_rect *row)
     const bool begins = number == 0 && tile < tiles->count;
     bool more = tile < tiles->count;
     if (begins && tile > 0 && tiles->pause && tiles->pause(tiles->pause_user)) {
-        tiles->count = tile; /* the next look finds no more either */
+        tiles->count = tile; /* later calls find no more either */
         more = false;
     }
     job->next += more;
@@ -211,7 +211,7 @@ static bool take_row(struct job *job, struct pen_rect *row)
     const int below = number * PEN_BLOCK_SIDE, left = row->height - below;
     row->y += below;
     row->height =
-        left < PEN_BLOCK_SIDE ? left : PEN_BLOCK_SIDE; /* 0 or less in a tile that is cut */
+        left < PEN_BLOCK_SIDE ? left : PEN_BLOCK_SIDE; /* 0 or less in a tile that is cut off */
     return true;
 }
 
@@ -219,7 +219,7 @@ static void work(void *user, int index)
 {
     struct job *job = user;
     struct pen_rect row;
-    if (job->task->layer == PEN_LAYER_COST) /* memory that is touched first would count */
+    if (job->task->layer == PEN_LAYER_COST) /* the first access to memory would count */
         time_of(job, &job->worker[index], (struct pen_rect){0, 0, 1, 1});
     while (!stopped(job->task) && take_row(job, &row)) {
         for (int x = 0; row.height > 0 && x < row.width && !stopped(job->task);
@@ -261,8 +261,8 @@ static bool run(struct pen_thread_pool *pool, struct job *job, struct pen_status
     return !stopped(job->task) || pen_fail(st, PEN_CANCELLED, "cancelled");
 }
 
-/* The state of a render with a target error, for layers that depend on it. Owns: *own, if the task
- * has none. */
+/* The state of a render with a target error, for layers that depend on it.
+ * Owns: *own, if the task has none. */
 static bool find_state(struct pen_thread_pool *pool, const struct pen_layer_task *task,
                        struct pen_adaptive **own, struct pen_status *st)
 {
@@ -327,7 +327,7 @@ static void heat(double share, float *rgb)
         rgb[c] = (float)(at[below][c] + (place - below) * (at[below + 1][c] - at[below][c]));
 }
 
-/* The largest value; of depths, the least above 0. */
+/* The largest value; for depths, the least above 0. */
 static double value_of_white(enum pen_layer layer, const float *rgb, size_t pixels)
 {
     double best = 0;

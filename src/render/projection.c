@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Polygons around projections: points around a primitive, projected; then their convex hull by
- * Andrew's monotone chain (Information Processing Letters 9(5), 1979), and its part in a strip by
- * Sutherland and Hodgman's method (CACM 17(1), 1974). */
+/* Polygons around projections. Points around a primitive are projected. Their convex hull is
+ * computed by Andrew's monotone chain (Information Processing Letters 9(5), 1979), and its part in
+ * a strip by Sutherland and Hodgman's method (CACM 17(1), 1974). */
 #include "render/internal/projection.h"
 
 #include <math.h>
@@ -9,10 +9,10 @@
 
 #include "math/fn.h"
 
-/* Polygons are wider than their primitives by so many pixels, for what rounding moves. */
+/* The width in pixels by which polygons exceed their primitives, to allow for rounding. */
 static const double MARGIN = 1e-7;
 
-/* A polygon around a round outline is at most about this many pixels wider than that. */
+/* A polygon around a round outline exceeds it by at most about this number of pixels. */
 static const double ROUND_OFF = 0.005;
 
 /* Points around a primitive. */
@@ -171,7 +171,7 @@ static void widen(struct pen_hull *hull)
     }
 }
 
-/* The rectangle around a polygon, wider by so much. */
+/* The rectangle around a polygon, extended by more_x and more_y. */
 static void to_rectangle(struct pen_hull *hull, double more_x, double more_y)
 {
     const struct pen_point2 lo = pen_hull_least(hull), hi = pen_hull_largest(hull);
@@ -182,9 +182,9 @@ static void to_rectangle(struct pen_hull *hull, double more_x, double more_y)
     hull->p[3] = (struct pen_point2){lo.x - more_x, hi.y + more_y};
 }
 
-/* A ray from aside = a right + b up meets the point at depth t, in lengths of `middle`, where it is
- * focus d - aside times s = t / focus from there: so d is that of the pinhole's ray, less
- * aside (1 - s) / t. */
+/* A ray from aside = a right + b up has the direction focus d - aside. It meets the point at depth
+ * t, in lengths of `middle`, at s = t / focus times that direction. So d is that of the pinhole's
+ * ray minus aside (1 - s) / t. */
 static struct pen_shear shear_at(const struct pen_kernel_input *input, double t)
 {
     const struct pen_pinhole *p = &input->pinhole;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The samples that a round adds to the pixels of a block are traced 64 at a time, pixel by pixel
- * along a Z-order curve: so those that are traced together are near one another. */
+ * along a Z-order curve. So samples that are traced together are near one another. */
 #include "render/internal/refine.h"
 
 #include <math.h>
@@ -15,8 +15,8 @@ struct sample_list {
     struct pen_ray_counts *rays;
     struct pen_camera_sample sample[PEN_KERNEL_SAMPLES];
     struct pen_pixel_sums *sums[PEN_KERNEL_SAMPLES];   /* of the samples' pixels, */
-    unsigned char half[PEN_KERNEL_SAMPLES];            /* to which half a sample belongs, */
-    double weight[PEN_KERNEL_SAMPLES];                 /* and what it counts */
+    unsigned char half[PEN_KERNEL_SAMPLES];            /* the half of each sample, */
+    double weight[PEN_KERNEL_SAMPLES];                 /* and its weight */
     struct pen_camera_point point[PEN_KERNEL_SAMPLES]; /* of samples that look for things */
     int count;
 };
@@ -43,7 +43,7 @@ static void trace_list(struct sample_list *list)
     list->count = 0;
 }
 
-/* Adds a sample of a range to the list, which has room. */
+/* Adds a sample of a range to the list, which has space for it. */
 static void add_sample(struct sample_list *list, const struct pen_sample_range *r, bool things,
                        uint32_t index)
 {

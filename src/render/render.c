@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Renders a task. Threads take blocks of tiles from a queue and write their pixels into the image.
- * As a pixel is a pure function of its position, which thread renders it changes only the time.
- * Threads share nothing else, except that calls of tile_done and of rows_done take turns. */
+ * A pixel is a pure function of its position, so the thread that renders it affects only the time.
+ * Threads share nothing else, except that calls of tile_done and of rows_done are serialised. */
 #include "render/render.h"
 
 #include <fenv.h>
@@ -18,7 +18,7 @@
 #include "render/internal/row_order.h"
 #include "render/internal/tile_queue.h"
 
-/* The work of one thread. Written by that thread alone; read by others when all are done. */
+/* The work of one thread. Only that thread writes it; others read it when all are done. */
 struct thread_work {
     const struct pen_kernel_input *input; /* the run's, or the counter's */
     struct pen_counter *counter;          /* NULL unless tests are counted */
@@ -79,7 +79,7 @@ void pen_render_block(const struct pen_kernel *kernel, const struct pen_kernel_i
                       rays);
 }
 
-/* As pen_render_block, for the film, and tells of each pixel before it is rendered. */
+/* As pen_render_block, for the film; calls pixel_begins for each pixel first. */
 static void render_block(const struct run *run, int thread, struct pen_rect block)
 {
     const struct pen_render_task *task = run->task;
@@ -147,7 +147,7 @@ static void render_blocks(void *user, int index)
     work->left_ns = pen_clock_ns();
 }
 
-/* Adds up the threads' work. Returns the number of tiles done. */
+/* Sums the threads' work. Returns the number of tiles done. */
 static int sum_work(const struct run *run, struct pen_render_stats *stats)
 {
     int64_t begun = INT64_MAX, done = 0, cpu = 0, present = 0;
@@ -237,7 +237,7 @@ static bool run_tiles(struct pen_thread_pool *pool, struct run *run, struct pen_
     return true;
 }
 
-/* 0 in the settings means all of the pool. */
+/* In the settings, 0 means all threads of the pool. */
 int pen_render_threads(const struct pen_thread_pool *pool, const struct pen_settings *settings)
 {
     const int asked = settings->threads, all = pen_thread_pool_size(pool);
@@ -285,8 +285,8 @@ bool pen_render_run(struct pen_thread_pool *pool, const struct pen_render_task *
     return ok;
 }
 
-/* Renders a pixel; with `refined` above 0, with so many samples, in the rounds that lead to them
- * from the pilot's: the order in which samples are added has a part in the last bits. */
+/* Renders a pixel. If `refined` is above 0, with this number of samples, in the rounds that lead to
+ * them from the pilot's number, because the order of the sum affects its last bits. */
 static bool render_pixel(const struct pen_kernel_input *input, int x, int y, uint32_t pilot,
                          uint32_t refined, const struct pen_beams *beams, double rgb[3],
                          struct pen_ray_counts *rays, struct pen_status *st)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Renders a whole view in rounds, in this process: until a target is met, until a time, or as an
- * earlier render did. A round takes the tiles in order. It can end or pause between two of them:
- * then no more tiles are begun, threads share the rest of those that are, and what has been done is
- * a number of tiles from the first on. So nothing waits as long as there is no pause. */
+/* Renders a whole view in rounds, in this process: until a target is met, until a deadline, or as
+ * an earlier render did. A round takes the tiles in order. It can end or pause between two of them.
+ * Then no more tiles are begun, and threads share the rest of those begun. So the finished part is
+ * a number of tiles from the first on. Without a pause, no thread waits. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,18 +21,18 @@ struct rounds {
     struct pen_render_stats *stats;
     int tiles;
     int64_t begun_ns;
-    double earlier_ms; /* that an earlier render took for the rounds before */
-    double ray_ns;     /* the time of a camera ray and what follows from it, in the last round */
+    double earlier_ms; /* time that an earlier render took for the earlier rounds */
+    double ray_ns;     /* time of a camera ray and its secondary rays, in the last round */
 };
 
-/* Whether the deadline has passed. The first round is whole. */
+/* Whether the deadline has passed. The first round is always complete. */
 static bool is_over(const struct rounds *r)
 {
     const int64_t deadline_ns = r->task->deadline_ns;
     return deadline_ns != 0 && r->stats->adaptive.rounds > 0 && pen_clock_ns() >= deadline_ns;
 }
 
-/* Adds what some tiles took in a round to the statistics of the render. Takes its tile_ms. */
+/* Adds the statistics of some tiles of a round to those of the render. Takes their tile_ms. */
 static void add_tiles(struct rounds *r, struct pen_render_stats *more, int first_tile)
 {
     struct pen_render_stats *sum = r->stats;
@@ -77,7 +77,7 @@ static bool run_tiles(struct rounds *r, int *done, int end, struct pen_status *s
     return true;
 }
 
-/* Lets the caller keep what has been rendered, and asks whether to go on. */
+/* Lets the caller save the work so far, and asks it whether to continue. */
 static bool ask_to_go_on(struct rounds *r, struct pen_status *st)
 {
     const struct pen_render_task *task = r->task;
@@ -88,7 +88,7 @@ static bool ask_to_go_on(struct rounds *r, struct pen_status *st)
                     a->round[a->rounds].tiles);
 }
 
-/* Runs the round that goes on, up to its recorded tile or the deadline. */
+/* Runs the current round, up to its recorded tile or the deadline. */
 static bool run_round(struct rounds *r, struct pen_status *st)
 {
     const struct pen_adaptive_stats *a = &r->stats->adaptive, *repeat = r->task->repeat;
@@ -108,7 +108,7 @@ static bool run_round(struct rounds *r, struct pen_status *st)
     return true;
 }
 
-/* The camera rays that can be traced until the deadline. */
+/* The number of camera rays that can be traced until the deadline. */
 static uint64_t affordable(const struct rounds *r)
 {
     const double left = (double)(r->task->deadline_ns - pen_clock_ns());
@@ -117,7 +117,7 @@ static uint64_t affordable(const struct rounds *r)
     return left > 0 && r->ray_ns > 0 ? (uint64_t)(left / r->ray_ns) : 0;
 }
 
-/* Decides after a round, and notes what is found. */
+/* Decides after a round, and stores the results. */
 static bool decide(struct rounds *r, struct pen_decision *d, struct pen_status *st)
 {
     struct pen_adaptive_stats *a = &r->stats->adaptive;
@@ -137,7 +137,7 @@ static bool decide(struct rounds *r, struct pen_decision *d, struct pen_status *
     return true;
 }
 
-/* Whether a round was the last; else selects the pixels of the next one. */
+/* Whether a round was the last one. If not, selects the pixels of the next. */
 static bool select_next(struct rounds *r, const struct pen_decision *d, bool *last,
                         struct pen_status *st)
 {
@@ -173,7 +173,7 @@ static bool run_rounds(struct rounds *r, struct pen_status *st)
     return true;
 }
 
-/* Completes the statistics, and calls what is called of a finished picture. */
+/* Completes the statistics, and makes the calls for a finished picture. */
 static void finish(const struct rounds *r)
 {
     const struct pen_render_task *task = r->task;
@@ -190,7 +190,7 @@ static void finish(const struct rounds *r)
         task->rows_done(task->rows_user, s->height);
 }
 
-/* The statistics before the first round, or those of an earlier render. */
+/* Sets the statistics before the first round, or those of an earlier render. */
 static bool begin_stats(struct rounds *r, struct pen_status *st)
 {
     const struct pen_render_task *task = r->task;
@@ -216,7 +216,7 @@ static bool begin_stats(struct rounds *r, struct pen_status *st)
     return true;
 }
 
-/* Finds the small and bright things of the view, unless that is done. */
+/* Finds the small and bright things of the view, unless this has been done. */
 static bool find_things(struct rounds *r, struct pen_status *st)
 {
     struct pen_adaptive *a = r->adaptive;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The image is divided into stripes: a row of tiles has a stripe for each row of blocks that its
- * tiles have. A stripe is finished when its blocks are, of all the tiles beside each other. */
+/* The image is divided into stripes: a row of tiles has one stripe for each row of blocks in its
+ * tiles. A stripe is finished when its blocks in all tiles of that row are. */
 #include "render/internal/row_order.h"
 
 #include <pthread.h>
@@ -12,10 +12,10 @@ struct pen_row_order {
     void *user;
     int stripes;
     pthread_mutex_t lock;
-    int told;         /* guarded by lock; stripes that rows_done was called for */
+    int told;         /* guarded by lock; number of stripes reported to rows_done */
     bool telling;     /* guarded by lock; a thread is in rows_done */
-    atomic_int *left; /* by stripe, the blocks not finished; atomic: the last one acquires the
-                       * others' pixels */
+    atomic_int *left; /* by stripe, the number of unfinished blocks; atomic: the last one acquires
+                         the others' pixels */
 };
 
 static int divided_up(int a, int b)
@@ -28,7 +28,7 @@ static int stripes_of_tile(const struct pen_settings *s)
     return divided_up(s->tile, PEN_BLOCK_SIDE);
 }
 
-/* The stripe that row y is in. */
+/* The stripe that contains row y. */
 static int stripe_at(const struct pen_settings *s, int y)
 {
     return y / s->tile * stripes_of_tile(s) + y % s->tile / PEN_BLOCK_SIDE;
@@ -43,7 +43,7 @@ static int stripe_end(const struct pen_settings *s, int stripe)
     return end < s->height ? (int)end : s->height;
 }
 
-/* The number of blocks beside each other. */
+/* The number of blocks side by side. */
 static int blocks_across(const struct pen_settings *s)
 {
     const int last = s->width % s->tile;
@@ -82,7 +82,7 @@ void pen_row_order_free(struct pen_row_order *order)
     free(order);
 }
 
-/* The number of stripes that are finished, from the top. Called with the lock held. */
+/* The number of finished stripes, from the top. Called with the lock held. */
 static int finished(const struct pen_row_order *order)
 {
     int end = order->told;
@@ -92,8 +92,8 @@ static int finished(const struct pen_row_order *order)
     return end;
 }
 
-/* Calls rows_done until no more rows are finished, unless another thread does so. A stripe that is
- * finished meanwhile is found by one of the two, since both look with the lock held. */
+/* Calls rows_done until no more rows are finished, unless another thread does so. If a stripe is
+ * finished meanwhile, one of the two finds it, since both test with the lock held. */
 static void tell(struct pen_row_order *order)
 {
     pthread_mutex_lock(&order->lock);

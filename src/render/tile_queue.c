@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Every thread has a place for the tile that it has begun. One word of it holds both the tile and
- * the number of blocks taken: adding 1 takes a block and tells of which tile it is, so that others
- * can take blocks at any time.
+/* Every thread has a place for the tile that it has begun. One word of it contains the tile and the
+ * number of blocks taken. Adding 1 takes a block and returns its tile, so other threads can take
+ * blocks at any time.
  *
- * Others do so only once the task has no tile left. From then on no place gets another tile, so
- * `left` and `spent_ns` belong to the same tile as the block. A tile is taken and its place filled
- * under one lock: whoever sees that no tile is left finds all tiles in their places. */
+ * Other threads do so only when the task has no tile left. From then on no place gets another tile,
+ * so `left` and `spent_ns` belong to the same tile as the block. A tile is taken and its place
+ * filled under one lock. So a thread that sees that no tile is left finds all tiles in their
+ * places. */
 #include "render/internal/tile_queue.h"
 
 #include <pthread.h>
@@ -13,17 +14,18 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* On a cache line of its own, because its thread writes to it at each block. */
+/* It has its own cache line, because its thread writes to it at each block. */
 struct pen_begun_tile {
-    /* The tile, and below it in BLOCK_BITS the number of blocks taken. Atomic: who takes a block
-     * acquires what was stored before the tile was put here. */
+    /* The tile, and below it in BLOCK_BITS the number of blocks taken. Atomic: a thread that takes
+     * a block acquires everything stored before the tile was put here. */
     alignas(64) atomic_uint_least64_t taken;
     atomic_llong spent_ns; /* by the blocks that are done; atomic: ordered by `left` */
     atomic_int left; /* blocks not done yet; atomic: the last to be done acquires the others */
 };
 
-/* A tile has fewer blocks than 2^31 even if its blocks are single pixels. Each thread that finds
- * none left adds 1 to the number at most once for each tile, so that it never reaches the tile. */
+/* A tile has fewer blocks than 2^31 even if its blocks are single pixels. Each thread that finds no
+ * block left adds 1 to the number at most once for each tile. So the number never overflows into
+ * the tile. */
 enum { BLOCK_BITS = 32 };
 
 struct pen_tile_queue {
@@ -109,7 +111,7 @@ void pen_tile_queue_free(struct pen_tile_queue *queue)
     free(queue);
 }
 
-/* The block that the value `taken` of a place says is next. Returns false if it has none. */
+/* The next block of a place, given its value `taken`. Returns false if it has none. */
 static bool block_at(const struct pen_tile_queue *queue, uint64_t taken,
                      struct pen_tile_block *block)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Cameras: from a description to a frame, and from a frame to the rays of an image. The frame is
- * made from the camera's keys, then the moves are applied in order. After every rotation the frame
+ * made from the camera's keys; then the moves are applied in order. After every rotation the frame
  * is made orthonormal again, so rounding cannot skew the picture after any number of moves. */
 #include "math/exact.h"
 #include "math/fn.h"
@@ -8,8 +8,8 @@
 #include "scene/internal/vec.h"
 #include "scene/scene.h"
 
-/* The sine of the smallest angle between view direction and `up` that is accepted. At a smaller
- * angle, the rounding of the numbers in the document may decide where up is. */
+/* The sine of the smallest accepted angle between view direction and `up`. At a smaller angle, the
+ * rounding of the numbers in the document may decide where up is. */
 static const double PARALLEL_SINE = 0x1p-40;
 
 /* Makes right and up orthonormal to forward, a unit vector. Returns false if up is parallel to
@@ -67,8 +67,7 @@ static void apply(struct pen_camera_frame *frame, const struct pen_camera_move *
     }
 }
 
-/* Up where the view goes along y: so that a view from above shows x to the right and -z upward, as
- * maps do. */
+/* Up for a view along y. A view from above shows x to the right and -z upward, as maps do. */
 static struct pen_vec3 up_along_y(struct pen_vec3 direction)
 {
     return pen_vec3(0, 0, direction.y < 0 ? -1 : 1);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The description of a scene, as its document gives it: scene units, degrees, nothing transformed.
- * The readers in room io fill it after refusing everything that api/scene-format.md forbids;
- * pen_scene_freeze converts it to what kernels read. All memory belongs to the reader's arena. */
+/* The description of a scene, as its document gives it: scene units, degrees, no transform applied.
+ * The readers in module io fill it, after they refuse everything that api/scene-format.md forbids.
+ * pen_scene_freeze converts it to the form that kernels read. All memory belongs to the reader's
+ * arena. */
 #ifndef PEN_SCENE_DESC_H
 #define PEN_SCENE_DESC_H
 
@@ -16,9 +17,9 @@
 #include "scene/settings.h"
 
 /* A colour that depends on the place, in the object's own coordinates: those of the document before
- * the transforms of the groups around it. */
+ * the transforms of enclosing groups. */
 struct pen_pattern {
-    bool checker; /* cells of edge `size` in turn a and b; else a gradient from a to b */
+    bool checker; /* cells of edge `size`, alternately a and b; else a gradient from a to b */
     struct pen_vec3 a, b;
     double size;
     struct pen_vec3 from, to;
@@ -35,17 +36,18 @@ enum pen_material_colours {
     PEN_MATERIAL_COLOURS
 };
 
-/* The patterns of a material's colours; NULL where a colour has none. */
+/* The patterns of a material's colours; NULL for a colour without one. */
 struct pen_patterns {
     const struct pen_pattern *of[PEN_MATERIAL_COLOURS];
 };
 
 struct pen_material {
-    struct pen_vec3 emission, ka, kd, ks, kt, kr; /* RGB; of a pattern, the mean of its two */
+    struct pen_vec3 emission, ka, kd, ks, kt,
+        kr; /* RGB; of a pattern, the mean of its two colours */
     double shininess, ior;
     double reflection_blur, transmission_blur; /* degrees */
     const struct pen_patterns *patterns;       /* NULL: none */
-    bool ior_written;                          /* then 1 makes a solid, too */
+    bool ior_written; /* written in the document: then also 1 makes a solid */
 };
 _Static_assert(offsetof(struct pen_material, kr) == PEN_COLOUR_KR * sizeof(struct pen_vec3),
                "the colours are an array of PEN_MATERIAL_COLOURS");
@@ -56,8 +58,8 @@ static inline struct pen_vec3 *pen_material_colour(struct pen_material *m, int c
     return (struct pen_vec3 *)((char *)m + (size_t)colour * sizeof(struct pen_vec3));
 }
 
-/* The pattern of a colour; NULL where the colour is the same everywhere, as that of a pattern of
- * two equal colours, which is their mean. */
+/* The pattern of a colour; NULL if the colour is the same everywhere. A pattern of two equal
+ * colours is the same everywhere. */
 static inline const struct pen_pattern *pen_material_pattern(const struct pen_material *m,
                                                              int colour)
 {
@@ -75,14 +77,15 @@ static inline bool pen_material_is_patterned(const struct pen_material *m)
     return false;
 }
 
-/* Whether primitives with an inside, and closed surfaces of flat ones, are solids. */
+/* Whether the material makes solids of primitives with an inside, and of closed surfaces of flat
+ * primitives. */
 static inline bool pen_material_is_solid(const struct pen_material *m)
 {
     return m->ior != 1 || m->ior_written;
 }
 
-/* emission 0, ka 1, kd ks kt kr 0, shininess 1, ior 1 and not written, no blur: black without
- * ambient light. */
+/* The default material: emission 0, ka 1, kd ks kt kr 0, shininess 1, ior 1 and not written, no
+ * blur. It is black without ambient light. */
 struct pen_material pen_material_default(void);
 
 enum pen_light_kind { PEN_LIGHT_DIRECTIONAL, PEN_LIGHT_POINT, PEN_LIGHT_SPOT };
@@ -98,7 +101,7 @@ struct pen_light_desc {
     double angular_radius; /* degrees */
 };
 
-/* Whether lights of the kind have a position; the others are infinitely far away. */
+/* Whether lights of the kind have a position; if not, they are infinitely far away. */
 static inline bool pen_light_positional(enum pen_light_kind kind)
 {
     switch (kind) {
@@ -130,7 +133,8 @@ static inline bool pen_light_desc_soft(const struct pen_light_desc *light)
     return (pen_light_positional(light->kind) ? light->radius : light->angular_radius) > 0;
 }
 
-/* PEN_OBJECT_SPHERE and so on: the kinds of primitives, with equal numbers; and groups. */
+/* The kinds of objects: PEN_OBJECT_SPHERE and so on, with the numbers of the kinds of primitives;
+ * and groups. */
 enum pen_object_kind {
 #define KIND(NAME, ...) PEN_OBJECT_##NAME = PEN_PRIM_##NAME,
     PEN_KINDS(KIND)
@@ -142,10 +146,10 @@ struct pen_object_desc {
     enum pen_object_kind kind;
     const char *name; /* NULL if it has none */
     int material;     /* index, -1: default */
-    /* Of a triangle or polygon: it has no area. It is no primitive, but its edges count where a
-     * solid may close. */
+    /* A triangle or polygon without area. It is no primitive, but its edges count where a solid may
+     * close. */
     bool left_out;
-    bool repeats_vertex; /* of a polygon: its last vertex, once more, is not among `vertices` */
+    bool repeats_vertex; /* a polygon: its last vertex, once more, is not among `vertices` */
     union {
         struct {
             struct pen_vec3 center;
@@ -186,15 +190,15 @@ enum pen_move_axis { PEN_AXIS_VECTOR, PEN_AXIS_FORWARD, PEN_AXIS_RIGHT, PEN_AXIS
 
 struct pen_camera_move {
     enum pen_move_kind kind;
-    enum pen_move_axis axis_kind; /* of a rotation; PEN_AXIS_VECTOR: `axis` */
+    enum pen_move_axis axis_kind; /* axis of a rotation; PEN_AXIS_VECTOR: `axis` */
     struct pen_vec3 axis;
-    struct pen_vec3 vector; /* translate: by; orbit: target */
+    struct pen_vec3 vector; /* of a translation; the target of an orbit */
     double degrees;
 };
 
 struct pen_camera_desc {
     struct pen_vec3 position, up;
-    bool default_up; /* not written; where it is parallel to the view direction, another is taken */
+    bool default_up; /* not written; if it is parallel to the view direction, another one is used */
     bool has_look_at; /* else `direction` */
     struct pen_vec3 look_at, direction;
     bool has_view_plane; /* else `fov_degrees` */
@@ -210,8 +214,8 @@ struct pen_view_desc {
     struct pen_camera_desc camera;
 };
 
-/* A background that changes with the elevation of a ray: linear in its sine from the horizon to the
- * zenith, and to the nadir below it. */
+/* A background that changes with the elevation of a ray. It is linear in its sine, from the horizon
+ * to the zenith and from the horizon to the nadir. */
 struct pen_sky {
     struct pen_vec3 zenith, nadir;
     struct pen_vec3 up; /* any length */
@@ -229,15 +233,16 @@ struct pen_scene_desc {
     struct pen_material *materials; /* named ones first, then inline ones */
     uint32_t light_count;
     struct pen_light_desc *lights;
-    bool opaque_shadows;   /* no light passes what is seen through; no document says so */
+    bool opaque_shadows;   /* no light passes through transmissive primitives; no document can set
+                              this */
     uint32_t object_count; /* top level */
     struct pen_object_desc *objects;
     uint64_t primitive_count;     /* all primitives, also those in groups; groups do not count */
-    uint32_t left_out_count;      /* objects that are left out, and */
-    uint64_t left_out_vertices;   /* all of their vertices */
+    uint32_t left_out_count;      /* objects that are left out */
+    uint64_t left_out_vertices;   /* their vertices in all */
     struct pen_settings settings; /* defaults and the scene's own `render` */
-    /* What the reader has left out or chosen, and what is probably meant otherwise: code PEN_OK,
-     * place and sentence. */
+    /* Omissions and choices of the reader, and probable errors of the author: code PEN_OK, place
+     * and sentence. */
     uint32_t note_count;
     struct pen_status *notes;
 };
@@ -245,20 +250,22 @@ struct pen_scene_desc {
 /* The frame of a camera after its moves. right = forward x up; all are unit and orthogonal. */
 struct pen_camera_frame {
     struct pen_vec3 eye, right, up, forward;
-    bool other_up; /* instead of the default one, which is parallel to the view direction */
+    bool other_up; /* not the default one, which is parallel to the view direction */
 };
 
 /* Computes the frame of a camera. A default up, [0, 1, 0], that is parallel to the view direction
- * is replaced by [0, 0, -1] for a view down, [0, 0, 1] for a view up. Fails: PEN_INVALID with the
- * wrong key, relative to the camera object, as its place: "/up" (parallel to the view direction, or
- * zero), "/look_at" (equal to the position, or too far from it), "/direction" (zero). */
+ * is replaced: by [0, 0, -1] for a view down, [0, 0, 1] for a view up.
+ * Fails: PEN_INVALID. Its place is the wrong key, relative to the camera object: "/up" (parallel to
+ * the view direction, or zero), "/look_at" (equal to the position, or too far from it),
+ * "/direction" (zero). */
 bool pen_camera_frame_make(const struct pen_camera_desc *camera, struct pen_camera_frame *frame,
                            struct pen_status *st);
 
-/* Checks the vertices of a polygon. Refuses fewer than three, repeated ones, a deviation from the
- * plane of more than 1e-6 of the extent, edges that intersect or touch, and zero area. Cost: O(n
- * log n). Fails: PEN_INVALID with a place relative to the object, such as "/vertices/3";
- * PEN_NO_MEMORY. */
+/* Checks the vertices of a polygon. Refuses fewer than three vertices, repeated vertices, a
+ * deviation from the plane of more than 1e-6 of the extent, edges that intersect or touch, and zero
+ * area.
+ * Fails: PEN_INVALID with a place relative to the object, such as "/vertices/3"; PEN_NO_MEMORY.
+ * Cost: O(n log n). */
 bool pen_polygon_check(const struct pen_vec3 *vertices, uint32_t count, struct pen_status *st);
 
 #endif

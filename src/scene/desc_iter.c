@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The iterator's stack has a level for each group around the current object, the innermost last.
- * Transforms are composed in double, outermost first. Where no group has a transform nothing is
+/* The iterator's stack has a level for each group that contains the current object, the innermost
+ * last. Transforms are composed in double, outermost first. If no group has a transform, nothing is
  * multiplied, hence nothing rounded. */
 #include "scene/internal/desc_iter.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Which effects a scene needs: those that some primitive, light or setting can make visible. The
- * kernel is chosen by this set, so a bit must be set whenever leaving the effect out could change
- * one bit of the picture. The values in the document decide, never a threshold; except for
- * min_contribution, below which no secondary ray is traced: what can only send such rays is left
+/* The effects that a scene needs: those that some primitive, light or setting can make visible. The
+ * kernel is chosen by this set, so a bit must be set if leaving the effect out could change one bit
+ * of the picture. The values in the document decide, never a threshold. The exception is
+ * min_contribution, below which no secondary ray is traced: effects that need weaker rays are left
  * out. */
 #include "scene/internal/effects.h"
 
@@ -47,16 +47,16 @@ const char *pen_effect_name(int bit)
     return "unknown";
 }
 
-/* What has been found in a scene while its primitives are visited. */
+/* Findings about a scene while its primitives are visited. */
 struct survey {
     struct pen_secondary_factors factors;
     bool ambient_light, lights; /* lights: one with intensity > 0 */
     unsigned shadows;           /* the kinds of shadows that such lights cast */
     bool see_through;           /* a primitive has kt > 0, */
-    bool opaque_shadows;        /* which lets no light pass */
-    bool forks;                 /* a primitive has kt > 0, and kr > 0 or refracts */
+    bool opaque_shadows;        /* it lets no light pass */
+    bool forks;                 /* a primitive has kt > 0, and has kr > 0 or refracts */
     bool weights_grow;          /* some factor of a weight is above 1 */
-    bool ones_are_solids;       /* of a description: those with a written index of 1 */
+    bool ones_are_solids;       /* of a description: primitives with a written index of 1 */
     unsigned effects;
 };
 
@@ -77,8 +77,8 @@ static double largest_channel(struct pen_vec3 c)
     return pen_larger(c.x, pen_larger(c.y, c.z));
 }
 
-/* A bound of a material's colour, in each channel. That of a gradient is a + share (b - a), which
- * rounding may carry beyond b. */
+/* A bound of a material's colour, in each channel. The colour of a gradient is a + share (b - a),
+ * which rounding may move beyond b. */
 static struct pen_vec3 colour_bound(const struct pen_material *m, enum pen_material_colours colour,
                                     struct pen_vec3 plain)
 {
@@ -92,14 +92,14 @@ static struct pen_vec3 colour_bound(const struct pen_material *m, enum pen_mater
                     pen_larger(a.z, pen_larger(b.z, end.z)));
 }
 
-/* Takes note of secondary rays that have this factor at most. */
+/* Records secondary rays that have at most this factor. */
 static void add_factor(struct survey *survey, double *largest, double factor)
 {
     *largest = pen_larger(*largest, factor);
     survey->weights_grow = survey->weights_grow || factor > 1;
 }
 
-/* Adds the effects of the secondary rays of a material, which may be that of a solid. Where it
+/* Adds the effects of the secondary rays of a material, which may belong to a solid. If it
  * refracts, Fresnel's share of kt is reflected with kr. */
 static void add_secondary(struct survey *survey, const struct pen_material *m, bool solid)
 {
@@ -132,8 +132,8 @@ static void add_secondary(struct survey *survey, const struct pen_material *m, b
     }
 }
 
-/* Adds the effects of one primitive's material, and whether it is of a solid. Materials that no
- * primitive has do not count. */
+/* Adds the effects of one primitive's material; `solid`: it is of a solid. Materials without a
+ * primitive do not count. */
 static void add_material(struct survey *survey, const struct pen_material *m, bool solid)
 {
     if (survey->ambient_light && color_is_lit(m->ka))
@@ -149,7 +149,7 @@ static void add_material(struct survey *survey, const struct pen_material *m, bo
     survey->forks = survey->forks || (color_is_lit(m->kt) && (color_is_lit(m->kr) || solid));
 }
 
-/* Where a weight may grow on its way, no factor alone tells how large it becomes. */
+/* The factors. If a weight may grow along its path, no single factor bounds it. */
 static struct pen_secondary_factors survey_factors(const struct survey *survey)
 {
     if (survey->weights_grow)
@@ -157,7 +157,7 @@ static struct pen_secondary_factors survey_factors(const struct survey *survey)
     return survey->factors;
 }
 
-/* All effects found. Light through see-through primitives matters only where there are shadows. */
+/* All effects found. Light through transmissive primitives matters only if there are shadows. */
 static unsigned survey_end(const struct survey *survey)
 {
     bool colours =
@@ -196,8 +196,8 @@ static void survey_objects(struct survey *survey, const struct pen_scene_desc *d
     }
 }
 
-/* Whether a material that is used refracts, so that solids with an index of 1 may lie in it;
- * without boxes, all of them are taken to. */
+/* Whether a used material refracts, so that solids with an index of 1 may lie in its solids. Boxes
+ * are not known here, so all solids with index 1 are assumed to. */
 static bool ones_are_solids(const struct pen_scene_desc *desc)
 {
     struct survey survey = {0};
@@ -230,9 +230,9 @@ bool pen_desc_has_lens(const struct pen_scene_desc *desc)
     return lens;
 }
 
-/* The effects of secondary rays of which no ray can be traced, since no weight reaches
- * min_contribution: a weight begins with 1 and does not grow, so it is at most its last factor.
- * Where paths fork, blur remains, since it says how large their trees may be. */
+/* The effects of secondary rays that cannot be traced, because no weight reaches min_contribution.
+ * A weight begins with 1 and does not grow, so it is at most its last factor. If paths fork, blur
+ * remains, because it determines how large their trees may be. */
 static unsigned too_weak(unsigned effects, const struct pen_secondary_factors *factors,
                          double least)
 {

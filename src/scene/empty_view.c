@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A primitive is invisible if it lies behind the eye, or wholly beyond one side of the pyramid of
- * camera rays. An infinite plane does so for no side; it is invisible if the eye is on one side of
- * it and no ray goes towards it. */
+ * camera rays. An infinite plane is beyond no side. It is invisible if the eye is on one side of it
+ * and no ray goes towards it. */
 #include "scene/empty_view.h"
 
 #include <stdio.h>
@@ -14,16 +14,16 @@ enum { SIDES = 4 };
 struct pyramid {
     struct pen_vec3 eye, forward;
     struct pen_vec3 corner[SIDES]; /* the directions of its edges */
-    /* By side: what n.(p - eye) < -beyond holds for is beyond it. n is unit. */
+    /* By side: a point p with n.(p - eye) < -beyond is beyond it. n is a unit vector. */
     struct pen_vec3 n[SIDES];
     double beyond[SIDES];
-    double rounding; /* of places, generously */
+    double rounding; /* of places, a generous bound */
     bool lens;
 };
 
-/* Rays through a lens of radius R meet in their focal plane, at distance f, inside the pyramid of
- * the pinhole. So with m the inward normal of one of its sides they keep to m.(p - eye) >= -R (1 +
- * s / f) at distance s, which is a side that leans outward. */
+/* Rays through a lens of radius R meet in the focal plane, at distance f, inside the pyramid of the
+ * pinhole. Let m be the inward normal of a side of the pyramid. At distance s the rays satisfy m.(p
+ * - eye) >= -R (1 + s / f). This is a side that leans outward. */
 static void open_lens(struct pyramid *v, const struct pen_lens *lens, double middle)
 {
     const double radius = pen_length(lens->right), share = radius / (lens->focus * middle);
@@ -66,7 +66,7 @@ static bool plane_is_seen(const struct pen_plane *plane, const struct pyramid *v
     return false;
 }
 
-/* Whether a primitive may be visible; *behind: it is not, since it is behind the eye. */
+/* Whether a primitive may be visible. *behind: it is invisible because it is behind the eye. */
 static bool may_be_seen(const struct pen_prims *prims, uint32_t prim, const struct pyramid *v,
                         bool *behind)
 {

@@ -8,10 +8,11 @@
 
 #include "scene/scene.h"
 
-/* Writes a warning with a remedy to `out` if no camera ray of the view can meet a primitive: all
- * lie behind the eye, or all beyond one of the sides of the pyramid that the rays fill. Returns
- * false otherwise, also where no single side of the pyramid tells, and for scenes without
- * primitives. Cost: up to the first primitive that may be visible; no ray is traced. */
+/* Writes a warning with a remedy to `out` if no camera ray of the view can meet a primitive. That
+ * is certain if all primitives are behind the eye, or all beyond one side of the pyramid of rays.
+ * Returns false otherwise, also if no single side excludes them all, and for scenes without
+ * primitives.
+ * Cost: up to the first primitive that may be visible; no ray is traced. */
 bool pen_view_empty_warning(const struct pen_scene *scene, int view, int width, int height,
                             char *out, size_t bytes);
 

@@ -55,7 +55,7 @@ static bool freeze_views(struct pen_freezer *f)
     return true;
 }
 
-/* Whether the eye and the lens of a view have numbers in the local frame. */
+/* Whether the eye and the lens of a view are representable in the local frame. */
 static bool freeze_view_in_range(struct pen_freezer *f, uint32_t i)
 {
     const struct pen_camera_desc *camera = &f->desc->views[i].camera;
@@ -84,8 +84,8 @@ static bool freeze_frame(struct pen_freezer *f)
     return true;
 }
 
-/* Copies the patterns of a material into the scene's arena. One of two equal colours becomes that
- * colour, so that it costs what a plain one costs. */
+/* Copies the patterns of a material into the scene's arena. A pattern of two equal colours becomes
+ * that colour, so that it costs no more than a plain one. */
 static bool keep_patterns(struct pen_freezer *f, struct pen_material *material)
 {
     const struct pen_patterns *given = material->patterns;
@@ -178,7 +178,7 @@ static struct pen_light light_in_local_frame(const struct pen_freezer *f,
     return light;
 }
 
-/* An error at a key of a light. */
+/* Fails with an error at a key of a light. */
 static bool fail_light(struct pen_freezer *f, uint32_t index, const char *key, const char *what)
 {
     pen_fail(f->st, PEN_INVALID, "%s", what);
@@ -244,7 +244,7 @@ static bool build_accel(struct pen_freezer *f, enum pen_accelerator accelerator)
     return scene->accel != NULL;
 }
 
-/* `accelerator`: NULL if no ray will be traced. */
+/* Freezes a scene. `accelerator`: NULL if no ray will be traced. */
 static struct pen_scene *freeze(const struct pen_scene_desc *desc,
                                 const enum pen_accelerator *accelerator, size_t cap_bytes,
                                 struct pen_status *st)

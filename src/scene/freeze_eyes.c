@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Tells which solids the eyes of the views are in, and which their lenses may be in. */
+/* Finds the solids that contain the eyes of the views, and those that may contain points of their
+ * lenses. */
 #include "scene/internal/freeze.h"
 #include "scene/solid.h"
 
 /* An eye is on a surface if steps in these directions, of this part of the coordinates, do not all
- * lead to the same side of it. One direction is in each octant, and none is along a plane that
- * people build of. */
+ * lead to the same side of the surface. There is one direction in each octant, and none is along a
+ * plane that is common in scenes. */
 enum { STEPS = 8 };
 static const struct pen_vec3 direction[STEPS] = {
     {0.5377, 0.7193, 0.4397},   {-0.4397, 0.5377, 0.7193},  {0.7193, -0.4397, 0.5377},
@@ -13,7 +14,8 @@ static const struct pen_vec3 direction[STEPS] = {
     {0.4397, -0.7193, -0.5377}, {-0.7193, -0.4397, -0.5377}};
 static const double STEP = 0x1p-36;
 
-/* u times this of the coordinates in the document: what is left of a step after rounding. */
+/* A step contains this many u of the coordinates in the document, so that rounding leaves a part of
+ * it. */
 static const double ROUNDINGS = 32;
 
 static bool overlaps_ball(const struct pen_box *b, struct pen_vec3 c, double r)
@@ -27,7 +29,7 @@ static double extent(const struct pen_box *b)
     return pen_norm1(pen_sub(b->hi, b->lo));
 }
 
-/* The step for an eye within one step of the box of a solid; 0 for any other. */
+/* The step for an eye within one step of the box of a solid; 0 for any other eye. */
 static double step_at(const struct pen_freezer *f, uint32_t solid, struct pen_vec3 eye)
 {
     const struct pen_box *box = &f->scene->solids.at[solid].box;
@@ -38,7 +40,7 @@ static double step_at(const struct pen_freezer *f, uint32_t solid, struct pen_ve
     return overlaps_ball(box, eye, step) ? step : 0;
 }
 
-/* Which of an eye's steps lead into a solid, by bit. */
+/* The steps of an eye that lead into a solid, as bits. */
 static unsigned steps_into(const struct pen_scene *scene, uint32_t solid, struct pen_vec3 eye,
                            double step)
 {
@@ -50,8 +52,8 @@ static unsigned steps_into(const struct pen_scene *scene, uint32_t solid, struct
     return in;
 }
 
-/* Moves an eye that is exactly on surfaces of solids off them, if it can be to the outside of all.
- * Then each ray of the camera starts on the side of them that is told for the eye. */
+/* Moves an eye that is exactly on surfaces of solids off them, to the outside of all if possible.
+ * Then each ray of the camera starts on the side of them that is recorded for the eye. */
 static void leave_surfaces(const struct pen_freezer *f, struct pen_scene_view *view)
 {
     const struct pen_vec3 eye = pen_local_point(&f->frame, view->frame.eye);

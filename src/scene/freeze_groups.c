@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* The groups of a document as ranges of primitive numbers, for the accelerator `manual`. Primitives
- * are numbered depth first, so the primitives of a group are a range; a group without primitives is
+ * are numbered depth first, so the primitives of a group are a range. A group without primitives is
  * left out. The iterator gives the path to each primitive; groups begin and end where it changes.
  */
 #include <stdlib.h>
 
 #include "scene/internal/freeze.h"
 
-/* A group around the current primitive. A group is identified by its position in the group around
- * it, as the iterator's `next` at that level tells. */
+/* A group that contains the current primitive. It is identified by its position in the enclosing
+ * group: the iterator's `next` at that level. */
 struct open_group {
-    uint32_t next;  /* the iterator's `next` at the level of the group around it */
+    uint32_t next;  /* the iterator's `next` at the level of the enclosing group */
     uint32_t range; /* index into gatherer.range */
 };
 
@@ -50,8 +50,8 @@ static void close_groups(struct gatherer *g, uint32_t depth, uint32_t prim)
         g->range[g->open[--g->depth].range].end = prim;
 }
 
-/* Closes the groups that primitive number `prim` is not in, and opens those whose first primitive
- * it is. */
+/* Closes the groups that do not contain primitive number `prim`, and opens those whose first
+ * primitive it is. */
 static bool update_open_groups(struct gatherer *g, const struct pen_desc_iter *iter, uint32_t prim)
 {
     uint32_t same = 0;

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds the primitives that may coincide with others, so that paths look for layers only there. A
- * pair too many costs time, and changes no picture.
+/* Finds the primitives that may coincide with others, so that paths look for layers only there. An
+ * unnecessary pair costs time and changes no picture.
  *
- * A surface (a part of a primitive) is a box of seven dimensions: its bounds, those of the sizes of
- * the components of a direction that coincident surfaces share, and those of a size that they
- * share. Flat ones share the normal and the distance from the origin, cylinders the axis and the
- * radius. Only surfaces of one class whose boxes overlap can coincide. Sorted by size, most
- * surfaces have no neighbour, or few. In larger runs pairs are found by halving: what is left and
- * what is right of a value, and in both halves what it cuts. */
+ * A surface (a part of a primitive) is a box of seven dimensions: its bounds, the bounds of the
+ * sizes of a direction's components, and the bounds of a size. Coincident surfaces share the
+ * direction and the size. For flat surfaces these are the normal and the distance from the origin,
+ * for cylinders the axis and the radius. Only surfaces of one class whose boxes overlap can
+ * coincide. Sorted by size, most surfaces have few or no neighbours. In larger runs, pairs are
+ * found by halving at a value: the surfaces left of it, those right of it, and in both halves those
+ * that it cuts. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,12 +19,12 @@ enum {
     DIRECTION = 3, /* the first dimension of the normal or axis */
     SIZE = 6,
     DIMENSIONS = 7,
-    FEW = 16,        /* so many surfaces are compared one by one */
-    MANY = 2048,     /* more that no halving separates are taken to coincide */
-    SOME = 15,       /* a list is halved at the median of so many of it, */
-    SOME_MOST = 127, /* and a long list at that of a sixteenth of it, but at most these */
+    FEW = 16,        /* this number of surfaces is compared one by one */
+    MANY = 2048,     /* more surfaces that no halving separates are assumed to coincide */
+    SOME = 15,       /* a list is halved at the median of this number of its surfaces, */
+    SOME_MOST = 127, /* and a long list at that of a sixteenth of them, but at most this number */
     DEPTH = 48,
-    PLACES = 16 /* of one primitive: those with its first partners, and one for all others */
+    PLACES = 16 /* of one primitive: for its first partners one each, and one for all others */
 };
 
 /* Surfaces of different classes never coincide. */
@@ -35,7 +36,7 @@ struct surface {
     enum class class;
 };
 
-/* Where a surface begins along an axis. */
+/* The begin of a surface along an axis. */
 struct begin {
     enum class class;
     uint32_t surface;
@@ -54,10 +55,10 @@ struct finder {
     const struct pen_prims *prims;
     struct surface *surface;
     uint32_t *list;      /* of surfaces */
-    struct begin *begin; /* of those that are compared */
+    struct begin *begin; /* of the surfaces that are compared */
     uint32_t count;
     uint32_t *first;     /* by primitive: its first place; they are in the order of partners */
-    struct place *place; /* all that the scene will keep, and no others */
+    struct place *place; /* all places that the scene will keep, and no others */
     size_t places, room, most;
     bool no_memory;
 };
@@ -76,9 +77,9 @@ static void bound_direction(struct surface *s, struct pen_vec3 n, double off)
     }
 }
 
-/* The normal, as well as its primitive's own size tells it. A part that lies across an axis is thin
- * along it. The distance from the origin is as uncertain as that of a point of the box by which the
- * plane is turned. */
+/* Bounds the normal, to the precision that the primitive's own size gives it. A part that lies
+ * across an axis is thin along it. The distance from the origin is as uncertain as that of a point
+ * of the box when the plane turns by that precision. */
 static void bound_flat(struct surface *s, struct pen_vec3 n, struct pen_vec3 q, double off,
                        double reach)
 {
@@ -101,8 +102,8 @@ static const struct pen_cylinder_side *cylinder_side(const struct pen_prims *pri
                                                     : NULL;
 }
 
-/* The radius, and the axis of a cylinder. The side of a cone has any radii, and may coincide with a
- * cylinder if it is steep. */
+/* Bounds the radius and the axis of a cylinder. The side of a cone has any radius, and may coincide
+ * with a cylinder if it is steep. */
 static void bound_round(struct surface *s, const struct pen_prims *prims, struct pen_vec3 p,
                         double off)
 {
@@ -120,7 +121,7 @@ static void bound_round(struct surface *s, const struct pen_prims *prims, struct
         bound_direction(s, pen_scale(side->a, 1 / side->length), off);
 }
 
-/* Bounds with a margin far above rounding, also that of rays from afar. */
+/* Adds a surface with bounds whose margin is far above rounding, also that of rays from afar. */
 static void add_surface(struct finder *f, uint32_t prim, uint8_t part)
 {
     const struct pen_kind *kind = pen_prim_row(f->prims, prim);
@@ -167,7 +168,8 @@ static uint8_t last_part(uint32_t kind)
     return PEN_PART_SIDE;
 }
 
-/* There are at most PLACES places for a primitive, and as many as the scene has memory for. */
+/* Makes room for a place. There are at most PLACES places for a primitive, and at most as many as
+ * the scene has memory for. */
 static bool make_room(struct finder *f)
 {
     if (f->places < f->room)
@@ -182,10 +184,9 @@ static bool make_room(struct finder *f)
     return true;
 }
 
-/* Adds a place to the list of its primitive, in which each partner has one place, and those after
- * the first PLACES - 1 partners have one together: the last. A partner that is not among the first
- * of those found so far is not among the first of all, so the order in which pairs are found makes
- * no difference. */
+/* Adds a place to the list of its primitive. Each partner has one place; those after the first
+ * PLACES - 1 partners share the last one. A partner that is not among the first of those found so
+ * far is not among the first of all. So the order in which pairs are found does not matter. */
 static void add_place(struct finder *f, uint32_t prim, struct pen_layer_place there)
 {
     uint32_t last = NO_PLACE, count = 0;
@@ -211,7 +212,7 @@ static void add_place(struct finder *f, uint32_t prim, struct pen_layer_place th
     f->place[f->places++] = (struct place){there, NO_PLACE};
 }
 
-/* The common box of two surfaces is a place of both primitives. */
+/* Adds the common box of two surfaces as a place of both primitives. */
 static void mark(struct finder *f, const struct surface *a, const struct surface *b)
 {
     double lo[3], hi[3];
@@ -248,7 +249,7 @@ static int compare_begins(const void *a, const void *b)
     return (p->lo > q->lo) - (p->lo < q->lo);
 }
 
-/* Sorts a list by class and by where the surfaces begin along an axis, into f->begin. */
+/* Sorts a list by class and by the begins of the surfaces along an axis, into f->begin. */
 static void sort_begins(struct finder *f, const uint32_t *list, uint32_t count, int axis)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -269,7 +270,7 @@ static void compare_many(struct finder *f, const uint32_t *list, uint32_t count)
     }
 }
 
-/* Compares all pairs of a list; of too many, takes all for coincident. */
+/* Compares all pairs of a list. If there are too many, assumes that all coincide. */
 static void compare(struct finder *f, const uint32_t *list, uint32_t count)
 {
     if (count > FEW && count <= MANY) {
@@ -285,7 +286,7 @@ static void compare(struct finder *f, const uint32_t *list, uint32_t count)
     }
 }
 
-/* 0 for a plane without end. */
+/* The middle of a surface; 0 for a plane without end. */
 static double middle(const struct surface *s, int axis)
 {
     return s->hi[axis] < INFINITY ? 0.5 * s->lo[axis] + 0.5 * s->hi[axis] : 0;
@@ -315,7 +316,7 @@ static int side_of(const struct surface *s, int axis, double value)
     return s->hi[axis] < value ? -1 : s->lo[axis] > value;
 }
 
-/* Moves those of one side to the front and returns their number. */
+/* Moves the surfaces of one side to the front and returns their number. */
 static uint32_t to_front(const struct finder *f, uint32_t *list, uint32_t count, int axis,
                          double value, int side)
 {
@@ -441,7 +442,7 @@ static bool keep(struct pen_freezer *f, const struct finder *finder)
     return true;
 }
 
-/* How many places the scene's memory has room for. */
+/* The number of places that the scene's memory has room for. */
 static size_t places_most(const struct pen_freezer *f)
 {
     const size_t left = f->cap_bytes ? f->cap_bytes - pen_arena_used(f->scene->arena) : SIZE_MAX;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The own coordinates of patterned primitives: the inverse of the transforms of the groups around
- * them, after the local frame. Primitives in sequence that are moved alike share one. */
+/* The own coordinates of patterned primitives: the inverse of the transforms of the enclosing
+ * groups, after the local frame. Consecutive primitives with the same transforms share one space.
+ */
 #include <string.h>
 
 #include "math/exact.h"
@@ -18,8 +19,8 @@ static struct pen_vec3 column_of(const struct pen_transform *f, int j)
     return pen_vec3(f->m[0][j], f->m[1][j], f->m[2][j]);
 }
 
-/* Row i of the inverse of a map's linear part: across the other two columns, and 1 along column i.
- */
+/* Row i of the inverse of a map's linear part: perpendicular to the other two columns, and 1 along
+ * column i. */
 static struct pen_vec3 inverse_row(const struct pen_transform *f, int i)
 {
     const struct pen_vec3 axis = pen_vec3(i == 0, i == 1, i == 2);
@@ -28,9 +29,9 @@ static struct pen_vec3 inverse_row(const struct pen_transform *f, int i)
 }
 
 /* p_own = inverse (center + 2^exponent p_local - moved). The sums of the offset are compensated but
- * rounded once each, and center and `moved` are as exact as the document's numbers: 8u of their
- * sizes covers that. The products and sums of a point are covered by 4u |row| |p|, which is within
- * the point's own bound of at least 16u |p|: twice the bound covers both. */
+ * rounded once each. center and `moved` are as exact as the document's numbers; 8u of their sizes
+ * covers that. The products and sums of a point are covered by 4u |row| |p|, which is within the
+ * point's own bound of at least 16u |p|. Twice the bound covers both. */
 static struct pen_own_space space_of(const struct pen_freezer *f, const struct pen_transform *moved)
 {
     struct pen_own_space s;

@@ -1,22 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* The typed arrays of a frozen scene: one per kind, filled in document order, in local
- * coordinates, and beside them what kernels read of each primitive: its material, and whether light
- * passes through it. */
+/* The typed arrays of a frozen scene, one per kind, filled in document order, in local coordinates.
+ * Also the data of each primitive for kernels: its material, and whether it transmits light. */
 #include "math/frame.h"
 #include "scene/internal/freeze.h"
 
-/* The arrays while they are filled; the scene sees them as constant afterwards. */
+/* The arrays while they are filled; for the scene they are then constant. */
 struct filler {
     struct pen_prim_ref *ref;
     void *array[PEN_PRIM_KIND_COUNT];
     struct pen_vec3 *kept;   /* vertices that primitives keep: the next free one */
-    struct pen_vec3 *passed; /* room for those of one primitive that does not keep them */
+    struct pen_vec3 *passed; /* room for the vertices of one primitive that does not keep them */
     uint32_t *material;
     uint8_t *see_through;
     struct pen_prims prims; /* the counts so far */
 };
 
-/* Vertices of a kind that does not keep them: a triangle's. */
+/* The most vertices of a kind that does not keep them: a triangle's. */
 enum { PASSED_MAX = 3 };
 
 static bool alloc_arrays(struct pen_freezer *f, struct filler *a)
@@ -47,9 +46,9 @@ static const struct pen_vec3 *local_vertices(const struct pen_freezer *f, struct
     return v;
 }
 
-/* Makes a triangle or polygon whose vertices rounding has put on one line, most often where a group
- * moves a needle. It stays a primitive, whose normal is any vector across that line: its area is
- * zero, and a ray meets it only within the rounding of its vertices. */
+/* Makes a triangle or polygon whose vertices rounding has put on one line, for example where a
+ * group moves a needle. It stays a primitive; its normal is any vector across that line. Its area
+ * is zero, and a ray meets it only within the rounding of its vertices. */
 static bool make_without_area(const struct pen_kind *kind, struct pen_prim_source *from, void *prim)
 {
     struct pen_vec3 longest = {0, 0, 0};
@@ -64,8 +63,8 @@ static bool make_without_area(const struct pen_kind *kind, struct pen_prim_sourc
     return kind->fn->make(prim, from);
 }
 
-/* u of a point's coordinates in the document, as a local length: numbers that tell of one place,
- * such as a cylinder's end and the floor it stands on, may have been rounded apart by as much. */
+/* u of a point's coordinates in the document, as a local length. Numbers for one place, such as a
+ * cylinder's end and the floor it stands on, may have been rounded to values this far apart. */
 static double rounding_of(const struct pen_local_frame *frame, struct pen_vec3 p)
 {
     return pen_local_length(frame, PEN_U * fabs(p.x) + PEN_U * fabs(p.y) + PEN_U * fabs(p.z));
@@ -91,7 +90,7 @@ static bool fill_shape(struct pen_freezer *f, struct filler *a,
             (pen_prim_outlined(scene_prim->kind) && make_without_area(kind, &from, prim)));
 }
 
-/* Finishes primitive number `index` of its kind. */
+/* Completes primitive number `index` of its kind. */
 static bool cut_shape(struct pen_freezer *f, const struct filler *a, uint32_t kind, uint32_t index)
 {
     const struct pen_kind *row = &pen_kinds[kind];

@@ -7,7 +7,7 @@
 #include "scene/internal/solid_faces.h"
 #include "scene/internal/solid_volume.h"
 
-/* Volumes that differ by this part of them are equal: they may be of copies that groups have
+/* Volumes with a relative difference below this are equal: they may be of copies that groups have
  * moved, turned or mirrored. */
 static const double SAME_VOLUME = 1e-12;
 
@@ -16,7 +16,7 @@ struct found {
     struct pen_solid solid;
     uint32_t first; /* its first primitive */
     struct solid_volume volume;
-    double size; /* that volume; equal for those that count as equal */
+    double size; /* that volume; the same number for volumes that count as equal */
 };
 
 struct finder {
@@ -24,16 +24,17 @@ struct finder {
     uint32_t *same; /* by material: the first material that is equal */
     struct solid_face *face;
     uint32_t faces;
-    struct pen_vec3 *left_out, *vertex; /* of faces that are left out; the next free one */
+    struct pen_vec3 *left_out,
+        *vertex; /* vertices of faces that are left out of the scene; the next free one */
     struct found *found;
     uint32_t *found_of; /* by primitive: its place in `found`, or PEN_NO_SOLID */
     uint32_t *number;   /* by place in `found`: the solid's number */
     uint32_t count;
     uint8_t *turned; /* by primitive */
-    uint32_t prim;   /* the next one of a pass */
+    uint32_t prim;   /* the next primitive of a pass */
 };
 
-/* A material with its number, to sort materials by what they are. */
+/* A material with its number, to sort materials by their values. */
 struct numbered {
     const struct pen_material *material;
     uint32_t number;
@@ -98,8 +99,8 @@ static bool find_same(struct finder *f)
     return true;
 }
 
-/* Whether a round primitive is open. The reader refuses an ior other than 1 for those, but takes 1,
- * which makes no solid of them. */
+/* Whether a round primitive is open. For open ones the reader refuses an ior other than 1. It
+ * accepts 1, which makes no solid of them. */
 static bool is_open(const struct pen_prims *prims, uint32_t prim)
 {
     const struct pen_prim_ref ref = prims->ref[prim];
@@ -115,7 +116,7 @@ static bool is_solid(const struct pen_scene *scene, uint32_t prim)
            (m->ior != 1 || !is_open(&scene->prims, prim));
 }
 
-/* Adds a primitive to the solid at a place in `found`, which may be a new one. */
+/* Adds a primitive to the solid at a place in `found`, which may be new. */
 static void add_to_solid(struct finder *f, uint32_t prim, uint32_t place, bool closed)
 {
     struct found *to = &f->found[place];
@@ -180,8 +181,8 @@ static bool find_solids(struct pen_freezer *freezer, struct finder *f)
     return true;
 }
 
-/* A tree over the boxes of solids, without pointers: the range begin to end - 1 has its middle one
- * as its root, and those before and behind as its branches. */
+/* A tree over the boxes of solids, without pointers. The middle box of the range begin to end - 1
+ * is its root; the boxes before and behind it are its branches. */
 struct box_tree {
     struct pen_box *box, *all; /* of a root: its own, and that of its range */
 };
@@ -191,8 +192,8 @@ static double middle_of(const struct pen_box *b, int axis)
     return pen_component(b->lo, axis) + pen_component(b->hi, axis);
 }
 
-/* Puts the median of a range along an axis in its middle, and lesser ones before it (Hoare's
- * selection). */
+/* Puts the median of a range along an axis in its middle, and lesser boxes before it.
+ * Source: Hoare's selection. */
 static void select_median(struct pen_box *box, uint32_t begin, uint32_t end, int axis)
 {
     const uint32_t middle = begin + (end - begin) / 2;
@@ -255,7 +256,8 @@ static bool tree_meets(const struct box_tree *t, uint32_t begin, uint32_t end,
             tree_meets(t, middle + 1, end, b));
 }
 
-/* Makes the tree of all solids with an index other than 1. Owns: free tree->box. */
+/* Makes the tree of all solids with an index other than 1.
+ * Owns: free tree->box. */
 static bool tree_make(struct box_tree *tree, const struct finder *f, uint32_t count)
 {
     tree->box = malloc((2 * (size_t)count + 1) * sizeof *tree->box);
@@ -269,8 +271,8 @@ static bool tree_make(struct box_tree *tree, const struct finder *f, uint32_t co
     return true;
 }
 
-/* Drops the solids with an index of 1 that do not close, as exporters write the key everywhere, and
- * those whose boxes meet no box of a solid with another index: they change nothing. */
+/* Drops solids with an index of 1 that change nothing: those that do not close, since exporters
+ * write the key everywhere, and those whose boxes meet no box of a solid with another index. */
 static bool drop_ones(struct finder *f)
 {
     uint32_t others = 0, kept = 0;
@@ -307,7 +309,7 @@ static bool add_volume(struct pen_freezer *freezer, const struct pen_scene_prim 
     return true;
 }
 
-/* The volume of the box, in the document's units, of a solid that does not close. */
+/* The volume of the box of an open solid, in the document's units. */
 static double box_volume(const struct pen_box *box, int exponent)
 {
     const struct pen_vec3 size = pen_sub(box->hi, box->lo);
@@ -323,8 +325,8 @@ static int compare_found(const void *a, const void *b)
     return (p->first > q->first) - (p->first < q->first);
 }
 
-/* Sorts the solids: the largest first, and of those that are equal but for rounding, the first in
- * the document. */
+/* Sorts the solids: the largest first. Of those that are equal up to rounding, the first in the
+ * document is first. */
 static bool sort_found(struct pen_freezer *freezer, struct finder *f)
 {
     f->prim = 0;
@@ -337,7 +339,7 @@ static bool sort_found(struct pen_freezer *freezer, struct finder *f)
         found->solid.first = i; /* its place, until it is numbered */
     }
     qsort(f->found, f->count, sizeof *f->found, compare_found);
-    for (uint32_t i = f->count; i-- > 1;) /* the least of the equal ones stands for all */
+    for (uint32_t i = f->count; i-- > 1;) /* the smallest of the equal sizes replaces all of them */
         if (f->found[i - 1].size <= f->found[i].size * (1 + SAME_VOLUME))
             f->found[i - 1].size = f->found[i].size;
     qsort(f->found, f->count, sizeof *f->found, compare_found);
@@ -388,7 +390,7 @@ static bool find_all(struct pen_freezer *freezer, struct finder *f)
            pen_freeze_eyes(freezer);
 }
 
-/* Whether light is refracted somewhere. Solids with an index of 1 alone refract nothing. */
+/* Whether light is refracted somewhere. If all solids have an index of 1, it is not. */
 static bool scene_refracts(const struct pen_scene *scene)
 {
     for (uint32_t i = 0; i < scene->prims.count; i++) {

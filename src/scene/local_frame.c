@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The local frame is computed from two separate parts: the bounds of the points that primitives are
- * anchored at (centres, bases, vertices), and the largest of their radii and heights. A sum of the
+/* The local frame is computed from two separate parts: the bounds of the anchor points of
+ * primitives (centres, bases, vertices), and the largest of their radii and heights. A sum of the
  * two for each primitive would round differently when a scene is moved, and the frame would not
  * move with it. */
 #include "scene/internal/local_frame.h"
@@ -33,8 +33,8 @@ void pen_prim_summary_add(struct pen_prim_summary *summary, const struct pen_sce
         summary->finite = pen_box_add_point(summary->finite, from->vertices[i]);
 }
 
-/* The multiple of 2^exponent nearest to x. Halves are rounded upward: unlike rounding to even, this
- * moves with x when x moves by any multiple. */
+/* The multiple of 2^exponent nearest to x. Halves are rounded upward. Unlike rounding to even, the
+ * result moves with x when x moves by any multiple. */
 static double nearest_multiple(double x, int exponent)
 {
     double steps = pen_scale2(x, -exponent);

@@ -4,10 +4,11 @@
  *  2. the area is not zero;
  *  3. all vertices are in one plane, within PLANARITY;
  *  4. no two edges intersect or touch.
- * The plane is that of a large triangle: the first vertex, the one farthest from it, and the one
- * farthest from the line through those two. Unlike a normal summed over the edges, it also exists
- * for a loop that intersects itself, so that such a loop is refused for rule 4 and not for rule 2.
- * Rule 4 is decided exactly, in the projection along the axis of the normal's longest component. */
+ * The plane is that of a large triangle: the first vertex, the vertex farthest from it, and the
+ * vertex farthest from the line through these two. Unlike a normal summed over the edges, it also
+ * exists for a loop that intersects itself. So such a loop is refused for rule 4 and not for rule
+ * 2. Rule 4 is decided exactly, in the projection along the axis of the normal's longest component.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -31,7 +32,7 @@ struct keyed {
 struct loop {
     uint32_t count;
     double extent;           /* the longest side of the bounding box of `points` */
-    struct pen_vec3 *points; /* the vertices, scaled by a power of two to be at most 1 */
+    struct pen_vec3 *points; /* the vertices, scaled by a power of two to at most 1 */
     struct keyed *sorted;
     struct pen_point2 *flat;
     uint32_t *order;
@@ -48,7 +49,7 @@ static int compare_keyed(const void *a, const void *b)
     return k->vertex < l->vertex ? -1 : 1;
 }
 
-/* Sorts the vertices; refuses two whose sorted coordinates are all equal. */
+/* Sorts the vertices. Refuses two with equal coordinates. */
 static bool check_distinct(struct loop *loop, struct pen_status *st)
 {
     struct keyed *s = loop->sorted;
@@ -71,9 +72,9 @@ static struct pen_vec3 arm(const struct loop *loop, uint32_t i)
     return vec_scale2_down(pen_sub(loop->points[i], loop->points[0]), exponent);
 }
 
-/* The normal of a loop so narrow that the rounding of arms may hide its width: the sum over the
- * edges or, where that is zero because the loop meets itself, the normal of the first triangle that
- * has one. Exact; zero if all vertices are on one line. */
+/* The normal of a loop so narrow that the rounding of arms may hide its width. It is the sum over
+ * the edges. If that is zero because the loop meets itself, it is the normal of the first triangle
+ * that has one. Exact; zero if all vertices are on one line. */
 static struct pen_vec3 narrow_normal(const struct loop *loop, uint32_t far)
 {
     struct pen_vec3 normal = pen_exact_normal(loop->points, loop->count);
@@ -117,7 +118,7 @@ static struct pen_vec3 first_normal(const struct loop *loop)
     return (struct pen_vec3){0, 0, 1};
 }
 
-/* The vertex farthest from the plane through vertex 0, and how far it is. */
+/* The vertex farthest from the plane through vertex 0, and its distance. */
 static uint32_t farthest(const struct loop *loop, struct pen_vec3 normal, double *distance)
 {
     uint32_t worst = 0;
@@ -149,8 +150,8 @@ static bool check_planar(const struct loop *loop, struct pen_vec3 normal, struct
                        (first_off > allowed ? first_off : off) / loop->extent, PLANARITY);
 }
 
-/* Scales one coordinate of the points by a power of two to be at most 1, which leaves all
- * orientations as they are. */
+/* Scales one coordinate of the points by a power of two to at most 1, which does not change
+ * orientations. */
 static void shift_axis(double *first, uint32_t count)
 {
     const uint32_t stride = sizeof(struct pen_point2) / sizeof(double);
@@ -162,8 +163,8 @@ static void shift_axis(double *first, uint32_t count)
         first[i * stride] = pen_scale2(first[i * stride], -exponent);
 }
 
-/* Projects the points to the plane: drops the coordinate in which the normal is longest. The
- * projected points are in loop->flat. */
+/* Projects the points to the plane, into loop->flat: drops the coordinate in which the normal is
+ * longest. */
 static void flatten(struct loop *loop, struct pen_vec3 normal)
 {
     double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);
@@ -176,8 +177,8 @@ static void flatten(struct loop *loop, struct pen_vec3 normal)
     shift_axis(&loop->flat[0].y, loop->count);
 }
 
-/* Whether the projected loop turns to the same side at every vertex and, all turns together, goes
- * around once: its edges then reverse their direction along the x axis twice. */
+/* Whether the projected loop turns to the same side at every vertex and goes around exactly once.
+ * Then its edges reverse their direction along the x axis twice. */
 static bool is_convex(const struct loop *loop)
 {
     const struct pen_point2 *p = loop->flat;
@@ -195,8 +196,8 @@ static bool is_convex(const struct loop *loop)
     return reversals == 2;
 }
 
-/* Whether a loop follows all four rules because it is flat and convex, as most are. Vertices of a
- * convex loop are distinct, and its edges do not meet, so nothing need be sorted. */
+/* Whether a loop satisfies all four rules because it is flat and convex, as most loops are.
+ * Vertices of a convex loop are distinct, and its edges do not meet, so no sorting is needed. */
 static bool is_surely_valid(struct loop *loop, struct pen_vec3 normal)
 {
     double off;
@@ -231,7 +232,7 @@ static bool check_simple(struct loop *loop, struct pen_vec3 normal, struct pen_s
                        result.edge[1], result.edge[0]);
 }
 
-/* Copies the vertices, scaled to be at most 1 so that no difference overflows. */
+/* Copies the vertices, scaled to at most 1, so that no difference overflows. */
 static void copy_vertices(struct loop *loop, const struct pen_vec3 *vertices)
 {
     double largest = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The resolution of a scene's coordinates compared with its pixels. Primitives are measured in the
- * local frame, where nothing over- or underflows; only the results are converted to scene units. */
+ * local frame, where nothing over- or underflows. Only the results are converted to scene units. */
 #include "scene/precision.h"
 
 #include <stdio.h>
@@ -22,8 +22,8 @@ static double box_distance(struct pen_box box, struct pen_vec3 p)
                                gap(box.lo.z, box.hi.z, p.z)));
 }
 
-/* The box around a primitive; of one with an outline, the box around its corners, without the
- * margin that pen_prim_bounds leaves for the rounding of rays. */
+/* The box around a primitive. For one with an outline, the box around its corners, without the
+ * margin of pen_prim_bounds for the rounding of rays. */
 static struct pen_box box_of(const struct pen_prims *prims, uint32_t prim)
 {
     const struct pen_outline line = pen_prim_outline(prims, prim);
@@ -35,7 +35,7 @@ static struct pen_box box_of(const struct pen_prims *prims, uint32_t prim)
     return box;
 }
 
-/* A lower bound of how far the surface of a primitive is. */
+/* A lower bound of the distance of a primitive's surface. */
 static double distance_of(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p)
 {
     const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
@@ -102,9 +102,9 @@ static void order(double a, double b, double *width, double *length)
     *length = a < b ? b : a;
 }
 
-/* The width of a primitive and its length: the lesser and the larger of the height and the diameter
- * of a cylinder or cone; of a triangle its least height and its longest edge; of a polygon its area
- * over the distance between far corners, and that distance. Other kinds are as wide as long. */
+/* Measures the width and the length of a primitive. Cylinder or cone: the smaller and the larger of
+ * height and diameter. Triangle: its least height and its longest edge. Polygon: its area over the
+ * distance between far corners, and that distance. Other kinds are as wide as long. */
 static void measure(const struct pen_prims *prims, uint32_t prim, double *width, double *length)
 {
     const struct pen_outline line = pen_prim_outline(prims, prim);
@@ -199,7 +199,7 @@ bool pen_precision_warning(const struct pen_scene_precision *precision, char *ou
 
 bool pen_thinness_warning(const struct pen_scene_precision *precision, char *out, size_t bytes)
 {
-    /* What is told to be just as thin as that may be rounded to less. */
+    /* A width at the limit in the document may be rounded below it. */
     if (!(precision->thinness < PEN_PRECISION_THIN * (1 - 0x1p-10)))
         return false;
     snprintf(out, bytes,

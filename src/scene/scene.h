@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The frozen scene, as kernels read it: typed arrays of primitives in the local frame, materials,
- * lights, cameras, the acceleration structure, and the set of effects that the scene needs.
- * Immutable after pen_scene_freeze; any number of threads may use it.
+ * lights, cameras, the acceleration structure, and the set of effects that the scene needs. It is
+ * immutable after pen_scene_freeze; any number of threads may use it.
  *
  * Local frame: p_local = (p - center) * 2^-exponent. center is a multiple of 2^exponent near the
- * middle of the finite primitives, 2^exponent is near their extent: scaling a scene by a power of
- * two, or moving it by a multiple of 2^exponent, leaves the local coordinates equal bit for bit
- * (not the rims of open cylinders and cones, which reach out by the rounding of the document).
- * Attenuation factors are rescaled to local lengths exactly. */
+ * middle of the finite primitives; 2^exponent is near their extent. So the local coordinates keep
+ * their bits if a scene is scaled by a power of two, or moved by a multiple of 2^exponent. This
+ * excludes the rims of open cylinders and cones, which are extended by the rounding of the
+ * document. Attenuation factors are rescaled to local lengths exactly. */
 #ifndef PEN_SCENE_SCENE_H
 #define PEN_SCENE_SCENE_H
 
@@ -19,7 +19,7 @@
 #include "scene/solid.h"
 
 /* Effects that a kernel may simulate. A bit is set if the scene, rendered with given settings,
- * needs the effect. pen_effect_name has the names that statistics use. */
+ * needs the effect. pen_effect_name returns the names that statistics use. */
 enum pen_effect {
     PEN_FX_AMBIENT = 1 << 0,
     PEN_FX_HARD_SHADOWS = 1 << 1,
@@ -54,18 +54,18 @@ struct pen_light {
     double radius; /* of the light's disk, local frame; directional: at unit distance */
 };
 
-/* A pinhole camera: the ray through the image point (px, py), in pixels from the top left corner,
+/* A pinhole camera. The ray through the image point (px, py), in pixels from the top left corner,
  * has direction middle + (px - half_width) dx + (py - half_height) dy (not normalised). Offsets are
- * measured from the middle of the image, so that mirrored pixels have exactly mirrored rays. */
+ * measured from the middle of the image, so mirrored pixels have exactly mirrored rays. */
 struct pen_pinhole {
     struct pen_vec3 eye; /* local frame */
     struct pen_vec3 middle, dx, dy;
     double half_width, half_height;
 };
 
-/* A thin lens around a pinhole: a ray starts at eye + a right + b up, with (a, b) on the unit disk,
- * and goes in direction focus * d - (a right + b up), d being the pinhole's ray: all rays to one
- * point of the image meet in the plane in focus. */
+/* A thin lens around a pinhole. A ray starts at eye + a right + b up, with (a, b) on the unit disk.
+ * Its direction is focus * d - (a right + b up), where d is that of the pinhole's ray. So all rays
+ * to one point of the image meet in the plane in focus. */
 struct pen_lens {
     bool open;                 /* the aperture's radius is above 0; else there is no lens */
     struct pen_vec3 right, up; /* as long as the radius; local frame */
@@ -82,18 +82,19 @@ struct pen_scene_view {
     const char *name;
     struct pen_camera_frame frame; /* scene units */
     struct pen_camera_desc camera;
-    struct pen_solid_list inside; /* the solids that the eye, and all of the lens, is in */
-    struct pen_solid_list maybe;  /* those that some points of the lens may be in */
+    struct pen_solid_list inside; /* the solids that contain the eye and the whole lens */
+    struct pen_solid_list maybe;  /* the solids that may contain some points of the lens */
 };
 
-/* A box in which a primitive may coincide with `partner`; PEN_NO_PRIM: with any of many others. */
+/* A box in which a primitive may coincide with `partner`. PEN_NO_PRIM: with any of many primitives.
+ */
 struct pen_layer_place {
     struct pen_box box;
     uint32_t partner;
 };
 
-/* The map from the local frame to an object's own coordinates. Coordinate i of a point that is
- * known to `bound` is known to reach[i] * bound + rounding[i]. */
+/* The map from the local frame to an object's own coordinates. If a point is known to `bound`, its
+ * coordinate i is known to reach[i] * bound + rounding[i]. */
 struct pen_own_space {
     struct pen_transform from_local;
     double reach[3], rounding[3];
@@ -104,8 +105,8 @@ struct pen_blur {
     double reflection, transmission;
 };
 
-/* By effect of secondary rays, the largest factor in any channel by which a primitive multiplies
- * the weight of such a ray; INFINITY where weights may also grow. */
+/* For each effect of secondary rays, the largest factor in any channel by which a primitive
+ * multiplies the weight of such a ray; INFINITY if weights may also grow. */
 struct pen_secondary_factors {
     double mirror, transmission, refraction, glossy, frosted;
 };
@@ -115,14 +116,15 @@ struct pen_scene {
     struct pen_vec3 center; /* origin of the local frame, scene units */
     int exponent;
     struct pen_vec3 background; /* with a sky: its horizon */
-    struct pen_sky sky;         /* up is unit; without one, zenith and nadir are the background */
+    /* Up is a unit vector; without a sky, zenith and nadir are the background. */
+    struct pen_sky sky;
     struct pen_vec3 ambient;
     struct pen_prims prims;
     const uint32_t *prim_material; /* by primitive number, index into materials */
     const uint8_t *see_through;    /* by primitive number: kt > 0 in some channel */
     bool any_see_through;
-    /* Where primitives may coincide with others: the places of primitive i are first[i] to
-     * first[i + 1] - 1. NULL if none does. */
+    /* The places where primitives may coincide. Those of primitive i are first[i] to first[i + 1] -
+     * 1. NULL if there are none. */
     const uint32_t *layer_first;
     const struct pen_layer_place *layer_place;
     const struct pen_material *materials;
@@ -131,8 +133,8 @@ struct pen_scene {
     const uint32_t *prim_space; /* by primitive number, index into own_spaces; NULL: no patterns */
     const struct pen_own_space *own_spaces;
     bool patterned_glass;           /* the kt of some primitive is a pattern */
-    struct pen_solids solids;       /* those that refract */
-    const struct pen_light *lights; /* those with intensity > 0 in some channel, in order */
+    struct pen_solids solids;       /* the refracting ones */
+    const struct pen_light *lights; /* lights with intensity > 0 in some channel, in order */
     const uint32_t *light_index;    /* their indices in the document, part of the sampling key */
     uint32_t light_count;
     const struct pen_scene_view *views;
@@ -140,21 +142,22 @@ struct pen_scene {
     const struct pen_accel *accel;
     unsigned effects; /* PEN_FX_* that the scene needs with some settings */
     struct pen_secondary_factors factors;
-    double freeze_ms; /* without building the acceleration structure */
+    double freeze_ms; /* excludes building the acceleration structure */
 };
 
-/* Makes a frozen scene of a description: transforms each primitive once, in double, chooses the
+/* Makes a frozen scene from a description: transforms each primitive once, in double, chooses the
  * local frame and builds the acceleration structure.
  * Owns: the scene has its own arena of at most cap_bytes (0: unlimited) and keeps no pointer into
- * `desc`. Fails: NULL; PEN_NO_MEMORY, PEN_UNSUPPORTED, PEN_INVALID (a scene that overflows the
- * local frame). */
+ * `desc`.
+ * Fails: NULL; PEN_NO_MEMORY, PEN_UNSUPPORTED, PEN_INVALID (a scene that overflows the local
+ * frame). */
 struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
                                    enum pen_accelerator accelerator, size_t cap_bytes,
                                    struct pen_status *st);
 
 void pen_scene_free(struct pen_scene *scene);
 
-/* The view's number, or -1. */
+/* The number of the view with this name, or -1. */
 int pen_scene_find_view(const struct pen_scene *scene, const char *name);
 
 /* The pinhole of a view for an image size. */
@@ -168,7 +171,7 @@ struct pen_lens pen_scene_lens(const struct pen_scene *scene, int view,
 /* Whether some view has a lens. */
 bool pen_desc_has_lens(const struct pen_scene_desc *desc);
 
-/* The camera rays of a pixel; with a target error, the most of them. */
+/* The number of camera rays of a pixel; with a target error, the maximum. */
 int pen_camera_samples(bool lens, const struct pen_settings *settings);
 
 /* The effects that a render of one view with these settings simulates. */

@@ -44,10 +44,10 @@ void pen_settings_set_quality(struct pen_settings *s, enum pen_quality quality)
     }
 }
 
-/* Points on each light, and rays of each cone, for each camera ray with a target error. All points
- * of a pixel are one sequence. Where a light is partly hidden, 16 shadow rays take about as long as
- * a tenth to a half of the rest of a path (accel/disk_packet.h); a blurred ray takes as long as a
- * path. */
+/* With a target error: points on each light, and rays of each cone, per camera ray. All points of a
+ * pixel are one sequence. If a light is partly hidden, 16 shadow rays take about a tenth to a half
+ * of the time of the rest of a path (accel/disk_packet.h). A blurred ray takes as long as a path.
+ */
 enum { ADAPTIVE_LIGHT_SAMPLES = 16, ADAPTIVE_BLUR_SAMPLES = 4 };
 
 uint32_t pen_settings_pilot(const struct pen_settings *settings)

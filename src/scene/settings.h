@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Render settings: the `render` object of a scene or a job. Names, defaults and ranges are those
- * of api/scene-format.md; the reader in room io applies the precedence of several such objects. */
+/* Render settings: the `render` object of a scene or a job. Names, defaults and ranges are those of
+ * api/scene-format.md. The reader in module io applies the precedence of several such objects. */
 #ifndef PEN_SCENE_SETTINGS_H
 #define PEN_SCENE_SETTINGS_H
 
@@ -31,11 +31,11 @@ struct pen_settings {
     int threads; /* threads of the pool that may work on the render; 0: all */
 };
 
-/* The most surfaces that a pixel sample shades. Where a material both reflects and transmits, paths
- * fork at every surface, and a tree of them may have 2^max_depth - 1 surfaces. What lies beyond the
- * 2048th, in depth-first order, is cut off; a tree of max_depth 11 is whole. A path that does not
- * fork is never cut, so the bound is max_depth where that is larger. Where rays are blurred, each
- * of the first ones may begin such a tree. */
+/* The most surfaces that a pixel sample shades. If a material both reflects and transmits, paths
+ * fork at every surface, and a tree of paths may have 2^max_depth - 1 surfaces. Surfaces beyond the
+ * 2048th, in depth-first order, are cut off; a tree of max_depth 11 is whole. A path that does not
+ * fork is never cut, so the bound is max_depth if that is larger. If rays are blurred, each of the
+ * first rays may begin such a tree. */
 enum { PEN_TREE_SURFACES = 2048 };
 
 static inline int pen_tree_surfaces_max(const struct pen_settings *settings, bool blurred)
@@ -46,24 +46,24 @@ static inline int pen_tree_surfaces_max(const struct pen_settings *settings, boo
     return rays <= INT_MAX / most ? most * rays : INT_MAX;
 }
 
-/* The samples with which every pixel begins with a target error: two, the least from which an error
- * can be told, or four with a target below 0.01. A finer picture is to miss fewer of the things
- * that are smaller than a pixel; for a coarse one, two samples more would take as long as all the
- * rest. A power of two. */
+/* The samples with which every pixel begins when there is a target error, a power of two. Two is
+ * the least number that gives an error estimate; with a target below 0.01 it is four. Four samples
+ * miss fewer details that are smaller than a pixel. For a coarse picture, two more samples would
+ * take as long as the rest of the render. */
 uint32_t pen_settings_pilot(const struct pen_settings *settings);
 
-/* The target of a render that has only a time: out of reach. */
+/* The target of a render that has only a deadline: it cannot be reached. */
 #define PEN_TARGET_NONE 1e-9
 
-/* Whether the settings ask for a target error instead of numbers of samples. */
+/* Whether the settings request a target error instead of numbers of samples. */
 static inline bool pen_settings_adaptive(const struct pen_settings *settings)
 {
     return settings->target_error > 0;
 }
 
-/* The settings with the numbers of samples that are in force: with a target error, those with which
- * each pixel begins; points on lights and rays of cones are for each camera ray. The result has no
- * target error. */
+/* The settings with the effective numbers of samples; with a target error, those with which each
+ * pixel begins. Points on lights and rays of cones are per camera ray. The result has no target
+ * error. */
 struct pen_settings pen_settings_sampling(const struct pen_settings *settings);
 
 /* Presets: sets of settings. */
@@ -73,7 +73,7 @@ void pen_settings_set_quality(struct pen_settings *settings, enum pen_quality qu
 /* The defaults of api/scene-format.md. */
 struct pen_settings pen_settings_default(void);
 
-/* "auto", "none", … */
+/* The accelerator's name: "auto", "none", … */
 const char *pen_accelerator_name(enum pen_accelerator kind);
 
 #endif

@@ -2,13 +2,13 @@
 /* The sweep-line test of Shamos & Hoey, "Geometric intersection problems", FOCS 1976. A vertical
  * line sweeps over the points from left to right. The edges that it cuts are kept sorted from
  * bottom to top. Two edges that intersect become neighbours in that order before the line reaches
- * the intersection, so each edge is tested only against new neighbours, and the first intersection
+ * the intersection. So each edge is tested only against new neighbours, and the first intersection
  * found ends the sweep. All decisions are signs of exact orientations; there is no tolerance.
- * Points are ordered by x, then by y, which is the order of a line tilted by an infinitesimal
- * angle; so vertical edges need no case of their own.
+ * Points are ordered by x, then by y. This is the order of a line tilted by an infinitesimal angle,
+ * so vertical edges are no special case.
  *
- * The sorted edges are a treap (a binary tree ordered by position, a heap by priority) threaded
- * as a list. Priorities are a hash of the edge's number and of all points, so that an input cannot
+ * The sorted edges are a treap (a binary tree ordered by position, a heap by priority) that is also
+ * linked as a list. Priorities are a hash of the edge's number and of all points, so no input can
  * be constructed for which the tree is deep. */
 #include "scene/internal/simple_loop.h"
 
@@ -69,7 +69,7 @@ static bool meet(struct sweep *s, uint32_t e, uint32_t f)
     return true;
 }
 
-/* Whether two edges intersect or touch elsewhere than in a common end. */
+/* Whether two edges intersect or touch elsewhere than at a common end. */
 static bool check_pair(struct sweep *s, uint32_t e, uint32_t f)
 {
     if (e == NONE || f == NONE)

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* By how often a ray leaves a primitive's inside more than it enters it. */
+/* The number of times a ray leaves a primitive's inside minus the number it enters it. */
 static int times_left(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                       bool turned)
 {
@@ -14,7 +14,7 @@ static int times_left(const struct pen_prims *prims, uint32_t prim, const struct
     for (int i = 0; i < met.count; i++) {
         if (!(met.t[i] > 0))
             continue;
-        bool outward = i + 1 == met.count; /* of a closed round one, the last */
+        bool outward = i + 1 == met.count; /* for a closed round primitive, the last one */
         if (flat) {
             const struct pen_hit hit = {met.t[i], prim, met.part[i]};
             const struct pen_vec3 x = pen_along(ray->o, ray->d, hit.t);
@@ -36,8 +36,8 @@ static double length(struct pen_vec3 a)
     return sqrt(pen_dot(a, a));
 }
 
-/* A sum of angles, each less than half a turn: (c, s) is its direction, and `turns` counts how
- * often it has passed half a turn. */
+/* A sum of angles, each less than half a turn. (c, s) is its direction; `turns` counts how often it
+ * has passed half a turn. */
 struct angle_sum {
     double c, s;
     int turns;
@@ -55,9 +55,10 @@ static void add_angle(struct angle_sum *sum, double c, double s)
     sum->s = im / norm;
 }
 
-/* Adds half the solid angle of a triangle as seen from the origin, positive from behind. Source:
- * van Oosterom, Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30(2),
- * 1983. */
+/* Adds half the solid angle of a triangle as seen from the origin; it is positive as seen from
+ * behind.
+ * Source: van Oosterom, Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng.
+ * 30(2), 1983. */
 static void add_triangle(struct angle_sum *sum, struct pen_vec3 a, struct pen_vec3 b,
                          struct pen_vec3 c)
 {
@@ -66,9 +67,10 @@ static void add_triangle(struct angle_sum *sum, struct pen_vec3 a, struct pen_ve
               pen_dot(a, pen_cross(b, c)));
 }
 
-/* Whether faces surround p, as their generalised winding number tells, which is 1 there: half of
- * their solid angles is a whole turn. Source: Jacobson, Kavan, Sorkine-Hornung, "Robust
- * inside-outside segmentation using generalized winding numbers", ACM Trans. Graph. 32(4), 2013. */
+/* Whether faces surround p: then their generalised winding number is 1, and half of their solid
+ * angles is a whole turn.
+ * Source: Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside segmentation using generalized
+ * winding numbers", ACM Trans. Graph. 32(4), 2013. */
 static bool surrounds(const struct pen_prims *prims, const struct pen_solids *solids,
                       const struct pen_solid *s, struct pen_vec3 p)
 {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Solids: what has an inside with an index of refraction. A solid is a closed round primitive, or
- * triangles and polygons of one material that are joined at bit-equal edges to a closed surface.
- * Flat primitives that do not close are a solid of their own kind: a ray enters it where it comes
- * from their outward side, and leaves it from the other.
+/* Solids: bodies with an index of refraction inside. A solid is a closed round primitive, or a set
+ * of triangles and polygons of one material that are joined at bit-equal edges to a closed surface.
+ * Flat primitives that do not close are an open solid: a ray enters it from their outward side, and
+ * leaves it from the other side.
  *
- * Solids are numbered by their volumes, the largest first; of those that are equal but for
- * rounding, the later in the document has the larger number. So the index at a point is that of the
- * containing solid with the largest number. */
+ * Solids are numbered by their volumes, the largest first. If volumes are equal up to rounding, the
+ * later solid in the document has the larger number. The index at a point is that of the containing
+ * solid with the largest number. */
 #ifndef PEN_SCENE_SOLID_H
 #define PEN_SCENE_SOLID_H
 
@@ -25,16 +25,17 @@ struct pen_solid {
 };
 
 struct pen_solids {
-    uint32_t count;             /* 0: nothing refracts */
+    uint32_t count;             /* 0: no primitive refracts */
     const struct pen_solid *at; /* by number */
     const uint32_t *prim;       /* primitives, solid by solid, each in document order */
     const uint32_t *of_prim;    /* by primitive number: its solid, or PEN_NO_SOLID */
     const uint8_t *turned;      /* by primitive number: its outward side is inside the solid */
 };
 
-/* Whether a solid contains p: a line from p leaves it more often than it enters it. One whose faces
- * do not close contains p if they are seen in all directions from p, from within, but for 1e-6 of
- * them: at T-junctions faces only just fail to meet. Of points on the surface, rounding decides. */
+/* Whether a solid contains p: a line from p leaves it more often than it enters it. An open solid
+ * contains p if its faces are seen from p, from inside, in all directions but a share of 1e-6,
+ * because at T-junctions faces may just fail to meet. For points on the surface, rounding decides.
+ */
 bool pen_solid_contains(const struct pen_prims *prims, const struct pen_solids *solids,
                         uint32_t solid, struct pen_vec3 p);
 

@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* Faces of one material are joined where they share an edge, bit for bit in the local frame.
  *
- * Mostly two faces share an edge. If the surface has them on one side, they run along it in
- * opposite directions; so of two that run in the same direction, one is turned. Faces that are
- * joined by such edges are a *patch*. A patch is closed if its edges are in balance: as many of its
- * faces run along each in one direction as in the other. Then it is a solid. The other patches are
- * joined where three or more faces share an edge, to *groups*, each of which is a solid, closed if
- * its edges are in balance. Two faces with the same vertices are a wall inside a solid, as between
- * two boxes that stand on each other; they are a solid of their own, without a volume, and left out
- * of the rest. A face without area, which the scene leaves out, joins its neighbours all the same:
- * it fills the seam between an edge and the parts of that edge on the other side. The volume of a
- * closed solid is positive if its faces look outward;
- * else all are turned. So the order of vertices in the document makes no difference for it. */
+ * An edge usually has two faces. If they have the same side of the surface outward, they run along
+ * the edge in opposite directions. So of two faces that run in the same direction, one is turned.
+ * Faces that are joined by such edges are a *patch*. A patch is closed if its edges are balanced:
+ * along each, as many of its faces run in one direction as in the other. A closed patch is a solid.
+ *
+ * The other patches are joined to *groups* where three or more faces share an edge. Each group is a
+ * solid; it is closed if its edges are balanced. Two faces with the same vertices are a wall inside
+ * a solid, as between two boxes that stand on each other. They are a separate solid without volume,
+ * and are ignored otherwise. A face without area, which the scene leaves out, still joins its
+ * neighbours. It fills the seam between an edge and the parts of that edge on the other side.
+ *
+ * The volume of a closed solid is positive if its faces are outward. If it is negative, all are
+ * turned. So the order of vertices in the document does not matter for a closed solid. */
 #include "scene/internal/solid_faces.h"
 
 #include <stdlib.h>
@@ -26,7 +28,7 @@ struct edge {
     int32_t along; /* 1: the face runs from the first end to the second; -1: back */
 };
 
-/* All edges, sorted, so that equal ones are in sequence. */
+/* All edges, sorted, so that equal edges are neighbours. */
 struct edges {
     struct edge *at;
     size_t count;
@@ -59,8 +61,8 @@ static struct edge edge_of(const struct solid_face *face, uint32_t number, struc
         {a[0], a[1], a[2], b[0], b[1], b[2]}, face->material, number, back ? -1 : 1};
 }
 
-/* The vertices of a face from the least one on, towards the lesser of its neighbours: the same for
- * two faces with the same vertices in the same or in the other order. */
+/* The vertices of a face from the least one on, towards the lesser of its neighbours. They are the
+ * same for two faces with the same vertices in the same or in the reverse order. */
 struct loop {
     struct pen_outline line;
     uint32_t first, step; /* step: 1, or count - 1 to go back */
@@ -104,8 +106,8 @@ static int compare_loops(const void *a, const void *b)
     return 0;
 }
 
-/* Makes a solid of two faces with the same vertices: what enters it by one leaves it by the other.
- */
+/* Makes a solid of two faces with the same vertices: a ray that enters it by one leaves it by the
+ * other. */
 static void make_wall(struct solid_face *face, const struct loop *a, const struct loop *b)
 {
     const uint32_t first = a->face < b->face ? a->face : b->face;
@@ -116,7 +118,7 @@ static void make_wall(struct solid_face *face, const struct loop *a, const struc
     face[b->face].turned = a->step == b->step;
 }
 
-/* Finds pairs of faces with the same vertices. Of three, one is left. */
+/* Finds pairs of faces with the same vertices. Of three, one remains. */
 static bool find_walls(struct solid_face *face, uint32_t count)
 {
     struct loop *loop = malloc((count + (size_t)1) * sizeof *loop);
@@ -154,8 +156,8 @@ static bool make_edges(const struct solid_face *face, uint32_t count, struct edg
     return true;
 }
 
-/* Removes edges without length, and those that a face without area runs along in both directions:
- * they are no side of anything. */
+/* Removes edges without length, and edges that a face without area runs along in both directions.
+ * They bound nothing. */
 static void remove_folds(struct edges *edges)
 {
     size_t kept = 0;
@@ -183,7 +185,7 @@ static size_t run_end(const struct edges *edges, size_t i)
     return end;
 }
 
-/* The root of a face's patch, which becomes its parent. */
+/* The root of a face's patch; it becomes the face's parent. */
 static uint32_t patch_of(struct solid_face *face, uint32_t i)
 {
     uint32_t root = i;
@@ -243,7 +245,7 @@ static void join_patches(struct solid_face *face, const struct edges *edges)
 
 typedef uint32_t root_fn(struct solid_face *face, uint32_t i);
 
-/* Marks as open the patches, or groups, whose edges in a run are not in balance. */
+/* Marks as open the patches, or groups, whose edges in a run are not balanced. */
 static void mark_open(struct solid_face *face, const struct edge *run, size_t count, root_fn *root)
 {
     for (size_t i = 0; i < count; i++)
@@ -305,7 +307,7 @@ static double volume_under(const struct solid_face *face, struct pen_vec3 o)
     return face->turned ? -sum : sum;
 }
 
-/* Turns the closed solids outward. Faces of open ones are as the document has them. */
+/* Turns the closed solids outward. Faces of open solids keep the order of the document. */
 static bool turn_outward(struct solid_face *face, uint32_t count)
 {
     double *volume = calloc((size_t)count + 1, sizeof *volume);

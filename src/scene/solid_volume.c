@@ -8,7 +8,7 @@
 
 static const double PI = 3.141592653589793;
 
-/* Of a sphere, a cylinder or a cone. */
+/* The volume of a sphere, a cylinder or a cone. */
 static double round_volume(enum pen_prim_kind kind, const double length[PEN_LENGTHS])
 {
     const double r = length[PEN_RADIUS], top = length[PEN_TOP_RADIUS], h = length[PEN_HEIGHT];
@@ -19,8 +19,8 @@ static double round_volume(enum pen_prim_kind kind, const double length[PEN_LENG
     return PI / 3 * h * (r * r + r * top + top * top);
 }
 
-/* Six times what a loop adds to the volume of a body: tetrahedra from a point to a fan of its
- * triangles. */
+/* Six times the contribution of a loop to the volume of a body: tetrahedra from a point to a fan of
+ * its triangles. */
 static double loop_volume(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 from)
 {
     const struct pen_vec3 a = pen_sub(v[0], from);
@@ -30,7 +30,7 @@ static double loop_volume(const struct pen_vec3 *v, uint32_t count, struct pen_v
     return sum;
 }
 
-/* By how much a map makes volumes larger. */
+/* The factor by which a map increases volumes. */
 static double growth(const struct pen_transform *f)
 {
     const struct pen_vec3 x = pen_vec3(f->m[0][0], f->m[1][0], f->m[2][0]);
@@ -56,7 +56,7 @@ void pen_solid_volume_add(struct solid_volume *volume, const struct pen_scene_pr
         volume->moved_by = *moved_by;
     }
     volume->mixed = volume->mixed || memcmp(moved_by, &volume->moved_by, sizeof *moved_by) != 0;
-    /* A mirror has reversed the order of the vertices, so that the outside stays where it is. */
+    /* A mirror has reversed the order of the vertices, so that the outside stays outside. */
     const double side = turned ? -1 : 1;
     volume->own += side * loop_volume(prim->own, count, volume->from);
     volume->moved += side * loop_volume(prim->from.vertices, count, volume->moved_from);

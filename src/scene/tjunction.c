@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The corners (a vertex with its two neighbours) of all triangles and polygons are put into a k-d
- * tree (Bentley, Comm. ACM 18(9), 1975); each edge looks up the corners within its tolerance.
- * Cost: O(n log n) for n edges, and what each edge visits, which may be all corners where they lie
- * along one line. So visits are counted, up to a limit. */
+ * tree. Each edge looks up the corners within its tolerance.
+ * Source: Bentley, Comm. ACM 18(9), 1975.
+ * Cost: O(n log n) for n edges, plus the visits of each edge, which may visit all corners if they
+ * lie along one line. So visits are counted, up to a limit. */
 #include "scene/tjunction.h"
 
 #include <math.h>
@@ -34,8 +35,9 @@ struct search {
     struct corner *edges; /* in document order: an edge runs from p to `after` */
     struct corner *tree;  /* the same corners, as a k-d tree */
     struct edge_key *keys;
-    uint32_t *edge_owner; /* by corner number: the first loop with an edge that the corner splits */
-    uint64_t steps;       /* visits of corners that are left */
+    /* By corner number: the first loop with an edge that contains the corner. */
+    uint32_t *edge_owner;
+    uint64_t steps; /* remaining visits of corners */
 };
 
 /* One edge whose corners are searched. */
@@ -120,8 +122,8 @@ static struct edge_key edge_key(const struct corner *c)
     return (struct edge_key){{a[0], a[1], a[2], b[0], b[1], b[2]}, c->number};
 }
 
-/* Marks the edges that no other loop shares. A loop's corners are neighbours in `edges`, and its
- * first corner's edge before it is the last one's after it. */
+/* Marks the edges that no other loop shares. A loop's corners are neighbours in `edges`, and the
+ * edge before its first corner is the edge after its last. */
 static void find_unshared_edges(struct search *s)
 {
     for (uint32_t i = 0; i < s->count; i++)
@@ -140,8 +142,8 @@ static void find_unshared_edges(struct search *s)
     }
 }
 
-/* Of equal coordinates the corners' numbers decide, so that the tree, and with it the number of
- * visits, is the same whatever way qsort sorts. */
+/* For equal coordinates the corners' numbers decide. So the tree, and the number of visits, do not
+ * depend on the algorithm of qsort. */
 static int compare_along(const void *a, const void *b, int axis)
 {
     const struct corner *p = a, *q = b;
@@ -166,7 +168,7 @@ static int compare_z(const void *a, const void *b)
     return compare_along(a, b, 2);
 }
 
-/* Orders the array as a k-d tree: the middle element splits it along x, y, z in turn. */
+/* Orders the array as a k-d tree: the middle element splits it along x, y and z alternately. */
 static void build_tree(struct corner *corners, uint32_t count, int axis)
 {
     static int (*const compare[])(const void *, const void *) = {compare_x, compare_y, compare_z};
@@ -238,7 +240,8 @@ static void search_tree(const struct probe *probe, const struct corner *tree, ui
     uint32_t middle = count / 2;
     double start = pen_component(probe->edge->p, axis), step = pen_component(probe->d, axis);
     double split = pen_component(tree[middle].p, axis);
-    /* The edge is at split -+ tolerance there; parallel to the plane, all of it is on one side. */
+    /* The edge is at split -+ tolerance there. If it is parallel to the plane, all of it is on one
+     * side. */
     double below = split + probe->tolerance - start, above = split - probe->tolerance - start;
     double left_lo = lo, left_hi = hi, right_lo = lo, right_hi = hi;
     if (step > 0) {

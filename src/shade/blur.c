@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Directions in a cone. A point of the unit disk at distance r from its middle is mapped to the
- * direction whose cosine with the cone's axis is 1 - r^2 (1 - cos a): equal areas have equal solid
- * angles (Lambert's azimuthal projection).
+ * direction whose cosine with the cone's axis is 1 - r^2 (1 - cos a). So equal areas have equal
+ * solid angles (Lambert's azimuthal projection).
  *
- * Where the surface cuts the cone, points beyond its horizon are replaced by independent ones, each
- * uniform on the disk, until one is not. So each direction is uniform in the part of the cone that
- * is left; and where nothing is cut, all are points of one Sobol' set. At least half of the cone is
- * left, as its axis is on the right side, so no more than 64 are tried: then the axis stands in,
- * with a probability of 2^-64. */
+ * If the surface cuts the cone, points beyond its horizon are replaced by independent ones, each
+ * uniform on the disk, until one is not beyond it. So each direction is uniform in the remaining
+ * part of the cone. If nothing is cut, all are points of one Sobol' set. At least half of the cone
+ * remains, because its axis is on the right side. So no more than 64 points are tried; after these,
+ * with a probability of 2^-64, the axis is used. */
 #include "shade/internal/blur.h"
 
 #include "math/frame.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Coincident surfaces of solids are one interface: the index before all of them, that behind all of
- * them, one reflectance, and the product of their kt. The first in the document shades. */
+/* Coincident surfaces of solids are one interface. It has the index before all of them, the index
+ * behind all of them, one reflectance, and the product of their kt. The first surface in the
+ * document is shaded. */
 #include "shade/internal/media.h"
 #include "shade/internal/patterns.h"
 
@@ -20,7 +21,7 @@ struct interface {
     struct pen_vec3 kt;
 };
 
-/* Adds a surface. One that leaves a solid which another enters there cancels it. */
+/* Adds a surface. A surface that leaves a solid and one that enters it there cancel each other. */
 static void add(struct interface *in, struct pen_hit hit)
 {
     const struct pen_scene *scene = in->input->scene;
@@ -39,7 +40,7 @@ static void add(struct interface *in, struct pen_hit hit)
         in->passage[in->count++] = c;
 }
 
-/* Takes the solids' surfaces out of the layers that the path is among. */
+/* Removes the solids' surfaces from the layers at the path's place. */
 static void take_waiting(struct interface *in, struct layers *layers)
 {
     int kept = layers->next;
@@ -53,7 +54,7 @@ static void take_waiting(struct interface *in, struct layers *layers)
     layers->count = kept;
 }
 
-/* Adds those that coincide with the surface that the ray starts on, after its hit. */
+/* Adds the surfaces that coincide with the surface that the ray starts on, after its hit. */
 static void take_met(struct interface *in, struct pen_hit after)
 {
     const struct pen_kernel_input *input = in->input;

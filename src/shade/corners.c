@@ -5,7 +5,7 @@
 
 #include "math/scale.h"
 
-/* The first move is 2^STEP bounds long; it doubles with every third one. */
+/* The first move is 2^STEP bounds long; every third move doubles the length. */
 enum { STEP = 16 };
 
 bool pen_corner_move(struct corner *corner, const struct pen_kernel_input *input,
@@ -15,8 +15,9 @@ bool pen_corner_move(struct corner *corner, const struct pen_kernel_input *input
     const struct pen_vec3 right = pen_normalize(input->pinhole.dx),
                           up = pen_normalize(input->pinhole.dy);
     const double step = pen_scale2(corner->bound, STEP + corner->moves / 3);
-    double x = .54 * step, y = .84 * step;    /* along no axis of a symmetric scene */
-    for (int i = 1; i < corner->moves; i++) { /* by 53 degrees, which never comes to a full turn */
+    double x = .54 * step, y = .84 * step; /* along no axis of a symmetric scene */
+    for (int i = 1; i < corner->moves;
+         i++) { /* by 53 degrees, no multiple of which is a full turn */
         const double turned = .6 * x - .8 * y;
         y = .8 * x + .6 * y;
         x = turned;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Which kernel renders a scene: the one with the fewest effects among those that cover what the
- * scene calls for. The last kernel of the list has every effect, so there always is one. */
+/* The kernel for a scene: the one with the fewest effects among those that cover the scene's
+ * effects. The last kernel of the list has every effect, so there is always one. */
 #include "shade/kernel.h"
 
 #include "shade/internal/kernel_list.h"

@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/* Which kernel is expected to render a view fastest. A kernel with few effects that does not cover
- * the scene may be faster than one that does, where few samples meet what it leaves out. A grid of
- * samples, rendered by the pixel kernel of all effects, tells how many meet it. */
+/* The kernel with the least expected time for a view. A kernel with few effects that does not cover
+ * the scene may be faster than one that does, if few samples meet the missing effects. The pixel
+ * kernel of all effects renders a grid of samples, which shows how many samples meet them. */
 #include <fenv.h>
 
 #include "shade/internal/kernel_list.h"
 #include "shade/internal/scratch.h"
 
-/* The grid has SIDE_MIN to SIDE_MAX samples along each side, so many that they cost about half a
- * per cent of the picture. Without room for SIDE_MIN nothing is left out. */
+/* The grid has SIDE_MIN to SIDE_MAX samples along each side; their number is chosen to cost about
+ * half a per cent of the picture. If the picture is too small for SIDE_MIN, no effect is left out.
+ */
 enum { SIDE_MIN = 4, SIDE_MAX = 8, PIXELS_PER_SAMPLE = 400 };
 
-/* An effect is left out if it is met by at most one in so many samples. Where a block meets it, up
- * to a quarter of the block's work is lost; what is gained is a tenth to a fifth. */
+/* An effect is left out if at most one sample in ONE_IN meets it. If a block meets it, up to a
+ * quarter of the block's work is lost; the gain is a tenth to a fifth. */
 enum { ONE_IN = 8 };
 
-/* What the samples of the grid meet. */
+/* The effects that the samples of the grid meet. */
 struct grid {
     int side;
     unsigned met[SIDE_MAX * SIDE_MAX]; /* by sample, of PEN_FX_MAY_BE_LEFT_OUT */
@@ -30,7 +31,8 @@ static int grid_side(int64_t pixels)
 }
 
 /* Renders the samples, in default arithmetic, each with one ray to a light and one blurred ray of a
- * kind: these tell enough, and no sample takes long. Returns false without memory. */
+ * kind. These are enough for the decision, and no sample takes long. Returns false when out of
+ * memory. */
 static bool render_grid(const struct pen_kernel_input *view, const struct pen_kernel *full,
                         struct grid *grid)
 {
@@ -71,9 +73,9 @@ static bool few_meet(const struct grid *grid, unsigned effects)
     return meet * ONE_IN <= grid->side * grid->side;
 }
 
-/* A kernel's cost, as far as it depends on its mask. What may be left out costs only where a ray
- * meets it, so it is left out only where no kernel has it without effects that the scene has not.
- */
+/* A kernel's cost, as a function of its mask. Effects that may be left out cost only if a ray meets
+ * them, so they do not count. So such an effect is left out only if every kernel with it also has
+ * effects that the scene does not have. */
 static int cost_of(const struct pen_kernel *kernel)
 {
     return __builtin_popcount(kernel->effects & ~(unsigned)PEN_FX_MAY_BE_LEFT_OUT);
@@ -86,7 +88,7 @@ struct pen_kernel pen_kernel_choose(struct pen_kernel_input *input, int64_t pixe
     const struct pen_kernel *full = pen_kernel_select(input->effects, isa), *best = full;
     unsigned may = PEN_FX_MAY_BE_LEFT_OUT;
     struct grid grid = {.side = 0};
-    if (input->scene->patterned_glass) /* shadow rays meet it too */
+    if (input->scene->patterned_glass) /* shadow rays meet patterns too */
         may &= ~(unsigned)PEN_FX_PATTERNS;
     for (size_t i = 0; i < sizeof left_out / sizeof *left_out; i++) {
         const unsigned left = left_out[i] & may & input->effects;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The hits of a path in a scene with coincident surfaces. The first hit by t is the anchor of a
- * class: the anchor itself and all later hits of the ray that are layers of it. The class is
- * visited in document order, then the search goes on after the anchor, without the hits that have
- * been visited. So no hit is lost, and none is visited twice, however near others lie. */
+ * class: the anchor and all later hits of the ray that are layers of it. The class is visited in
+ * document order. Then the search continues after the anchor, without the hits already visited. So
+ * no hit is lost or visited twice, however near other hits are. */
 #include "shade/internal/scratch.h"
 
 static bool is_ahead(const struct layers *layers, struct pen_hit hit)
@@ -47,13 +47,13 @@ static void wait_for(struct layers *layers, struct pen_hit hit)
     layers->waiting[at] = hit;
 }
 
-/* The anchor of a class, and what is known of it. */
+/* The anchor of a class. */
 struct anchor {
     struct pen_hit hit;
-    double bound; /* how far its point may be off by rounding */
+    double bound; /* the distance by which its point may be off by rounding */
 };
 
-/* Adds a hit behind the anchor, if it is a layer of it that has not been visited. */
+/* Adds a hit behind the anchor if it is a layer of it and has not been visited. */
 static void add_layer(const struct pen_kernel_input *input, struct layers *layers,
                       const struct path *path, const struct anchor *anchor, struct pen_hit hit)
 {
@@ -126,8 +126,8 @@ static void collect(const struct pen_kernel_input *input, struct layers *layers,
     }
 }
 
-/* Begins the class of the first hit that has not been visited. Without layers, and with none left
- * of earlier classes, the ray is like any other again. */
+/* Begins the class of the first hit that has not been visited. If there are no layers, and none of
+ * earlier classes are left, the ray is outside layers again. */
 static void begin_class(const struct pen_kernel_input *input, struct layers *layers,
                         const struct path *path, struct pen_hit *hit)
 {

@@ -2,7 +2,7 @@
 /* Evaluates patterns. */
 #include "shade/internal/patterns.h"
 
-/* A point in an object's own coordinates, and how far each may be off. */
+/* A point in an object's own coordinates, and the rounding of each. */
 struct own_point {
     double at[3], off[3];
 };
@@ -20,7 +20,7 @@ static struct own_point own_point(const struct pen_own_space *space, struct pen_
 }
 
 /* Whether p is in a cell of colour b. A coordinate within its rounding of a cell's boundary belongs
- * to the upper cell, so that a face along the cells' boundaries has one colour. */
+ * to the upper cell. So a face along the cells' boundaries has one colour. */
 static bool in_odd_cell(const struct pen_pattern *pattern, const struct own_point *p)
 {
     double sum = 0;
@@ -31,7 +31,7 @@ static bool in_odd_cell(const struct pen_pattern *pattern, const struct own_poin
     return sum == 1 || sum == 3;
 }
 
-/* 0 at `from` and before it, 1 at `to` and beyond. */
+/* The position between `from` and `to`: 0 at `from` and before it, 1 at `to` and beyond. */
 static double share_of_way(const struct pen_pattern *pattern, const struct own_point *p)
 {
     const struct pen_vec3 way = pen_sub(pattern->to, pattern->from);

@@ -7,15 +7,15 @@
 #include "shade/internal/block_scratch.h"
 #include "shade/internal/media.h"
 
-/* A surface puts its reflected path on the stack, and where it blurs the transmitted one as well.
- * An entry that stands for several rays stays there while the first of them is traced. Only the
- * first surface that blurs has such entries, two at most. */
+/* Extra entries of the stack for blur. A surface puts its reflected path on the stack, and if it
+ * blurs also the transmitted one. An entry for several rays stays there while the first of them is
+ * traced. Only the first surface that blurs has such entries, at most two. */
 enum { BLURRED_ENTRIES = 2 };
 
 /* Vectors of the widest instruction set are aligned to their size. */
 enum { BLOCK_ALIGN = 64 };
 
-/* The bytes that the block kernels of any instruction set need. */
+/* The number of bytes for the block kernels of any instruction set. */
 static size_t block_bytes(void)
 {
     size_t bytes = 0;
@@ -26,8 +26,8 @@ static size_t block_bytes(void)
     return bytes;
 }
 
-/* Memory of calloc, since its pages are not touched before they are used, from the first aligned
- * address on. */
+/* Allocates the memory with calloc, which touches its pages only when they are used. It begins at
+ * the first aligned address. */
 static bool block_new(struct pen_kernel_scratch *scratch)
 {
     scratch->block_memory = calloc(1, block_bytes() + BLOCK_ALIGN);
@@ -38,8 +38,8 @@ static bool block_new(struct pen_kernel_scratch *scratch)
     return true;
 }
 
-/* A path is in the solids that its camera ray starts in, and in those that it has met. It meets as
- * many surfaces as it shades, and where surfaces coincide a few at each. */
+/* The most solids that contain a path: those at its camera ray's start, and those that it has met.
+ * It meets as many surfaces as it shades, and a few more at each if surfaces coincide. */
 static size_t most_solids(const struct pen_kernel_input *input, size_t depth)
 {
     const struct pen_scene *scene = input->scene;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The rare shadow ray through more transmissive surfaces than a query returns: traced from one
- * intersection to the next, by the same rules as the query: strictly before the light, and not on a
+/* The rare shadow ray through more transmissive surfaces than a query returns. It is traced from
+ * one intersection to the next, by the rules of the query: strictly before the light, and not on a
  * surface that contains the light. */
 #include "shade/internal/shadow_ray.h"
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* What a worker does with claims: claim, heartbeat, estimate, release, fail. A claim
- * locks batches alone and never waits for a job; the other calls lock the job first. */
+/* What a worker does with claims: claim, heartbeat, estimate, release, fail. A claim locks only
+ * batches and never waits for a job. The other calls lock the job first. */
 #include <string.h>
 
 #include "store/internal/handle.h"
 
-/* Leases the first open batch. A quarantined one needs a worker that holds nothing, and so does a
- * study, which is not passed over: it waits for such a worker. Batches that wait after lost workers
- * come after all others (`waiting`: they are taken, too). */
+/* Leases the first open batch. A quarantined batch needs a worker that holds no other batch. A
+ * study needs one too, but is not passed over: it waits for such a worker. Batches that wait after
+ * lost workers come last; `waiting` includes them. */
 static bool lease(struct pen_store *store, const struct pen_next *next, int64_t held, bool waiting,
                   int64_t *batch, int64_t *job, struct pen_status *st)
 {
@@ -56,7 +56,8 @@ bool pen_claim_read(struct pen_store *store, int64_t batch, struct pen_claim *cl
                                     .job_work = pen_db_int(rows, 12),
                                     .view_batches = (int)pen_db_int(rows, 13)};
         memcpy(claim->job_id, pen_db_text(rows, 7), sizeof claim->job_id);
-        if (claim->started_ms == 0) /* somebody has the job's lock: it is started later */
+        if (claim->started_ms ==
+            0) /* another transaction holds the job's lock; the job is started later */
             claim->started_ms = claim->claimed_ms;
         const void *sha256 = pen_db_bytes(rows, 14, &bytes);
         if (bytes == sizeof claim->scene_sha256)

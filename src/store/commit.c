@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The commit of a batch: fenced by the attempt, idempotent; pixels, picture, statistics and state
- * become visible in one transaction, which may claim the worker's next batch. */
+/* The commit of a batch. It is fenced by the attempt and may be repeated. Pixels, picture,
+ * statistics and state become visible in one transaction, which may also claim the worker's next
+ * batch. */
 #include <string.h>
 
 #include "base/clock.h"
@@ -26,8 +27,8 @@ static bool encode(struct pen_store *store, struct commit *commit, struct pen_st
     return pen_pixels_encode(store->pixels, result->rgb, result->pixels, &commit->pixels, st);
 }
 
-/* Writes what is too large for the transaction. That of a claim that does not hold is not written:
- * the transaction tells whether it was committed before. */
+/* Writes values that are too large for the transaction. Values of a stale claim are not written;
+ * the transaction then finds out whether the claim was committed before. */
 static bool load(struct pen_store *store, struct commit *commit, struct pen_status *st)
 {
     const struct pen_claim *claim = commit->claim;
@@ -73,7 +74,7 @@ static bool check_result(const struct commit *commit, struct pen_status *st)
 #define OF_BATCH                                                                                   \
     ", 0, 0, 0, priority, client, turn, 0, 0, 0, 0, 0, 0, 0, 0, 0 FROM batch WHERE number = $1"
 
-/* Makes the tiles that the result lacks a batch of their own, with the same turn. */
+/* Makes a new batch of the tiles that the result lacks, with the same turn. */
 static bool split(struct pen_store *store, struct commit *commit, struct pen_status *st)
 {
     const int64_t tiles = commit->result->part_tiles, pixels = commit->result->pixels;
@@ -100,7 +101,7 @@ static bool tell(struct pen_store *store, const struct commit *commit, struct pe
                           work > 0 ? work : -1, commit->claim->estimate_ms, st);
 }
 
-/* A commit ends the quarantine of its batch, and the charges, losses and waits of its job. */
+/* A commit ends the charges, losses and waits of its job. */
 static bool forgive(struct pen_store *store, const struct pen_batch *batch, struct pen_status *st)
 {
     return batch->troubles == 0 ||
@@ -146,7 +147,8 @@ static bool end_view(struct pen_store *store, const struct commit *commit, struc
            (open > 0 || pen_job_end(store, commit->batch.job, PEN_JOB_SUCCEEDED, NULL, st));
 }
 
-/* Counts the batch off its view. The last one of several is followed by the assemble batch. */
+/* Counts the batch off its view. After the last of several render batches comes the assemble
+ * batch. */
 static bool count_off(struct pen_store *store, const struct commit *commit, struct pen_status *st)
 {
     int64_t batches, open;
@@ -167,7 +169,7 @@ static bool count_off(struct pen_store *store, const struct commit *commit, stru
                       commit->batch.job, commit->batch.view);
 }
 
-/* `tell` gives the job the revision that set_done stores with the batch. */
+/* `tell` raises the job's revision, and set_done stores it with the batch. */
 static bool write_commit(struct pen_store *store, struct commit *commit, bool *duplicate,
                          struct pen_status *st)
 {

@@ -8,14 +8,14 @@
 
 #include "base/buf.h"
 
-/* A block has at least so many bytes and holds at most so many (RFC 8878, section 3.1.1.2). What a
- * damaged frame says of its size beyond that is not allocated. */
+/* A block has at least BLOCK_IN bytes and holds at most BLOCK_OUT bytes (RFC 8878, section
+ * 3.1.1.2). So a damaged frame that claims a larger size is not allocated. */
 enum { BLOCK_IN = 4, BLOCK_OUT = 128 << 10 };
 
 struct pen_compressor {
     ZSTD_CCtx *compress;
     ZSTD_DCtx *decompress;
-    struct pen_buf out; /* memory that is kept from call to call */
+    struct pen_buf out; /* memory kept from call to call */
 };
 
 struct pen_compressor *pen_compressor_new(int level)

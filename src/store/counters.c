@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What this process has counted and has not moved to the store yet (workers.c). */
+/* The counts of this process that it has not moved to the store yet (workers.c). */
 #include <string.h>
 
 #include "store/internal/counters.h"

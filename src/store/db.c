@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A connection (db.h): what all engines share, and the choice of the engine. */
+/* A connection (db.h): the part that all engines share, and the choice of the engine. */
 #include <stdio.h>
 #include <string.h>
 
@@ -24,8 +24,8 @@ bool pen_store_has_postgres(void)
 #endif
 }
 
-/* The end of a URL's user and password, the last "@" before its parameters; NULL: it has neither.
- */
+/* Finds the end of a URL's user and password: the last "@" before its parameters. NULL: it has
+ * neither. */
 static const char *end_of_user(const char *url)
 {
     return memrchr(url, '@', strcspn(url, "?"));

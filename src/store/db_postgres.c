@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* A connection to PostgreSQL (db.h). Statements are prepared once for a connection and sent in
- * pipeline mode: within a transaction, a statement whose result nobody needs is not waited for, and
- * its failure fails a later call. A lost connection is made again by the next transaction. */
+/* A connection to PostgreSQL (db.h). A connection prepares each statement once and sends statements
+ * in pipeline mode. Within a transaction it does not wait for a statement whose result nobody
+ * needs; if such a statement fails, a later call fails. After a lost connection, the next
+ * transaction connects again. */
 #include <endian.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,7 +47,7 @@ static bool fail_connection(struct pen_postgres *pg, bool commits, struct pen_st
                 text[0] ? text : "the connection was lost", st);
 }
 
-/* Classifies an error by its SQLSTATE: what may pass is retried. */
+/* Classifies an error by its SQLSTATE. Errors that may pass can be retried. */
 static bool fail_result(struct pen_postgres *pg, const PGresult *result, struct pen_status *st)
 {
     static const struct {
@@ -116,7 +117,7 @@ static bool take(struct pen_postgres *pg, const struct pen_postgres_sent *sent, 
     return PQstatus(pg->conn) == CONNECTION_OK;
 }
 
-/* Reads the results of all that was sent. Fails with the first error among them. */
+/* Reads the results of all sent statements. Fails with the first error among them. */
 static bool receive(struct pen_postgres *pg, bool commits, struct pen_status *st)
 {
     PGresult *error = NULL;
@@ -152,7 +153,7 @@ static bool send_command(struct pen_postgres *pg, const char *sql, struct pen_st
     return true;
 }
 
-/* Tests set another clock, which now_ms() reads from a setting. */
+/* Tests set another clock, which now_ms() reads from a setting of the connection. */
 static bool send_clock(struct pen_postgres *pg, struct pen_status *st)
 {
     char sql[96];
@@ -188,7 +189,7 @@ static bool end(struct pen_db *db, bool ok, struct pen_status *st)
     return false;
 }
 
-/* The text with the words that PostgreSQL has for those in braces. */
+/* Returns the text with PostgreSQL's words in place of the words in braces. */
 static const char *substitute(const char *sql, char text[TEXT_BYTES])
 {
     static const char word[] = "{skip_locked}", with[] = "FOR UPDATE SKIP LOCKED";
@@ -306,7 +307,7 @@ static int64_t changed(struct pen_rows *base)
     return strtoll(PQcmdTuples(rows->result), NULL, 10);
 }
 
-/* Integers come with four or eight bytes, the highest first. */
+/* Integers have four or eight bytes, the highest first. */
 static int64_t integer(struct pen_rows *base, int column)
 {
     const struct pen_postgres_rows *rows = (struct pen_postgres_rows *)base;
@@ -346,8 +347,8 @@ static bool now(struct pen_db *db, int64_t *now_ms, struct pen_status *st)
     return true;
 }
 
-/* The file of a table does not shrink, so the values themselves are counted, beside what empty
- * tables with their indexes take. */
+/* The file of a table does not shrink. So the sum of the stored values is taken, plus the size of
+ * empty tables with their indexes. */
 static bool space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_status *st)
 {
     *left = INT64_MAX;
@@ -356,7 +357,7 @@ static bool space(struct pen_db *db, int64_t *used, int64_t *left, struct pen_st
                         "SELECT CAST(coalesce(sum(bytes), 0) + 327680 AS BIGINT) FROM object", "");
 }
 
-/* A start checks nothing: PostgreSQL finds damage when it reads. */
+/* Nothing is checked when the store is opened: PostgreSQL finds damage when it reads. */
 static bool check(struct pen_db *db, int limit_ms, bool *finished, struct pen_status *st)
 {
     (void)db;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Opens a database of PostgreSQL: the connection, what the server must be like, the tables. */
+/* Opens a PostgreSQL database: connects, checks the server, makes the tables. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,9 +10,9 @@
 #include "store/internal/postgres.h"
 #include "store/internal/schema.h"
 
-enum { VERSION_MIN = 130000, LOCK = 0x50454e55 /* "PENU": of the process that makes the tables */ };
+enum { VERSION_MIN = 130000, LOCK = 0x50454e55 /* "PENU": for making the tables */ };
 
-/* A stopped process holds a lock for 10 s at most, and nobody waits longer than 5 s for one. */
+/* A stopped process holds a lock for at most 10 s. A statement waits for a lock for at most 5 s. */
 static const char settings[] = "SET idle_in_transaction_session_timeout = 10000; "
                                "SET lock_timeout = 5000; SET statement_timeout = 60000; "
                                "SET client_min_messages = error";
@@ -53,7 +53,7 @@ PGconn *pen_postgres_connect(const char *url, char *text, size_t size)
     return NULL;
 }
 
-/* libpq tells why by text alone. */
+/* libpq gives the reason only as text. */
 static bool fail_connect(const char *text, struct pen_status *st)
 {
     static const struct {
@@ -89,7 +89,8 @@ static bool fail_sql(PGconn *conn, struct pen_status *st)
                         : "");
 }
 
-/* A password whose signs are not encoded could be shown as a part of something else. */
+/* A password with unencoded special characters could appear in a message as a part of something
+ * else. */
 static bool check_url(const char *url, struct pen_status *st)
 {
     char *error = NULL;
@@ -110,7 +111,8 @@ static bool check_url(const char *url, struct pen_status *st)
     return ok;
 }
 
-/* Whether two connections share a server process, as behind a pooler in transaction mode. */
+/* Finds out whether two connections share a server process, as behind a pooler in transaction
+ * mode. */
 static bool check_pooler(const char *url, PGconn *conn, int pid, struct pen_status *st)
 {
     static const char sql[] = "SELECT pg_backend_pid()";
@@ -132,7 +134,7 @@ static bool check_pooler(const char *url, PGconn *conn, int pid, struct pen_stat
                     "itself, or let the pooler use session mode");
 }
 
-/* Checks what the server is like, and `warns` of what is risky. *tables: the store is there. */
+/* Checks the server; with `warns`, logs risky settings. *tables: the store's tables exist. */
 static bool check_server(const char *url, PGconn *conn, bool warns, bool *tables,
                          struct pen_status *st)
 {
@@ -168,8 +170,8 @@ static bool check_server(const char *url, PGconn *conn, bool warns, bool *tables
     return ok && check_pooler(url, conn, pid, st);
 }
 
-/* What one schema.sql lacks for PostgreSQL. Rows of `batch` and `job` change often, and values are
- * compressed already. now_ms() is the server's clock; tests set another one. */
+/* The statements that schema.sql lacks for PostgreSQL. Rows of `batch` and `job` change often, and
+ * values are already compressed. now_ms() is the server's clock; tests set another one. */
 static const char more_schema[] =
     "ALTER TABLE batch SET (fillfactor = 70, autovacuum_vacuum_scale_factor = 0, "
     "autovacuum_vacuum_threshold = 1000);"
@@ -191,8 +193,8 @@ static const struct pen_word words[] = {
     {"{table options}", ""},
     {NULL, NULL}};
 
-/* Runs statements without parameters; *answer (may be NULL): whether the last one's first value is
- * true. */
+/* Runs statements without parameters. *answer (may be NULL) is true if the first value of the last
+ * statement is true. */
 static bool run(PGconn *conn, const char *sql, bool *answer, struct pen_status *st)
 {
     PGresult *result = PQexec(conn, sql);
@@ -204,7 +206,8 @@ static bool run(PGconn *conn, const char *sql, bool *answer, struct pen_status *
     return ok || fail_sql(conn, st);
 }
 
-/* Reads a catalog, since to_regclass() may not see what others have just made. */
+/* Reads a catalogue table, because to_regclass() may miss tables that another process has just
+ * made. */
 static const char there_sql[] = "SELECT EXISTS (SELECT 1 FROM pg_tables WHERE tablename = 'meta' "
                                 "AND schemaname = current_schema())";
 
@@ -269,7 +272,7 @@ struct pen_db *pen_postgres_open(const char *url, bool make, struct pen_status *
     pg->conn = check_url(url, st) ? pen_postgres_connect(url, text, sizeof text) : NULL;
     if (pg->conn ? prepare(url, pg->conn, make, st) && PQenterPipelineMode(pg->conn)
                  : text[0] && fail_connect(text, st)) {
-        if (!make) /* not a process that ends soon, or has children which listen */
+        if (!make) /* not in a process that ends soon, or whose children listen */
             pen_postgres_listen(url);
         return &pg->base;
     }

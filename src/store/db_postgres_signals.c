@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Signals between the processes of all hosts: NOTIFY and LISTEN on a connection of their own, by a
- * thread of each process. A signal is a hint: without it, the thread lets this process look once a
- * second. */
+/* Signals between the processes of all hosts. A thread of each process uses NOTIFY and LISTEN on
+ * its own connection. A signal is only a hint: without signals, the thread lets this process look
+ * once a second. */
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -77,8 +77,8 @@ static void *run(void *unused)
     return unused;
 }
 
-/* The thread ends with the process. It takes no signals, which are the business of others. Without
- * it, waits look by themselves. */
+/* The thread ends with the process. It blocks signals of the operating system, which other threads
+ * handle. If it cannot start, a wait looks by itself. */
 static void start_thread(void)
 {
     pthread_t thread;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A connection to SQLite (db.h). The database has a write-ahead log; its application id and user
- * version tell whose it is and which version its schema has. Opening is in db_sqlite_open.c. */
+/* A connection to SQLite (db.h). The database has a write-ahead log. Its application id says that
+ * it is a store of Penumbra, and its user version is the schema's version. db_sqlite_open.c opens
+ * it. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,9 +16,9 @@
 
 enum {
     TEXT_BYTES = 8192,
-    LOG_BYTES = 32 << 20, /* a longer log is emptied, although readers must be waited for */
+    LOG_BYTES = 32 << 20, /* a longer log is emptied, even if it must wait for readers */
     PATIENCE_MS = 50,
-    INDEX_BYTES = 32 << 10 /* the step in which SQLite lengthens the log's index */
+    INDEX_BYTES = 32 << 10 /* the step by which SQLite lengthens the log's index */
 };
 
 static struct pen_sqlite *of(struct pen_db *db)
@@ -25,7 +26,7 @@ static struct pen_sqlite *of(struct pen_db *db)
     return (struct pen_sqlite *)db;
 }
 
-/* SQLite does not say why it cannot lengthen the log's index. */
+/* SQLite does not report why it cannot lengthen the log's index. */
 static bool is_disk_full(const struct pen_sqlite *db)
 {
     struct statvfs info;
@@ -113,7 +114,7 @@ static void reset_all(struct pen_sqlite *db)
     }
 }
 
-/* An I/O error in a commit leaves open whether the log has the transaction. */
+/* After an I/O error in a commit, it is not known whether the log has the transaction. */
 static bool commit(struct pen_sqlite *db, struct pen_status *st)
 {
     if (pen_sqlite_exec(db, "COMMIT", st))
@@ -133,7 +134,7 @@ static bool end(struct pen_db *base, bool ok, struct pen_status *st)
     return ok;
 }
 
-/* The text without the word that stands for row locks, which SQLite has no need of. */
+/* The text without the word for row locks, which SQLite does not need. */
 static const char *plain(const char *sql, char text[TEXT_BYTES])
 {
     static const char word[] = "{skip_locked}";
@@ -175,7 +176,7 @@ static struct pen_sqlite_rows *prepared(struct pen_sqlite *db, const char *sql,
     return NULL;
 }
 
-/* Parameters are bound by name: SQLite numbers them by their first appearance. */
+/* Parameters are bound by name, because SQLite numbers them by their first appearance. */
 static int bind(sqlite3_stmt *stmt, const char *types, va_list args)
 {
     static const char *const names[] = {"$1", "$2",  "$3",  "$4",  "$5",  "$6",  "$7",  "$8",
@@ -276,7 +277,7 @@ static void wake(struct pen_db *db)
     pen_signals_raise();
 }
 
-/* Pages of the file, those of them that are free, and bytes that the disk has left. */
+/* Reads the pages of the file, the free pages among them, and the free bytes of the disk. */
 static bool read_space(struct pen_sqlite *db, int64_t *pages, int64_t *unused, int64_t *left,
                        struct pen_status *st)
 {
@@ -305,9 +306,9 @@ static bool give_reserve(struct pen_db *db)
     return unlink(of(db)->reserve) == 0;
 }
 
-/* Copies the log into the database and empties it, which also gives the free pages at the file's
- * end back. The copy stops nobody. Writers wait while the log is emptied, which waits for readers,
- * but no longer than PATIENCE_MS. */
+/* Copies the log into the database and empties the log. This also gives free pages at the file's
+ * end back. The copy blocks nobody. Emptying waits for readers, at most PATIENCE_MS, and writers
+ * wait meanwhile. */
 static bool empty_log(struct pen_sqlite *db, struct pen_status *st)
 {
     int rc = sqlite3_wal_checkpoint_v2(db->sqlite, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Copies a database while others read and write it (db.h).
- *  - The copy has all pages as of one moment: all steps of SQLite's backup are in one read
- *    transaction, which writers do not restart. The database is opened for reading alone.
- *  - It is made under another name, checked, synced and then renamed. So the name always stands
- *    for a complete backup, or for the file that was there before.
- *  - The unfinished copy is locked. One that is not locked was left by a process that was killed,
- *    and the next backup to that name writes over it. */
+/* Copies a database while other processes read and write it (db.h).
+ *   - The copy has all pages as of one moment. All steps of SQLite's backup are in one read
+ *     transaction, which writers do not restart. The database is opened only for reading.
+ *   - The copy is made under another name, checked, synced and then renamed. So the name always has
+ *     a complete backup, or the former file.
+ *   - The unfinished copy is locked. If it is not locked, a killed process left it, and the next
+ *     backup to that name overwrites it. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -23,7 +23,7 @@ struct copy {
     struct pen_sqlite *from;
     int fd; /* of the unfinished copy, which it locks; -1: none */
     const atomic_bool *stop;
-    char path[PATH_BYTES + 32]; /* of the unfinished copy; empty: there is none */
+    char path[PATH_BYTES + 32]; /* of the unfinished copy; empty: no copy */
     const char *name;           /* the final name */
     bool replace;
 };
@@ -34,7 +34,7 @@ static bool cannot_write(const char *path, int error, struct pen_status *st)
                     "cannot write the backup %s: %s", path, strerror(error));
 }
 
-/* Whether the name is that of the store or of a file beside it, which may not exist. */
+/* Returns true if the name is that of the store or of a file beside it, which may not exist. */
 static bool is_of_store(const char *store, const char *name)
 {
     static const char *const ends[] = {"", "-wal", "-shm", "-reserve"};
@@ -68,8 +68,8 @@ static bool check_name(const char *store, const char *name, bool replace, struct
                                name);
 }
 
-/* Locks an unfinished copy, unless it was renamed meanwhile. SQLite does not lock this byte, and
- * closing other descriptors of the file does not unlock it. */
+/* Locks an unfinished copy, unless it was renamed meanwhile. SQLite does not lock this byte.
+ * Closing another descriptor of the file does not unlock it. */
 static bool lock_part(int fd, const char *path)
 {
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_len = 1};
@@ -113,8 +113,8 @@ static bool stopped(struct pen_status *st)
     return pen_fail(st, PEN_TIMEOUT, "stopped; no backup was made");
 }
 
-/* SQLite tells what failed, but not on which side. The store is only read, so a failed write is one
- * of the copy. */
+/* SQLite reports the error, but not whether the store or the copy failed. The store is only read,
+ * so a failed write is one of the copy. */
 static bool copy_failed(const struct copy *copy, sqlite3 *to, int rc, struct pen_status *st)
 {
     const int error = sqlite3_system_errno(to);
@@ -127,7 +127,7 @@ static bool copy_failed(const struct copy *copy, sqlite3 *to, int rc, struct pen
     return pen_sqlite_fail(copy->from, rc, st);
 }
 
-/* The copy needs no journal: after a power failure it is not used. */
+/* The copy needs no journal, because it is not used after a power failure. */
 static bool copy_pages(const struct copy *copy, struct pen_status *st)
 {
     sqlite3 *to = NULL;
@@ -164,7 +164,8 @@ static bool check_copy(const struct copy *copy, int64_t *jobs, struct pen_status
     return ok;
 }
 
-/* Syncs the copy and gives it its name; without `replace` by link(2), which replaces nothing. */
+/* Syncs the copy and gives it its name. Without `replace` it uses link(2), which never replaces a
+ * file. */
 static bool name_copy(struct copy *copy, int64_t *bytes, struct pen_status *st)
 {
     struct stat info;

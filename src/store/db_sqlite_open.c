@@ -19,7 +19,7 @@
 
 enum {
     APPLICATION = 0x50454e55, /* "PENU" */
-    BUSY_SLEEP_US = 1000      /* less than most transactions take */
+    BUSY_SLEEP_US = 1000      /* shorter than most transactions */
 };
 
 static const struct pen_word words[] = {{"{identity}", "INTEGER PRIMARY KEY AUTOINCREMENT"},
@@ -27,7 +27,7 @@ static const struct pen_word words[] = {{"{identity}", "INTEGER PRIMARY KEY AUTO
                                         {"{table options}", "WITHOUT ROWID"},
                                         {NULL, NULL}};
 
-/* Waits for another writer in short sleeps, so that it is soon followed. */
+/* Waits for another writer in short sleeps, so that this process soon gets its turn. */
 static int wait_busy(void *user, int count)
 {
     struct pen_sqlite *db = user;
@@ -76,7 +76,7 @@ static bool check_version(struct pen_sqlite *db, struct pen_status *st)
                     (long long)version, PEN_SCHEMA_VERSION);
 }
 
-/* The log comes last, so that the file alone is the store. */
+/* The log is turned on last, so that until then the file alone is the store. */
 static bool make_tables(struct pen_sqlite *db, struct pen_status *st)
 {
     char sql[128];
@@ -149,8 +149,8 @@ static bool make_folders(const char *path, struct pen_status *st)
     return true;
 }
 
-/* Makes a whole store under another name, which then becomes the path. If another process is
- * faster, its store stays. */
+/* Makes a whole store under another name, then renames it. If another process is faster, its store
+ * stays. */
 static bool make_store(const char *path, struct pen_status *st)
 {
     char part[PEN_SQLITE_PATH_BYTES + 8];
@@ -197,8 +197,8 @@ static struct pen_sqlite *open_checked(const char *path, bool writes, struct pen
     return NULL;
 }
 
-/* A store is never opened but by SQLite: closing a descriptor drops the locks of its process. On a
- * full disk the log's index takes the place of the reserve. */
+/* Only SQLite opens a store, because closing a descriptor of the file drops the locks of this
+ * process. On a full disk, the reserve is removed, so that SQLite can make the log's index. */
 struct pen_sqlite *pen_sqlite_open_file(const char *path, bool writes, struct pen_status *st)
 {
     char reserve[PEN_SQLITE_PATH_BYTES];
@@ -244,7 +244,7 @@ void pen_sqlite_make_reserve(struct pen_sqlite *db)
     close(fd);
 }
 
-/* The check of one large table is a single step for SQLite, so another thread interrupts it. */
+/* The check of a large table is a single step for SQLite, so another thread interrupts it. */
 struct limit {
     sqlite3 *sqlite;
     struct timespec until;

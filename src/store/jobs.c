@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs as readers see them: one, lists, counts; cancel and delete. */
+/* Jobs as readers see them: a job, lists, counts. Also cancel and delete. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "store/internal/handle.h"
 
-enum { ROW_BYTES = 512 }; /* of a removed job, beside its statistics */
+enum { ROW_BYTES = 512 }; /* bytes of a removed job, besides its statistics */
 
 #define COLUMNS                                                                                    \
     "number, id, state, revision, kind, request, error, priority, max_attempts, charges, "         \
@@ -97,7 +97,7 @@ bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_recor
     return ok;
 }
 
-/* One statement for each index that may lead: of a label, a name, a state, a kind, or the jobs
+/* One statement for each index that may lead: a label, a name, a state, a kind, or the jobs
  * themselves. The other conditions are checked row by row. */
 #define LIST(from, which, order)                                                                   \
     "SELECT " COLUMNS " FROM " from " WHERE " which " AND " order                                  \
@@ -227,7 +227,7 @@ static bool cancel(struct pen_store *store, const char *id, const char *client,
                          st);
 }
 
-/* A cancel and a delete that find the disk full take the reserve's place. */
+/* A cancel or a delete that finds the disk full removes the reserve and is tried again. */
 static bool gets_room(struct pen_store *store, const struct pen_status *st)
 {
     return st->code == PEN_STORAGE_FULL && pen_db_give_reserve(store->db);
@@ -239,8 +239,8 @@ bool pen_store_cancel(struct pen_store *store, const char *id, const char *clien
     return cancel(store, id, client, st) || (gets_room(store, st) && cancel(store, id, client, st));
 }
 
-/* A second delete without statistics drops those that the first one left; if it left none, the
- * status stays. */
+/* A second delete without statistics drops the statistics that the first delete left. If there are
+ * none, the status stays. */
 static bool drop_stats(struct pen_store *store, const char *id, struct pen_status *st)
 {
     int64_t changed;

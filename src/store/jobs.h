@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs: submit, read, list, cancel, delete. A part of store.h, whose promises hold here. Text is
- * opaque to the store, but for three members of a request that is a JSON object: `name` and
- * `labels`, which lists are filtered by, and the length of `layers`. */
+/* Jobs: submit, read, list, cancel, delete. This header is a part of store.h, whose promises hold
+ * here. The store does not read texts, with one exception: of a request that is a JSON object it
+ * reads three members. Lists are filtered by `name` and `labels`; the length of `layers` counts for
+ * the expected results. */
 #ifndef PEN_STORE_JOBS_H
 #define PEN_STORE_JOBS_H
 
@@ -37,11 +38,11 @@ enum pen_batch_state {
 enum pen_batch_kind {
     PEN_BATCH_RENDER,   /* tiles of a view */
     PEN_BATCH_ASSEMBLE, /* makes the picture of a view from its committed batches */
-    PEN_BATCH_STUDY     /* the only batch of a job with a report; its worker holds nothing else */
+    PEN_BATCH_STUDY     /* the only batch of a job with a report; its worker holds no other batch */
 };
 
-/* The name of a state in the API, "queued" and so on; pen_job_state_of_name returns false if no
- * state has this name. */
+/* The name of a state in the API, such as "queued". pen_job_state_of_name returns false if no state
+ * has this name. */
 const char *pen_job_state_name(enum pen_job_state state);
 bool pen_job_state_of_name(const char *name, enum pen_job_state *state);
 
@@ -58,17 +59,17 @@ struct pen_view_new {
 struct pen_batch_new {
     int view;
     int first_tile, tile_count;
-    int64_t pixels;           /* of a study: the number of its runs, which its progress counts */
+    int64_t pixels;           /* of a study: the number of its runs, in which progress is counted */
     enum pen_batch_kind kind; /* render or study; a study is the only batch of its job */
 };
 
 struct pen_job_new {
     const char *id;            /* UUIDv7 */
-    int64_t created_ms;        /* by pen_store_now; also the time in the id and in the answer */
+    int64_t created_ms;        /* by pen_store_now; the id and the answer have the same time */
     struct pen_moment created; /* the same moment */
     const char *kind;
     const char *request; /* JSON: the job as accepted, without its scene */
-    const void *scene;   /* the scene document as sent; stored once per content */
+    const void *scene;   /* the scene document as sent; equal documents are stored once */
     size_t scene_bytes;
     const unsigned char *scene_sha256; /* 32 bytes */
     int priority, max_attempts;
@@ -78,8 +79,8 @@ struct pen_job_new {
     int batch_count;
     const struct pen_batch_new *batches;
     const char *client;                  /* NULL: "" */
-    int64_t queue_max, client_queue_max; /* the most unfinished jobs, in all and of this client,
-                                            with this one; 0: any number */
+    int64_t queue_max, client_queue_max; /* the most unfinished jobs, this one included, of all
+                                            clients and of this client; 0: no limit */
     const char *idempotency_key;         /* of the client; NULL: none */
     const unsigned char *body_sha256;    /* 32 bytes; required with a key */
     const char *answer;                  /* stored with the key, returned to a repeated submit */
@@ -87,67 +88,72 @@ struct pen_job_new {
 
 enum pen_submit_result {
     PEN_SUBMIT_CREATED,
-    PEN_SUBMIT_KNOWN,    /* the job is stored already: an earlier try of this submit succeeded */
-    PEN_SUBMIT_REPEATED, /* same key, same body: *first_answer is the answer given first */
+    PEN_SUBMIT_KNOWN,    /* the job is already stored: an earlier try of this submit succeeded */
+    PEN_SUBMIT_REPEATED, /* same key, same body: *first_answer is the answer to the first submit */
     PEN_SUBMIT_REUSED    /* same key, another body: nothing was stored */
 };
 
-/* Stores a job. A caller that does not know the outcome repeats the call with the same job. The
- * first answer is appended to *first_answer. Fails: PEN_STORAGE_FULL (the disk is nearly full, or
- * the store holds keep_bytes, the results of unfinished jobs counted as expected), PEN_TOO_LARGE
- * (the job's results alone are expected to take more than keep_bytes), PEN_STORAGE, PEN_UNAVAILABLE
- * (busy too long), PEN_QUOTA (too many unfinished jobs), PEN_CONFLICT (another job has this id),
- * PEN_INTERNAL (a view without a batch), PEN_NO_MEMORY. */
+/* Stores a job. A caller that does not know the outcome repeats the call with the same job. For a
+ * repeated key, the first answer is appended to *first_answer.
+ * Fails: PEN_STORAGE_FULL (the disk is nearly full; or keep_bytes is reached, where unfinished jobs
+ * count with their expected results). PEN_TOO_LARGE (this job's expected results alone exceed
+ * keep_bytes). PEN_QUOTA (too many unfinished jobs), PEN_CONFLICT (another job has this id),
+ * PEN_INTERNAL (a view without a batch). PEN_UNAVAILABLE (busy too long), PEN_STORAGE,
+ * PEN_NO_MEMORY. */
 bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                       enum pen_submit_result *result, struct pen_buf *first_answer,
                       struct pen_status *st);
 
-/* All of a job's work, of which claims tell shares. */
+/* The work of a whole job; a claim's work is a part of it. */
 enum { PEN_WORK_ALL = 1000000000 };
 
-/* A job as stored. Owns: the texts belong to the record; free them with pen_job_record_release. */
+/* A job as stored.
+ * Owns: the texts belong to the record; free them with pen_job_record_release. */
 struct pen_job_record {
-    int64_t number; /* order of submission */
+    int64_t number; /* in order of submission */
     char id[PEN_ID_BYTES];
     enum pen_job_state state;
-    int64_t revision; /* grows with every change that a reader can see; 1 at first */
+    int64_t revision; /* grows with every change that a reader can see; at first 1 */
     char *kind, *request;
-    char *error; /* JSON of the problem, NULL unless failed */
+    char *error; /* the problem document, JSON; NULL unless failed */
     int priority, max_attempts;
-    int attempts; /* 0 before the first claim, then 1 and one more for each crash of a worker
-                     charged to the job since its last commit; at most max_attempts */
+    int attempts; /* 0 before the first claim, then 1. Each crash of a worker that is charged to the
+                     job adds 1, until the next commit; at most max_attempts */
     int64_t timeout_ms;
     int64_t created_ms, started_ms, finished_ms; /* by the store's clock; 0: not yet */
     int64_t updated_ms;                          /* when the revision last changed */
     int64_t done_pixels, total_pixels;
-    int64_t work;        /* the share of its expected work that is done, of PEN_WORK_ALL */
-    int64_t estimate_ms; /* how long workers are expected to work on it in all; 0: not estimated */
-    int64_t told_us;     /* how long they had worked on it when `work` was last told */
-    /* The time since the submit: up to the last change; up to when `work` was last told, 0: never;
-     * up to the first claim. By the clock of the boot; from one boot to the next by the store's. */
+    int64_t work;        /* done part of the expected work; all is PEN_WORK_ALL */
+    int64_t estimate_ms; /* expected working time of all workers; 0: not estimated */
+    int64_t told_us;     /* working time when `work` was last reported */
+    /* Times since the submit: to the last change, to the last report of `work` (0: none), and to
+     * the first claim. They are of the boot's clock; across a boot, of the store's clock. */
     int64_t elapsed_us, told_elapsed_us, queue_us;
 };
 
 void pen_job_record_release(struct pen_job_record *job);
 
-/* The length of its request and error together. */
+/* Returns the length of request and error together. */
 size_t pen_job_record_text_bytes(const struct pen_job_record *job);
 
-/* Fails: PEN_NOT_FOUND; PEN_GONE (the job was removed), as every other call about a job. */
+/* Reads a job.
+ * Fails: PEN_NOT_FOUND, PEN_GONE (the job was removed); so does every other call about a job. */
 bool pen_store_job(struct pen_store *store, const char *id, struct pen_job_record *job,
                    struct pen_status *st);
 
 struct pen_queue {
     struct pen_buf ids; /* of the first PEN_QUEUE_TOLD open jobs, PEN_ID_BYTES each, in the order in
-                         * which their next batches are claimed */
-    int64_t hand_us;    /* what the batches in hand still take, each at most a minute */
-    int64_t workers;    /* that are there now */
-    int64_t job_us;     /* the mean time that workers took for each of the last 50 jobs; 0: none */
+                           which their next batches are claimed */
+    int64_t hand_us;    /* sum of the time that leased batches still need, each at most a minute */
+    int64_t workers;    /* workers seen lately */
+    int64_t job_us;     /* mean working time of the last 50 ended jobs; 0: no such job */
 };
 enum { PEN_QUEUE_TOLD = 1000 };
 
-/* Reads the queue; the caller releases its ids, also after a failure. Fails: PEN_NO_MEMORY. Cost:
- * an index of open batches. */
+/* Reads the queue.
+ * Owns: the caller releases queue->ids, also after a failure.
+ * Fails: PEN_NO_MEMORY.
+ * Cost: an index of open batches. */
 bool pen_store_queue(struct pen_store *store, struct pen_queue *queue, struct pen_status *st);
 
 struct pen_job_filter {
@@ -156,53 +162,58 @@ struct pen_job_filter {
     const char *name, *label_key, *label_value; /* of the request: `name`, a label; NULL: any */
     int64_t below; /* the cursor: only jobs with smaller numbers; 0: all */
     int limit;
-    /* The list ends with the job whose texts, request and error, bring those of all to more than
-     * this, but not with the first one; 0: no bound. */
+    /* The list ends with the job with which the texts (request and error) of all listed jobs exceed
+     * this size, but not before its second job. 0: no limit. */
     size_t text_bytes;
 };
 
-/* Lists jobs, newest first, at most filter->limit. Owns: *jobs are *count records; free them with
- * pen_job_records_free. */
+/* Lists at most filter->limit jobs, newest first.
+ * Owns: *jobs has *count records; free them with pen_job_records_free. */
 bool pen_store_jobs(struct pen_store *store, const struct pen_job_filter *filter,
                     struct pen_job_record **jobs, int *count, struct pen_status *st);
 void pen_job_records_free(struct pen_job_record *jobs, int count);
 
-/* The number of jobs in each state. Cost: reads an index entry for each job. */
+/* Counts the jobs in each state.
+ * Cost: reads an index entry for each job. */
 bool pen_store_job_counts(struct pen_store *store, int64_t jobs[PEN_JOB_STATE_COUNT],
                           struct pen_status *st);
 
-/* The number of jobs in each state, and of batches that are open or leased. */
+/* The number of jobs in each state, and of open and leased batches. */
 struct pen_counts {
     int64_t jobs[PEN_JOB_STATE_COUNT];
     int64_t open_batches, leased_batches;
-    int64_t oldest_queued_ms; /* when the oldest queued job was submitted; 0: there is none */
-    int64_t bytes;            /* of the store's files */
+    int64_t oldest_queued_ms; /* submit time of the oldest queued job; 0: none */
+    int64_t bytes;            /* used bytes of the store's database */
 };
 bool pen_store_counts(struct pen_store *store, struct pen_counts *counts, struct pen_status *st);
 
-/* Appends the scene document, as it was sent. Fails: PEN_NOT_FOUND, PEN_STORAGE (damaged). */
+/* Appends the scene document, as it was sent.
+ * Fails: PEN_NOT_FOUND, PEN_STORAGE (damaged). */
 bool pen_store_scene(struct pen_store *store, const char *id, struct pen_buf *scene,
                      struct pen_status *st);
 
-/* Returns true if a client may change a job, which may have been removed; the two calls below check
- * it too. NULL as `client` is the operator. Fails: PEN_FORBIDDEN (it belongs to another client). */
+/* Returns true if a client may change a job, which may already be removed. `client` NULL is the
+ * operator. pen_store_cancel and pen_store_delete check it too.
+ * Fails: PEN_FORBIDDEN (the job belongs to another client). */
 bool pen_store_check_client(struct pen_store *store, const char *id, const char *client,
                             struct pen_status *st);
 
-/* Cancels a job, and ends its open and leased batches, in one transaction. A job that has ended
- * stays as it is. Fails: PEN_NOT_FOUND, PEN_FORBIDDEN. */
+/* Cancels a job and ends its open and leased batches, in one transaction. An ended job stays as it
+ * is.
+ * Fails: PEN_NOT_FOUND, PEN_FORBIDDEN. */
 bool pen_store_cancel(struct pen_store *store, const char *id, const char *client,
                       struct pen_status *st);
 
-/* Removes an ended job. Only `stats`, a text, stays readable, by pen_store_removed_stats (NULL:
- * nothing; of a job that was removed before, the text is dropped). Space is freed later, by
- * pen_store_purge. Fails: PEN_NOT_FOUND, PEN_GONE (it was removed, and there is no text to drop),
- * PEN_FORBIDDEN, PEN_CONFLICT (it has not ended). */
+/* Removes an ended job. Only the text `stats` (may be NULL) can still be read, by
+ * pen_store_removed_stats. If the job was removed before and `stats` is NULL, its text is dropped.
+ * pen_store_purge frees the space later.
+ * Fails: PEN_NOT_FOUND, PEN_GONE (removed before, and there is no text to drop), PEN_FORBIDDEN,
+ * PEN_CONFLICT (the job has not ended). */
 bool pen_store_delete(struct pen_store *store, const char *id, const char *client,
                       const char *stats, struct pen_status *st);
 
-/* Appends what a removed job left. Fails: PEN_NOT_FOUND (no such job, or not removed), PEN_GONE (it
- * left nothing). */
+/* Appends the text that a removed job left.
+ * Fails: PEN_NOT_FOUND (no such job, or not removed), PEN_GONE (it left no text). */
 bool pen_store_removed_stats(struct pen_store *store, const char *id, struct pen_buf *stats,
                              struct pen_status *st);
 

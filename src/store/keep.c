@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a long batch keeps, so that the next worker to claim it goes on from there. It belongs to
- * the view, and goes with the view's last commit or with the job's end. */
+/* What a long batch keeps, so that the next worker that claims it can continue. It belongs to the
+ * view, and is dropped with the view's last commit or the job's end. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -39,7 +39,7 @@ static bool write_kept(struct pen_store *store, const struct pen_claim *claim, s
            (!outranked || pen_claim_outranked(store, claim, outranked, st));
 }
 
-/* Loads the values, and makes them the view's in one transaction with the progress. */
+/* Writes the values, then makes them the view's in one transaction, together with the progress. */
 static bool keep(struct pen_store *store, const struct pen_claim *claim, struct keeping *all,
                  int count, int64_t done, bool *outranked, struct pen_status *st)
 {

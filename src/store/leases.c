@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Batches whose worker has ended: they are opened, one job in each transaction, and quarantined,
- * since any of them may have killed the worker. A crash is charged if the worker held batches of
- * one job alone, and to the job, because its batches share the scene. */
+/* Batches whose worker has ended. Each job's batches are opened in a transaction of its own, and
+ * quarantined, because any of them may have killed the worker. A crash is charged only if the
+ * worker held batches of one job alone. It is charged to the job, because the batches of a job
+ * share the scene. */
 #include <stdlib.h>
 
 #include "store/internal/handle.h"
 
 enum { FIRST_WAIT_MS = 500, WAIT_MAX_MS = 60000, DOUBLINGS = 6 };
 
-/* After its first loss a job is retried in its turn. */
+/* After its first loss, a job's batches do not wait. */
 static bool count_loss(struct pen_store *store, int64_t job, struct pen_status *st)
 {
     int64_t before;
@@ -45,8 +46,9 @@ bool pen_batches_open(struct pen_store *store, const struct pen_opening *opening
     return !opening->lost || *opened == 0 || count_loss(store, opening->job, st);
 }
 
-/* The end of a lease that begins now. Ends that are a second later are of a clock that was set
- * back: other processes may have written a little later than this one asks. */
+/* The end of a lease that begins now. A lease that ends more than a second later was written before
+ * the clock was set back. The second covers other processes, which may have written just after this
+ * one reads the clock. */
 #define LEASE_END                                                                                  \
     "(SELECT now_ms()) + COALESCE((SELECT worker.lease_ms FROM worker "                            \
     "WHERE worker.id = batch.worker), 86400000)"
@@ -83,7 +85,7 @@ bool pen_store_expire_leases(struct pen_store *store, int *opened, struct pen_st
     return false;
 }
 
-/* What a worker holds: how many jobs have a batch of it, and one of them. */
+/* What a worker holds: the number of its jobs, and one of its batches. */
 struct held {
     int64_t jobs, job, batch, charges, max_attempts;
     bool is_charged;
@@ -103,8 +105,9 @@ static bool read_held(struct pen_store *store, const char *worker, struct held *
         &held->jobs, &held->job, &held->batch, &held->charges, &held->max_attempts, NULL);
 }
 
-/* Opens the worker's batches of one job. `error`: of the job, which the charge ends. Changes
- * nothing if the worker does not hold the batch any more, or the job has other charges. */
+/* Opens the worker's batches of one job. `error` (may be NULL) ends the job, whose attempts the
+ * charge has used up. Changes nothing if the worker no longer holds the batch, or if the job has
+ * other charges meanwhile. */
 static bool write_ended(struct pen_store *store, const struct pen_worker_death *death,
                         const struct held *held, const char *error, int64_t *opened,
                         struct pen_status *st)
@@ -129,7 +132,7 @@ static bool write_ended(struct pen_store *store, const struct pen_worker_death *
                  : pen_batches_open(store, &opening, opened, st);
 }
 
-/* One job of the worker; the error is made outside the transaction. */
+/* Ends one job's batches of the worker. The error is made outside the transaction. */
 static bool end_one(struct pen_store *store, const struct pen_worker_death *death,
                     const struct held *held, int *opened, struct pen_status *st)
 {

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What writes about jobs share: the locks of a job and of a claim's batch, and the changes that
- * several rules make under them. */
+/* What all writes about jobs share: the locks of a job and of a claim's batch, and the changes that
+ * several rules make under these locks. */
 #include "store/internal/objects.h"
 
-/* A job's elapsed time at this moment ($2: the boot, $3: its clock in us). Within one boot nobody
- * sets that clock; else the difference of the store's clock, if it has not been set back. */
+/* A job's elapsed time at this moment ($2: the boot, $3: its clock in us). Within one boot it is by
+ * the clock of the boot, which nobody sets. Across a boot it is by the store's clock, unless that
+ * was set back. */
 #define ELAPSED                                                                                    \
     "elapsed_us + CASE WHEN moment_boot = $2 AND $2 <> 0 AND moment_us <= $3 THEN $3 - moment_us " \
     "WHEN moment_boot = $2 AND $2 <> 0 THEN 0 "                                                    \
@@ -86,7 +87,8 @@ static bool add_time(struct pen_store *store, const struct pen_claim *claim,
                        "ii", claim->batch, claim->spent_us));
 }
 
-/* The job's lock suffices for reading the batch: without it, others change open batches alone. */
+/* The job's lock is enough to read the batch: without this lock, other calls change only open
+ * batches. */
 bool pen_claim_lock(struct pen_store *store, const struct pen_claim *claim, struct pen_batch *batch,
                     struct pen_status *st)
 {

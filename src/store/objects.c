@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* Values of any length (internal/objects.h), and scene documents, which are values too. */
+/* Objects (internal/objects.h), and scene documents, which are objects too. */
 #include "store/internal/objects.h"
 
 #include <endian.h>
 #include <stdio.h>
 #include <string.h>
 
-/* The multiplier is that of Fibonacci hashing (Knuth, TAOCP 3, 6.4). */
+/* The multiplier of Fibonacci hashing (Knuth, TAOCP 3, 6.4). */
 static uint64_t mix(uint64_t sum, uint64_t word)
 {
     sum = (sum ^ word) * UINT64_C(0x9E3779B97F4A7C15);
     return sum ^ sum >> 32;
 }
 
-/* Mixes in one word of eight bytes at a time, little-endian on any machine. Each step is
- * invertible, so any change within one word is found, any change of the length, and any other
- * change with probability 1 - 2^-64. It does not protect against deliberate changes. */
+/* Mixes in a word of eight bytes at a time, little-endian on any machine. Each step is invertible.
+ * So any change within one word is found, and any change of the length; any other change is found
+ * with probability 1 - 2^-64. It does not protect against deliberate changes. */
 static int64_t checksum_of(const void *data, size_t bytes)
 {
     const unsigned char *at = data;
@@ -34,7 +34,7 @@ static bool gone_meanwhile(struct pen_status *st)
     return pen_fail(st, PEN_UNAVAILABLE, "a value that was being written was removed meanwhile");
 }
 
-/* Each batch has pixels; all else belongs to a view. */
+/* Pixels belong to a batch, all other objects to a view. */
 #define IN_USE                                                                                     \
     "WHERE job = $1 AND view = $2 AND layer = $3 AND format = $4 AND state = 1 AND "               \
     "(layer <> '' OR batch = $5)"
@@ -61,7 +61,8 @@ static bool add_part(struct pen_store *store, const struct pen_object *object, s
                       left < PEN_PART_BYTES ? left : (size_t)PEN_PART_BYTES);
 }
 
-/* Only reads: a value under a claim that was lost meanwhile is not used, and is collected. */
+/* Only reads. A value whose claim is lost after this check is never used, and is collected
+ * later. */
 static bool check_claim(struct pen_store *store, const struct pen_claim *claim,
                         struct pen_status *st)
 {
@@ -186,7 +187,7 @@ bool pen_scene_find(struct pen_store *store, const unsigned char sha256[32], int
                         "b", (const void *)sha256, (size_t)32);
 }
 
-/* Where another submit has just added the same document, this one's copy goes. */
+/* If another submit has just added the same document, this copy is dropped. */
 bool pen_scene_add(struct pen_store *store, const unsigned char sha256[32],
                    struct pen_object *document, int64_t *number, struct pen_status *st)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The order of batches: priority, then turn, then age. Turns are fair queueing among clients, after
- * start-time fair queueing (Goyal, Vin, Cheng, SIGCOMM 1996): a client's new batches come behind
- * its own open ones, and behind the open batch that is next. Nothing else is remembered: an idle
- * client has neither credit nor debt. */
+ * start-time fair queueing (Goyal, Vin, Cheng, SIGCOMM 1996). A client's new batches come behind
+ * its own open batches, and behind the next open batch of all clients. No other state is kept: an
+ * idle client has neither credit nor debt. */
 #include "store/internal/handle.h"
 
 enum {
-    TURN_MS = 60000,  /* how long a batch keeps others of its priority waiting */
-    THERE_MS = 300000 /* a worker that was seen so long ago is there */
+    TURN_MS = 60000,  /* how long a batch may keep others of its priority waiting */
+    THERE_MS = 300000 /* a worker counts as present if it was seen in this time */
 };
 
 bool pen_turn_next(struct pen_store *store, int64_t job, int64_t *turn, struct pen_status *st)
@@ -19,8 +19,8 @@ bool pen_turn_next(struct pen_store *store, int64_t job, int64_t *turn, struct p
                     "DO UPDATE SET turn = turn.turn + 1",
                     "i", job))
         return false;
-    /* A statement of its own, since its snapshot must be later than the lock. Batches that wait
-     * after lost workers are passed by others and tell nothing. */
+    /* A separate statement, because its snapshot must be later than the lock. Batches that wait
+     * after lost workers are passed by other batches, so their turns do not count. */
     if (!pen_row_numbers(
             pen_db_rows(store->db, st,
                         "SELECT (SELECT turn FROM batch WHERE state = 0 "
@@ -77,7 +77,7 @@ static bool read_ids(struct pen_store *store, struct pen_queue *queue, struct pe
     return pen_db_done(rows) && ok;
 }
 
-/* A batch in hand takes its part of the job's estimate, by its pixels. */
+/* A leased batch takes a part of the job's estimate, in proportion to its pixels. */
 static bool read_hand(struct pen_store *store, struct pen_queue *queue, struct pen_status *st)
 {
     struct pen_rows *rows =
@@ -97,7 +97,7 @@ static bool read_hand(struct pen_store *store, struct pen_queue *queue, struct p
     return pen_db_done(rows);
 }
 
-/* The mean of a job's time, and the workers. */
+/* Reads the mean working time of a job, and the number of workers. */
 static bool read_pace(struct pen_store *store, struct pen_queue *queue, struct pen_status *st)
 {
     return pen_row_numbers(

@@ -7,16 +7,16 @@
  *            frame    zstd, of 4 planes of 3 * pixels bytes
  *
  * How values become planes:
- *   1. Each float is taken as a 32-bit integer, and the integer of the same channel of the pixel
- *      before is subtracted (0 before the first pixel of a slice).
+ *   1. Each float is taken as a 32-bit integer. The integer of the same channel of the previous
+ *      pixel is subtracted (0 before the first pixel of a slice).
  *   2. The sign of the difference moves to the lowest bit.
  *   3. Plane k holds byte k of all differences: red, green, blue, red, …
- * The planes of the high bytes are nearly zero. Those of the low bytes are noise, which zstd skips
- * quickly. A slice fits the processor's cache.
+ * The planes of the high bytes are nearly zero. The planes of the low bytes are noise, which zstd
+ * skips quickly. A slice fits the processor's cache.
  *
  * Level: on the built-in room at 1000x1400, zstd's level -1 takes two thirds of the time of level 1
- * and produces 0.394 of the size instead of 0.392. From level -5 on the size grows faster than the
- * time falls: every byte is written twice, to the log and to the file. */
+ * and produces 0.394 of the size instead of 0.392. From level -5 on, the size grows faster than the
+ * time falls, because every byte is written twice: to the log and to the file. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -142,7 +142,7 @@ static bool damaged(struct pen_status *st, const char *how)
     return pen_fail(st, PEN_STORAGE, "stored pixels are damaged: %s", how);
 }
 
-/* Decompresses a frame that must have `bytes` bytes. */
+/* Decompresses a frame; fails unless it has `bytes` bytes. */
 static bool decode_planes(struct pen_compressor *compressor, const unsigned char *frame,
                           size_t frame_bytes, size_t bytes, const unsigned char **planes,
                           struct pen_status *st)

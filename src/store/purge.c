@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* Housekeeping in slices. A delete only marks a job; its objects, its batches and at last its row
- * go here, in short transactions, so that no other writer waits long. A row of `meta` is locked by
- * each, so that one process at a time does it. After a crash the next slice goes on. */
+/* Housekeeping in slices. A delete only marks a job. Its objects, then its batches, and last its
+ * row are removed here, in short transactions, so that no other writer waits long. Each transaction
+ * locks a row of `meta`, so one process at a time does it. After a crash, the next slice
+ * continues. */
 #include "store/internal/objects.h"
 
 enum {
     SLICE_PARTS = 2,                            /* of an object, */
-    SLICE_BYTES = SLICE_PARTS * PEN_PART_BYTES, /* of all objects, or of free space, in one slice */
+    SLICE_BYTES = SLICE_PARTS * PEN_PART_BYTES, /* of all objects, or of free space, in a slice */
     SLICE_ROWS = 500,
     SELDOM_MS = 60000,
     DAY_MS = 86400000,
-    STATS_PART = 8 /* statistics of removed jobs: an eighth of keep_bytes at most */
+    STATS_PART = 8 /* statistics of removed jobs have at most an eighth of keep_bytes */
 };
 
-/* Removes parts of objects that are gone, and their rows. */
+/* Removes parts of gone objects, and the rows of these objects. */
 static bool remove_gone(struct pen_store *store, int64_t *removed, struct pen_status *st)
 {
     int64_t left = SLICE_BYTES, changed;
@@ -40,7 +41,7 @@ static bool remove_gone(struct pen_store *store, int64_t *removed, struct pen_st
     return true;
 }
 
-/* A document goes where no job has it: its row is locked first, and submits lock it too. */
+/* Drops a document that no job has. Its row is locked first, because submits lock it too. */
 static bool drop_scene(struct pen_store *store, int64_t scene, struct pen_status *st)
 {
     int64_t object;
@@ -55,7 +56,7 @@ static bool drop_scene(struct pen_store *store, int64_t scene, struct pen_status
                        object));
 }
 
-/* A slice of a removed job: its objects, then its batches, at last its other rows. */
+/* Removes a part of a removed job: its objects, then its batches, and last its other rows. */
 static bool shrink_job(struct pen_store *store, int64_t *changed, struct pen_status *st)
 {
     int64_t job, scene;
@@ -84,8 +85,8 @@ static bool shrink_job(struct pen_store *store, int64_t *changed, struct pen_sta
            drop_scene(store, scene, st);
 }
 
-/* Loading objects whose claim no longer holds, whose job is removed, or that nobody has touched
- * for a day. */
+/* Collects loading objects whose claim no longer holds, whose job is removed, or that were not
+ * touched for a day. */
 static bool collect_loading(struct pen_store *store, int64_t *changed, struct pen_status *st)
 {
     return pen_db_run(
@@ -99,8 +100,8 @@ static bool collect_loading(struct pen_store *store, int64_t *changed, struct pe
         "i", (int64_t)DAY_MS);
 }
 
-/* A job that ended in the future, by a clock that was ahead, ends now: else it would stay for as
- * long as the clock was ahead, and others would be removed for it. */
+/* A job may have ended in the future, by a clock that was ahead. It is set to end now. Otherwise it
+ * would stay for as long as the clock was ahead, and other jobs would be removed in its place. */
 static bool end_futures(struct pen_store *store, struct pen_status *st)
 {
     return pen_db_run(store->db, st, NULL,
@@ -109,8 +110,7 @@ static bool end_futures(struct pen_store *store, struct pen_status *st)
                       "i", (int64_t)SELDOM_MS);
 }
 
-/* Keys hold for a day, statistics for five years, and workers that died unnoticed are told for a
- * day. */
+/* Keys and workers that died unnoticed stay for a day, statistics for five years. */
 static bool remove_old(struct pen_store *store, struct pen_status *st)
 {
     static const char *const old[] = {
@@ -125,7 +125,7 @@ static bool remove_old(struct pen_store *store, struct pen_status *st)
     return ok;
 }
 
-/* Statistics of removed jobs have an eighth of keep_bytes; the oldest go. */
+/* Statistics of removed jobs have an eighth of keep_bytes. The oldest are dropped. */
 static bool trim_stats(struct pen_store *store, struct pen_status *st)
 {
     int64_t keep, bytes, until_ms = 0;
@@ -147,7 +147,7 @@ static bool trim_stats(struct pen_store *store, struct pen_status *st)
                       until_ms);
 }
 
-/* What is done once a minute. Notes a clock that has jumped ahead. */
+/* Housekeeping of once a minute. It also notes a clock that has jumped ahead. */
 static bool do_seldom(struct pen_store *store, int64_t *changed, struct pen_status *st)
 {
     int64_t now_ms, last_ms, collected = 0;

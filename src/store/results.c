@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads what was committed: pixels, statistics, commits, artefacts, scenes. A committed row never
- * changes, so reads of different moments fit together. */
+/* Reads committed results: pixels, statistics, commits, artefacts, scenes. A committed row never
+ * changes, so reads at different moments are consistent. */
 #include <stdlib.h>
 
 #include "store/internal/objects.h"

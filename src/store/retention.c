@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* How much a store keeps: which ended jobs retention removes, and when new jobs are refused for
- * lack of space.
+/* What a store keeps: which ended jobs retention removes, and when new jobs are refused for lack of
+ * space.
  *
- *  - Retention removes ended jobs, those that ended first before others, and none in the minute
- *    after its end, in which its client fetches the results, unless the store holds more than
- *    keep_bytes. Its limits are the store's.
- *  - By bytes it begins an eighth below keep_bytes, or where unfinished jobs and a job that was
- *    refused in the last two minutes need the space. It waits while space of removed jobs is still
- *    to become free.
- *  - A new job is refused where the disk has less than 64 MiB free, or if the results of all
- *    unfinished jobs are expected to take more than what keep_bytes leaves, or more than half of
- *    it unless it is the only one: the other half is for what has ended. */
+ *   - Retention removes ended jobs, the earliest end first. A job stays for the minute after its
+ *     end, in which its client fetches the results, unless the store holds more than keep_bytes.
+ *     The limits are stored.
+ *   - Removal by bytes starts at 7/8 of keep_bytes. It starts earlier if unfinished jobs, or a job
+ *     that was refused in the last two minutes, need the space. It waits while space of removed
+ *     jobs is still to be freed.
+ *   - A new job is refused if the disk has less than 64 MiB free. It is also refused if the
+ *     expected results of all unfinished jobs exceed what keep_bytes leaves, or half of keep_bytes.
+ *     Half of keep_bytes is for ended jobs; a job that is the only unfinished one may exceed it. */
 #include <stdatomic.h>
 #include <stdio.h>
 
@@ -18,9 +18,10 @@
 
 enum { GRACE_MS = 60000, WANTED_MS = 120000, DAY_MS = 86400000, SLACK_PART = 8 };
 static const int64_t intake_bytes = INT64_C(64) << 20;
-static const int64_t empty_bytes = INT64_C(320) << 10; /* what a store without jobs takes */
+static const int64_t empty_bytes = INT64_C(320) << 10; /* the size of a store without jobs */
 
-/* The results of a job that this process has refused lately; retention makes room for it. */
+/* The expected results of a job that this process has refused lately. Retention makes space for
+ * it. */
 static _Atomic int64_t wanted_bytes, wanted_until_ms;
 
 static int64_t wanted(int64_t now_ms)
@@ -62,7 +63,7 @@ bool pen_store_set_retention(struct pen_store *store, const struct pen_retention
                       st);
 }
 
-/* What a store with a limit by bytes has to hold, and what its disk has left. */
+/* What a store with a limit by bytes holds, and the free bytes of its disk. */
 struct load {
     int64_t keep, used, left;
     int64_t expected; /* of unfinished jobs */
@@ -99,8 +100,8 @@ bool pen_intake(struct pen_store *store, int64_t bytes, struct pen_status *st)
         return false;
     if (load.left < intake_bytes)
         return pen_fail(st, PEN_STORAGE_FULL,
-                        "the store has no space left for new jobs: its disk has %lld KiB free, "
-                        "they are taken from %lld KiB on",
+                        "the store has no space left for new jobs: its disk has %lld KiB free, new "
+                        "jobs need %lld KiB",
                         (long long)(load.left >> 10), (long long)(intake_bytes >> 10));
     if (load.keep == 0)
         return true;
@@ -141,7 +142,7 @@ bool pen_admit_kept(struct pen_store *store, int64_t bytes, struct pen_status *s
             refuse_bytes(&load, "what a batch keeps", bytes, st));
 }
 
-/* By age nothing goes for a day after the clock has jumped ahead (purge.c notes that). */
+/* Removal by age waits for a day after the clock has jumped ahead, which purge.c notes. */
 bool pen_ages_wait(struct pen_store *store, int64_t now_ms, bool *wait, struct pen_status *st)
 {
     int64_t from_ms, last_ms;

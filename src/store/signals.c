@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Signals between the processes of one host that use a store, and between their threads: one
- * eventfd a process, made by the supervisor before its first child, so that they stay when children
- * are started again. A signal writes all of them. Without them (a command beside the daemon), a
- * wait looks every quarter of a second. All stores of a process share them. */
+/* Signals between the processes of one host that use a store, and between their threads. Each
+ * process has an eventfd. The supervisor makes all of them before its first child, so that they
+ * stay when a child is restarted. A signal writes to all of them. A process without them (a command
+ * beside the daemon) looks every 250 ms in a wait. All stores of a process share them. */
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
@@ -20,13 +20,14 @@
 
 enum {
     SLOTS_MAX = 64,
-    LOOK_MS = 250 /* between looks of a process that others do not reach */
+    LOOK_MS = 250 /* between two looks of a process that has no eventfd */
 };
 
-/* The eventfds, as numbers with commas, and the place of a process's own, for its children. */
+/* Environment variables for children: the numbers of the eventfds, with commas, and the place of
+ * the process's own. */
 static const char FDS[] = "PENUMBRA_SIGNALS", SLOT[] = "PENUMBRA_SIGNAL_SLOT";
 
-/* Written once, by open_own; `changes` grows. */
+/* open_own writes it once; `changes` grows. */
 static struct {
     int fd[SLOTS_MAX], count;
     int own;        /* -1: none can be made */
@@ -62,7 +63,7 @@ uint32_t pen_store_changes(void)
     return atomic_load_explicit(&signals.changes, memory_order_acquire);
 }
 
-/* Takes what was written into the own eventfd. */
+/* Reads what was written to the process's own eventfd. */
 static void take(void)
 {
     uint64_t value;

@@ -58,7 +58,7 @@ bool pen_store_is_broken(const struct pen_store *store, struct pen_status *why)
     return pen_db_is_broken(store->db, why);
 }
 
-/* What a rule refuses has changed nothing; a disk without space and a store too busy may pass. */
+/* A call that a rule refuses has changed nothing. A full disk and a busy store may pass. */
 enum pen_failure pen_store_failure(const struct pen_store *store, const struct pen_status *st)
 {
     const struct pen_db_trouble trouble = pen_db_trouble(store->db);

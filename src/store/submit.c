@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Submit: the key, the scene document, the job, its views and batches in one transaction. The
- * document is compressed, and a large one loaded, before it. */
+/* Submit: the key, the scene document, the job, its views and batches, in one transaction. The
+ * document is compressed before this transaction, and a large document is also written before
+ * it. */
 #include <jansson.h>
 #include <string.h>
 
@@ -11,13 +12,14 @@ struct submission {
     const char *client;
     enum pen_submit_result *result;
     struct pen_buf *first_answer;
-    json_t *request;            /* NULL: it is none that JSON allows */
-    struct pen_object document; /* compressed; without data: the scene is stored already */
+    json_t *request;            /* NULL: the text is not valid JSON */
+    struct pen_object document; /* compressed; without data: the scene is already stored */
     int64_t number;
     bool missing; /* out: the scene is not stored, and there is no document */
 };
 
-/* Where the key was used before: the answer given then, unless it came with another body. */
+/* Looks for an earlier use of the key. With the same body, its answer is returned; with another
+ * body, the submit is refused. */
 static bool find_key(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
     size_t bytes;
@@ -37,7 +39,7 @@ static bool find_key(struct pen_store *store, struct submission *in, struct pen_
     return pen_db_done(rows) && ok;
 }
 
-/* Where the job is stored already: the same job, or another one. */
+/* Looks for a stored job of this id: the same job, or another one. */
 static bool find_job(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
     const struct pen_job_new *job = in->job;
@@ -98,7 +100,8 @@ static bool add_attribute(struct pen_store *store, int64_t job, const char *pref
                       "tti", name, json_string_value(value), job);
 }
 
-/* What lists are filtered by: the request's name and labels, if it is a JSON object. */
+/* Stores the attributes that lists are filtered by: the request's name and labels, if it is a JSON
+ * object. */
 static bool add_attributes(struct pen_store *store, const struct submission *in,
                            struct pen_status *st)
 {
@@ -181,8 +184,8 @@ static bool add_batches(struct pen_store *store, const struct submission *in, st
     return ok;
 }
 
-/* What the results are expected to take: of a pixel, 10 bytes (its picture and what its batch has
- * stored, 2 to 8), and 12 of each layer beside the picture, which `layers` has too. */
+/* The expected size of the results: 10 bytes a pixel (2 to 8 bytes for its batch, the rest for its
+ * picture), and 12 for each layer beside the picture, which `layers` has too. */
 static int64_t results_bytes(const struct submission *in)
 {
     const size_t layers = json_array_size(json_object_get(in->request, "layers"));
@@ -212,7 +215,7 @@ static bool write_submission(struct pen_store *store, struct submission *in, str
                            add_batches(store, in, st));
 }
 
-/* Makes the document ready to be stored, unless it is. */
+/* Prepares the document for storing, unless it is already stored. */
 static bool prepare(struct pen_store *store, struct submission *in, struct pen_status *st)
 {
     struct pen_bytes document;
@@ -240,7 +243,7 @@ bool pen_store_submit(struct pen_store *store, const struct pen_job_new *job,
                             .first_answer = first_answer,
                             .request = json_loads(job->request, JSON_DECODE_ANY, NULL)};
     bool ok;
-    do /* twice, if the scene is removed between look and submit */
+    do /* twice, if the scene is removed between the look and the submit */
         ok = prepare(store, &in, st) && pen_db_begin(store->db, PEN_DB_WRITE, st) &&
              pen_db_end(store->db, write_submission(store, &in, st), st);
     while (ok && in.missing);

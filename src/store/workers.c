@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The list of workers, whose processes still exist, and their counters. */
+/* The list of workers, the processes behind it, and their counters. */
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,13 +9,14 @@
 #include "store/internal/counters.h"
 #include "store/internal/handle.h"
 
-/* A process, so that it is never taken for a later one of its number. */
+/* A process, with its start time, so that a later process with the same number is not taken for
+ * it. */
 struct process {
     char host[65], boot[24];
-    int64_t pid, start; /* start: in clock ticks since the boot; 0: there is no such process */
+    int64_t pid, start; /* start: in clock ticks since the boot; 0: no such process */
 };
 
-/* A process that has ended and that nobody has waited for does not count. */
+/* A zombie process (ended, and not yet waited for) does not count. */
 static int64_t start_of(int64_t pid)
 {
     char path[64], text[1024];
@@ -26,7 +27,7 @@ static int64_t start_of(int64_t pid)
     const size_t bytes = fread(text, 1, sizeof text - 1, file);
     fclose(file);
     text[bytes] = '\0';
-    char *at = strrchr(text, ')'); /* the name before it may have spaces */
+    char *at = strrchr(text, ')'); /* the name before it may contain spaces */
     long long start = 0;
     if (at && (strncmp(at, ") Z", 3) == 0 || strncmp(at, ") X", 3) == 0))
         return 0;
@@ -50,7 +51,8 @@ void pen_worker_id_make(char id[PEN_WORKER_ID_BYTES])
     sodium_bin2hex(id, PEN_WORKER_ID_BYTES, bits, sizeof bits);
 }
 
-/* Adds the sums of what processes have moved there, as numbers with spaces. */
+/* Adds the sums of the counts that processes have moved to the store. They are stored as numbers
+ * with spaces. */
 static bool add_sums(struct pen_store *store, struct pen_counters *sum, struct pen_status *st)
 {
     struct pen_rows *rows =
@@ -62,7 +64,7 @@ static bool add_sums(struct pen_store *store, struct pen_counters *sum, struct p
     return pen_db_done(rows);
 }
 
-/* Moves what this process has counted to the sums, which stay when it ends. */
+/* Moves the counts of this process to the sums, which stay when it ends. */
 static bool move_counters(struct pen_store *store, const struct pen_counters *own,
                           struct pen_status *st)
 {
@@ -104,7 +106,7 @@ static bool write_seen(struct pen_store *store, const struct pen_worker_new *wor
         (int64_t)worker->threads, worker->rays_per_s, worker->lease_ms);
 }
 
-/* Renews a worker's row, or removes that of the id, and moves what this process has counted. */
+/* Renews a worker's row, or removes the row of an id, and moves the counts of this process. */
 static bool change_worker(struct pen_store *store, const struct pen_worker_new *worker,
                           const char *id, struct pen_status *st)
 {
@@ -133,13 +135,13 @@ bool pen_store_worker_gone(struct pen_store *store, const char *id, struct pen_s
     return change_worker(store, NULL, id, st);
 }
 
-/* Whether a process exists; `unknown` is the answer if its start was not known. */
+/* Returns true if a process exists. `unknown` is the answer if its start time is not known. */
 static bool exists(int64_t pid, int64_t start, bool unknown)
 {
     return start > 0 ? start_of(pid) == start : unknown;
 }
 
-/* The next worker of this host, in order of ids, whose process and whose supervisor no longer
+/* Finds the next worker of this host, in order of ids, whose process and supervisor no longer
  * exist. */
 static bool find_gone(struct pen_store *store, const struct process *own,
                       char id[PEN_WORKER_ID_BYTES], bool *found, struct pen_status *st)
@@ -197,12 +199,14 @@ static void fill(struct pen_rows *rows, struct pen_worker_record *worker)
                                          .attempt = pen_db_int(rows, 11),
                                          .kind = (enum pen_batch_kind)pen_db_int(rows, 12),
                                          .pixels = pen_db_int(rows, 13)};
-    const int64_t told_ms = pen_db_int(rows, 14); /* when it took or extended the lease */
+    const int64_t told_ms =
+        pen_db_int(rows, 14); /* when the worker took the lease or last extended it */
     if (worker->job_id && told_ms > worker->seen_ms)
         worker->seen_ms = told_ms;
 }
 
-/* Few batches are leased. IN and COALESCE keep SQLite from making an index of all batches here. */
+/* Few batches are leased. IN and COALESCE keep SQLite from building an index of all batches
+ * here. */
 bool pen_store_workers(struct pen_store *store, pen_worker_fn *each, void *user,
                        struct pen_status *st)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What `auto` chooses, and the cost model that it chooses by: a pure function of the primitives. */
+/* The choices of `auto`, and the cost model behind them, which is a pure function of the
+ * primitives. */
 #include "accel/internal/test_doors.h"
 #include "accel/internal/tree_layout.h"
 #include "support/suite.h"

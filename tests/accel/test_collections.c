@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Boundary cases of several primitives: how many intersections a ray has with them, in which order,
- * and which is the nearest, by every accelerator and compiled variant. */
+ * and which is the nearest. By every accelerator and compiled variant. */
 #include "support/isa.h"
 #include "support/suite.h"
 #include "support/world.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Generic blocks, for kinds of primitives without a block of their own. Every kind is put into them
- * in turn; test_same.c compares the intersections. */
+/* Generic blocks, for kinds of primitives without a block of their own. Every kind is tried in
+ * them; test_same.c compares the intersections. */
 #include "accel/internal/structure.h"
 #include "accel/internal/test_doors.h"
 #include "support/isa.h"
@@ -30,8 +30,8 @@ static const struct pen_accel *build(enum pen_accelerator kind, unsigned generic
     return accel;
 }
 
-/* Counts the primitives in generic blocks and in others; the items of all leaves follow each other.
- */
+/* Counts the primitives in generic blocks and in others; the items of all leaves follow each
+ * other. */
 static void count_items(const struct pen_accel *accel, uint32_t last, uint32_t *generic,
                         uint32_t *others)
 {
@@ -49,8 +49,8 @@ static void count_items(const struct pen_accel *accel, uint32_t last, uint32_t *
     }
 }
 
-/* With PEN_ACCEL_NONE: the leaf of nothing, the infinite primitives' list, and that of the others.
- */
+/* With PEN_ACCEL_NONE: the leaf of nothing, the infinite primitives' list, and that of the
+ * others. */
 START_TEST(test_generic__holds_the_kinds_that_have_no_block)
 {
     struct random r = random_begin(11);

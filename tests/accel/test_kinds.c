@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Each kind of accelerator, seen from outside: its counts, its depth, and, for simple scenes, which
- * boxes and primitives a ray is tested against. */
+/* Each kind of accelerator from outside: its counts, its depth, and, for simple scenes, the boxes
+ * and primitives against which a ray is tested. */
 #include "support/suite.h"
 #include "support/world.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Accelerators on inputs that are hard for them, against trying every primitive. */
+/* Accelerators on inputs that are hard for them, compared with trying every primitive. */
 #include <stdlib.h>
 
 #include "support/isa.h"

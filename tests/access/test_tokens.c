@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Token files: what is read and what is refused; and the set that a server keeps. */
+/* Token files, what is accepted and refused, and the tokens of a server. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Text as it may be shown on a terminal. */
+/* Text in its safe form for a terminal. */
 #include <string.h>
 
 #include "base/utf8.h"

@@ -2,10 +2,11 @@
 /* How often the bound of an audit holds.
  *
  * usage: audits REFERENCE_SAMPLES AUDITS TARGET THRESHOLD < SCENE
- * Renders the scene with the target error and each seed from 1 to AUDITS, audits 300 pixels of each
- * picture, and compares the bound with the share of all pixels that are wrong by a reference: the
- * mean of two renders with REFERENCE_SAMPLES samples per pixel each. Prints how many audits there
- * were, in how many the bound held, the mean share that is wrong, and the mean of the bounds. */
+ *
+ * Renders the scene with the target error and each seed from 1 to AUDITS, and audits 300 pixels of
+ * each picture. Compares the bound with the share of all pixels that are wrong by a reference: the
+ * mean of two renders with REFERENCE_SAMPLES samples per pixel each. Prints the number of audits,
+ * how often the bound held, the mean share of wrong pixels, and the mean of the bounds. */
 #include <math.h>
 
 #include "bench/reference.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* How long a claim takes while many jobs wait: bench_claims STORE [JOBS [CLIENTS]] fills a new
- * store and prints the time of a submit and of a claim; and that of the submit of one job with as
- * many batches as a job may have. Nothing is rendered. */
+/* How long a claim takes while many jobs wait. bench_claims STORE [JOBS [CLIENTS]] fills a new
+ * store and prints the time of a submit and of a claim. It also prints the time to submit one job
+ * with as many batches as a job may have. It renders nothing. */
 #include <stdlib.h>
 
 #include "bench/submit.h"

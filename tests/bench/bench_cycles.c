@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* How many batches a store takes in a second: bench_cycles STORE [CONNECTIONS [SECONDS]] fills a
- * new store and lets threads commit batches, each with a result of about 64 KiB, and claim the next
- * ones in the same transactions. Nothing is rendered. */
+/* How many batches a store takes in a second. bench_cycles STORE [CONNECTIONS [SECONDS]] fills a
+ * new store. Its threads commit batches, each with a result of about 64 KiB, and claim the next
+ * ones in the same transactions. It renders nothing. */
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A large store: how long a submit waits while a job of gigabytes is removed and its space is
- * returned, how long that takes, and how long opening and checking the store takes at a start.
+/* A large store. How long a submit waits while a job of gigabytes is removed and its space is given
+ * back; how long the removal takes; how long opening and checking the store takes at a start.
  *
  * usage: bench_disk [GiB] [folder]     makes the store in a new folder below `folder` (/tmp), and
  * removes it in the end */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* The cost of a job besides rendering, in a worker of this process: the time from the first claim
- * to the job's end in which no tile was rendered (scene, encoding, store), and what of it the
- * worker waited for the store. The runs of several jobs are interleaved. Heartbeats are also timed
- * on their own, since a short job has few: most only read, and once in a third of the lease one
- * extends it.
+/* The cost of a job besides rendering, in a worker of this process. It is the time from the first
+ * claim to the job's end in which no tile was rendered (scene, encoding, store), and the part of it
+ * in which the worker waited for the store. The runs of several jobs are interleaved. Heartbeats
+ * are also timed separately, because a short job has few. Most of them only read; once in a third
+ * of the lease one extends it.
  *
  * usage: bench_traffic [runs] [folder]     makes the store in a new folder below `folder` (/tmp) */
 #include <pthread.h>

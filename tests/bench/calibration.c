@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* The error that was asked for, against the error that is reached.
+/* The requested error, beside the error that is reached.
  *
  * usage: calibration REFERENCE_SAMPLES SEEDS TARGET… < SCENE
- * Renders the scene with each target error and each seed from 1 to SEEDS, one thread for each
- * processor. What is reached is told by a reference, the mean of two renders with
- * REFERENCE_SAMPLES samples per pixel each (reference.h). Prints a line for each render, its
- * columns parted by tabs: target, seed, reached error, estimated error, its interval's ends,
- * whether the target was met, rounds, capped pixels, samples per pixel, milliseconds of processor
- * time, error of the reference. */
+ *
+ * Renders the scene with each target error and each seed from 1 to SEEDS, with one thread for each
+ * processor. The reached error is measured against a reference, the mean of two renders with
+ * REFERENCE_SAMPLES samples per pixel each (reference.h). Prints a line for each render. Its
+ * columns, with tabs between them, are: target, seed, reached error, estimated error, its
+ * interval's ends, whether the target was met, rounds, capped pixels, samples per pixel,
+ * milliseconds of processor time, error of the reference. */
 #include "bench/reference.h"
 
 static void measure(const struct bench_reference *r, double target, uint64_t seed, float *picture)

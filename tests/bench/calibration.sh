@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Errors that were asked for with target_error, against errors that are reached.
+# Errors requested with target_error, against errors reached.
 #   calibration.sh [BUILD [FOLDER]]     FOLDER is BUILD/calibration by default
-# Writes into FOLDER: the renders of each scene (tests/bench/calibration.c), a table and a chart. A row that
-# breaks the promise is marked: of all renders with targets of 0.005 or more at least 95 % must reach
-# theirs, and the mean of a scene's errors must not be below a quarter of the target unless the pilot
-# alone met it. Exit status 1 if the promise is broken. The environment may set SCENES (names of the
+# Writes into FOLDER the renders of each scene (tests/bench/calibration.c), a table and a chart. A row that
+# breaks the promise is marked. The promise has two parts. Of all renders with targets of 0.005 or more, at
+# least 95 % must reach theirs. The mean of a scene's errors must not be below a quarter of the target, unless
+# the pilot alone met it. Exit status 1 if the promise is broken. The environment may set SCENES (names of the
 # table below), SEEDS and TARGETS.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Times the choices of `auto` on a scene, beside what the cost model expects of them
+/* Times the choices of `auto` on a scene, beside the costs that the cost model expects
  * (src/accel/auto_choice.c).
  *
  * usage: choices RUNS [KEY=VALUE…] < SCENE
- * KEY is a render setting, as for `penumbra render --set`. Prints a JSON object: of each choice the
- * expected cost, and processor time per ray in ns, the median of RUNS interleaved runs by one
- * thread. */
+ *
+ * KEY is a render setting, as for `penumbra render --set`. Prints a JSON object with the expected
+ * cost of each choice, and its processor time per ray in ns: the median of RUNS interleaved runs by
+ * one thread. */
 #include <string.h>
 
 #include "accel/internal/test_doors.h"

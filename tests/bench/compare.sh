@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 # Times this tree against another revision: whole programs by the clock, interleaved.
 #   compare.sh BUILD REVISION [FOLDER]        FOLDER is BUILD/compare by default
-# Builds the revision in a worktree below FOLDER, which stays for the next time. Writes
-# FOLDER/compare.json and FOLDER/compare.md. Both render the same scenes; `bytes` says whether the
-# pictures are equal. The environment may set SCENES, SIZE, RUNS and THREADS as for frames.sh.
+# Builds the revision in a worktree below FOLDER, which stays for the next run. Writes FOLDER/compare.json and
+# FOLDER/compare.md. Both revisions render the same scenes; `bytes` says whether the pictures are equal. The
+# environment may set SCENES, SIZE, RUNS and THREADS as for frames.sh.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:?usage: compare.sh BUILD REVISION [FOLDER]}

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Batches a second that a store in PostgreSQL takes, beside transactions of pgbench that update a row and
-# insert 64 KiB, in turns: tests/bench/cycles.sh BUILD [RUNS [SECONDS [CONNECTIONS]]]. The server waits for
-# the disk.
+# Batches a second that a store in PostgreSQL takes, beside transactions of pgbench. Such a transaction
+# updates a row and inserts 64 KiB. Both run in turns: tests/bench/cycles.sh BUILD [RUNS [SECONDS
+# [CONNECTIONS]]]. The server waits for the disk.
 set -eu
 build=$1 runs=${2:-3} seconds=${3:-10} connections=${4:-16}
 if [ -z "${PENUMBRA_TEST_POSTGRES:-}" ]; then

@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: MIT
 # What a target error costs beside fixed numbers of samples, at equal true error:
 #   equal_error.sh [BUILD [FOLDER]]     FOLDER is BUILD/equal-error by default
-# Both are judged by accuracy studies of the same scene: one over target_error, one over the products of those
-# numbers of samples that the scene calls for. The time of fixed samples at the error that a target reached
-# is read off their Pareto front, between neighbouring rows on logarithmic axes. Prints a table of the ratios
-# time with a target / time with the best fixed samples, to FOLDER/equal-error.md as well, with their median
-# over scenes and the share of the picture that lies in penumbrae: pixels that soft lights change. The
-# environment may set SCENES (names of scenes that are built in, and files of scenes), TARGETS
-# (0.02,0.01,0.005; of scenes that the pilot brings below these, smaller ones) and SEEDS (3).
+# Two accuracy studies of the same scene judge both: one over target_error, one over all combinations of the
+# numbers of samples that the scene calls for. The time of fixed samples is read off their Pareto front at the
+# error that a target reached, between neighbouring rows on logarithmic axes. Prints a table of the ratios
+# time with a target / time with the best fixed samples, and writes it to FOLDER/equal-error.md. The table
+# also has their median over scenes, and the share of the picture in penumbrae: pixels that soft lights
+# change. The environment may set SCENES (names of built-in scenes, and files of scenes), TARGETS
+# (0.02,0.01,0.005; smaller ones for scenes that the pilot brings below these) and SEEDS (3).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$root/build}

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Compares the time left that jobs tell with what was left, over the built-in scenes and cheap_sky, each made
-# heavy enough to last some seconds, and a job with a budget: a table, see eta.py.
+# Compares the time left that jobs report with the time that was left. The jobs are the built-in scenes and
+# cheap_sky, each made heavy enough to last some seconds, and a job with a budget. Prints a table, see eta.py.
 #   eta.sh [BUILD]
 # The environment may set DAEMON (another build's), JOBS (names of rows) and REPEATS.
 set -eu

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Renders scenes over 1, 2 and 4 workers of one thread that share a PostgreSQL server, and compares picture,
-# floats and ray counts with those of `penumbra render`: tests/bench/farm.sh BUILD [SPP [SCENE…]]. Prints
-# the seconds from the first claim to the end.
+# Renders scenes over 1, 2 and 4 workers of one thread that share a PostgreSQL server. Compares picture,
+# floats and ray counts with those of `penumbra render`: tests/bench/farm.sh BUILD [SPP [SCENE…]]. Prints the
+# seconds from the first claim to the end.
 set -eu
 build=$(cd "$1" && pwd)
 if [ -z "${PENUMBRA_TEST_POSTGRES:-}" ]; then

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Times pictures as whole programs, by the clock, against POV-Ray where that is installed, with one
-# thread and with all; then prints the numbers of rays of Haines' scenes beside the published ones.
+# Times pictures as whole programs, by the clock, against POV-Ray if it is installed, with one thread and with
+# all. Then prints the numbers of rays of Haines' scenes beside the published ones.
 #   frames.sh [BUILD [FOLDER]]        FOLDER is BUILD/frames by default
-# Writes FOLDER/frames.json and FOLDER/frames.md. Both programs read the same scene at the same size and
-# write a PNG; to_pov.c says what is translated and what approximated. Runs are interleaved; times are
-# medians. The environment may set SCENES (names as `make_scene --list` prints them, or builtin:NAME),
-# SIZE (WIDTHxHEIGHT), RUNS, THREADS, RENDERER (another program of this project, by default
-# BUILD/penumbra) and POV= (empty: without).
+# Writes FOLDER/frames.json and FOLDER/frames.md. Both programs read the same scene at the same size and write
+# a PNG; to_pov.c lists what is translated exactly and what is approximated. Runs are interleaved; times are
+# medians. The environment may set SCENES (names as `make_scene --list` prints them, or builtin:NAME), SIZE
+# (WIDTHxHEIGHT), RUNS, THREADS, RENDERER (another program of this project, by default BUILD/penumbra) and
+# POV= (empty: without).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$root/build}

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of spheres that only shine, before an even background: by rays from points of the lens
- * to points of each sphere instead of through pixels. So however small and bright a sphere is, all
- * rays bring light. */
+/* Pictures of spheres that only shine, before an even background. Rays go from points of the lens
+ * to points of each sphere, instead of through pixels. So every ray brings light, however small and
+ * bright a sphere is. */
 #ifndef BENCH_GLOW_H
 #define BENCH_GLOW_H
 
@@ -12,7 +12,7 @@
 #include "math/scale.h"
 #include "scene/scene.h"
 
-/* Whether a scene has nothing but such spheres. */
+/* Returns true if a scene has only such spheres. */
 static inline bool bench_glow_only(const struct pen_scene *scene)
 {
     const struct pen_sky *sky = &scene->sky;
@@ -27,17 +27,17 @@ static inline bool bench_glow_only(const struct pen_scene *scene)
     return only;
 }
 
-/* A picture that is being made. */
+/* A picture in work. */
 struct bench_glow {
     const struct pen_scene *scene;
     struct pen_pinhole pinhole;
     struct pen_lens lens;
     int width, height;
-    double *sum; /* of each pixel: what spheres cover, then their light */
+    double *sum; /* for each pixel: the part that spheres cover, then their light */
 };
 
-/* Whether a ray from o along the unit vector w meets another sphere before the one at `distance`.
- */
+/* Returns true if a ray from o along the unit vector w meets another sphere before the sphere at
+ * `distance`. */
 static inline bool bench_glow_hidden(const struct bench_glow *g, uint32_t sphere, struct pen_vec3 o,
                                      struct pen_vec3 w, double distance)
 {
@@ -94,11 +94,11 @@ static inline void bench_glow_ray(struct bench_glow *g, uint32_t sphere, struct 
     sum[3] += share * light.z;
 }
 
-/* Makes the picture. False: out of memory. */
+/* Makes the picture. Returns false when out of memory. */
 static inline bool bench_glow_render(const struct pen_scene *scene, const struct pen_settings *s,
                                      uint64_t seed, float *rgb)
 {
-    uint32_t rays = 1 << 20; /* to each sphere; fewer to each of many */
+    uint32_t rays = 1 << 20; /* rays to each sphere; fewer if there are many spheres */
     while (rays > 1 << 14 && rays / 4 * scene->prims.count > 1 << 20)
         rays /= 2;
     const size_t pixels = (size_t)s->width * (size_t)s->height;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Draws how cost grows, as an SVG of panels with logarithmic axes.
+/* Draws the growth of costs, as an SVG of panels with logarithmic axes.
  *
  * usage: growth_chart < POINTS > CHART.svg
- * A line of POINTS is PANEL tab SERIES tab X tab Y, X and Y > 0. Panels stand side by side in the
- * order of their first points, three in a row; the points of a series are joined in their order. A
- * grey line from a panel's first point shows growth in proportion. */
+ *
+ * A line of POINTS is PANEL tab SERIES tab X tab Y, X and Y > 0. Panels are in the order of their
+ * first points, three in a row. The points of a series are joined in their order. A grey line from
+ * a panel's first point shows proportional growth. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads a scene from standard input, of any size: the benchmarks' scenes may be larger than what
- * the programs accept. */
+/* Reads a scene of any size from standard input, because the benchmarks' scenes may exceed the
+ * limits of the programs. */
 #ifndef BENCH_LOAD_SCENE_H
 #define BENCH_LOAD_SCENE_H
 
@@ -33,7 +33,8 @@ static inline char *bench_read(size_t *bytes)
     bench_fail("out of memory");
 }
 
-/* Owns: what the scene is described by lives in the arena. Ends the program if it is no scene. */
+/* Reads a scene; ends the program if the text is no scene.
+ * Owns: the arena has everything that the description points to. */
 static inline struct pen_scene_desc bench_load(const char *text, size_t bytes,
                                                struct pen_arena *arena)
 {

@@ -11,7 +11,7 @@ static inline int bench_by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The median of count > 0 values, which it sorts. */
+/* Returns the median of count > 0 values, which it sorts. */
 static inline double bench_median(double *values, int count)
 {
     qsort(values, (size_t)count, sizeof *values, bench_by_value);

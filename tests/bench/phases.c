@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Times the phases of one picture in this process: reading the scene, freezing it (of which
- * building the structure is a part), rendering.
+/* Times the phases of one picture in this process: reading the scene, freezing it (which includes
+ * building the structure), rendering.
  *
  * usage: phases RUNS [KEY=VALUE…] < SCENE
+ *
  * KEY is a render setting, as for `penumbra render --set`. Prints a JSON object: milliseconds,
  * medians of RUNS; `cpu_ms` is processor time of the render threads. */
 #include <string.h>

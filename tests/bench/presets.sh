@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What the presets of `quality` cost, and how different their pictures look from that of a render with
-# another seed and the preset `reference`.
+# What the presets of `quality` cost, and how much their pictures differ from a render with another seed and
+# the preset `reference`.
 #   presets.sh [BUILD [FOLDER]]     FOLDER is BUILD/presets by default
-# Writes FOLDER/presets.md: processor time in ms, median of three renders by one thread, and the mean of
-# FLIP. The environment may set SCENES and SIZE as for frames.sh.
+# Writes FOLDER/presets.md: processor time in ms, median of three renders by one thread, and the mean of FLIP.
+# The environment may set SCENES and SIZE as for frames.sh.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$root/build}

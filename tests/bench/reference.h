@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* References by which errors are judged: they know nothing of the rule of adaptive rendering. */
+/* References to measure errors against. They share nothing with the rule of adaptive rendering. */
 #ifndef BENCH_REFERENCE_H
 #define BENCH_REFERENCE_H
 
@@ -18,7 +18,7 @@ struct bench_reference {
     struct pen_thread_pool *pool;
     size_t values;
     float *mean;
-    double error; /* half of the two renders' difference */
+    double error; /* half of the difference of the two renders */
 };
 
 static inline struct pen_render_stats bench_render(const struct bench_reference *r,
@@ -38,8 +38,8 @@ static inline double bench_encoded(const struct bench_reference *r, float linear
     return pen_encode_unit((double)linear, pen_settings_transfer(r->settings));
 }
 
-/* The root mean square of the differences of all values, as api/scene-format.md defines the error
- * of a picture. */
+/* Returns the root mean square of the differences of all values, which api/scene-format.md defines
+ * as the error of a picture. */
 static inline double bench_difference(const struct bench_reference *r, const float *a,
                                       const float *b)
 {
@@ -62,8 +62,8 @@ static inline void bench_reference_half(const struct bench_reference *r, struct 
         bench_fail("out of memory");
 }
 
-/* Renders the reference with seeds that nothing else is rendered with, and one thread for each
- * processor; of spheres that only shine, by glow.h. It borrows the description.
+/* Renders the reference with one thread for each processor, and with seeds that no other render
+ * uses. Scenes of spheres that only shine are rendered by glow.h. It borrows the description.
  * Owns: free with bench_reference_free. */
 static inline void bench_reference_make(struct bench_reference *r,
                                         const struct pen_scene_desc *desc, int samples)

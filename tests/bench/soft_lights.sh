@@ -2,23 +2,27 @@
 # SPDX-License-Identifier: MIT
 # Soft shadows beside POV-Ray's adaptive area lights, at equal or lower true error.
 #   soft_lights.sh [BUILD [FOLDER]]        FOLDER is BUILD/soft-lights by default
-# Two comparisons on builtin:room-soft. "lights": one camera ray a pixel, so that only the lights' error
-# counts; fixed light_samples against POV-Ray without anti-aliasing. "picture": target_error against
-# POV-Ray's adaptive anti-aliasing (method 2). POV-Ray's lights are `area_light N N adaptive LEVEL circular
-# orient jitter`. N is a power of two: halving the grid then takes each point once, so that all have the
-# same weight. Jitter moves a point by up to half of the grid's spacing, also beyond the border. So the
-# grid is made smaller by (N - 1) / N, and its points lie in the disk, for each N in the same one.
+# There are two comparisons on builtin:room-soft. "lights" has one camera ray a pixel, so that only the
+# lights' error counts: fixed light_samples against POV-Ray without anti-aliasing. "picture" is target_error
+# against POV-Ray's adaptive anti-aliasing (method 2).
 #
-# Errors are the RMSE of sRGB-encoded values, from PNG files of 16 bits. Each program is judged by a
-# reference of its own, without adaptive lights: POV-Ray's disk is not evenly bright (points on a square's
-# diagonal lie closer on its circle), and to_pov.c says what else differs. How far the programs are apart is
-# told beside that of the same scene with hard shadows, in which the lights have no part. A second
-# reference, with other points, tells the error of the first. Runs are interleaved, times medians: of the whole program by the
-# clock, and of tracing as each program tells it. For each row of POV-Ray the table has the quickest row of
-# Penumbra with an error that is not larger. Writes FOLDER/soft-lights.json and .md.
-# References are kept in FOLDER and used again. The environment may set SIZE (150x210), RUNS, THREADS (all),
-# WHAT ("lights picture"), POINTS (N: "8 16"), LEVELS ("0 1 2 3"), ALIASING (thresholds and depths:
-# "0.3,2 0.1,2 0.1,3 0.03,3"), LIGHT_SAMPLES, TARGETS, REFERENCE (camera rays a pixel of Penumbra's references, 1024).
+# POV-Ray's lights are `area_light N N adaptive LEVEL circular orient jitter`. N is a power of two. Halving
+# the grid then takes each point once, so all points have the same weight. Jitter moves a point by up to half
+# of the grid's spacing, also beyond the border. So the grid is made smaller by (N - 1) / N, and its points
+# lie in the same disk for each N.
+#
+# Errors are the RMSE of sRGB-encoded values, from PNG files of 16 bits. Each program is judged by its own
+# reference, without adaptive lights. POV-Ray's disk is not evenly bright (points on a square's diagonal lie
+# closer on its circle), and to_pov.c lists the other differences. The difference of the programs is printed
+# beside that of the same scene with hard shadows, where the lights play no part. A second reference, with
+# other points, gives the error of the first.
+#
+# Runs are interleaved, times are medians: of the whole program by the clock, and of tracing as each program
+# reports it. For each row of POV-Ray the table has the quickest row of Penumbra whose error is not larger.
+# Writes FOLDER/soft-lights.json and .md. References are kept in FOLDER and used again. The environment may
+# set SIZE (150x210), RUNS, THREADS (all), WHAT ("lights picture"), POINTS (N: "8 16"), LEVELS ("0 1 2 3"),
+# ALIASING (thresholds and depths: "0.3,2 0.1,2 0.1,3 0.03,3"), LIGHT_SAMPLES, TARGETS, REFERENCE (camera rays
+# a pixel of Penumbra's references, 1024).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$root/build}

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A job for benches of the store, of which nothing is rendered. */
+/* A job for benches of the store, which never renders. */
 #ifndef TESTS_BENCH_SUBMIT_H
 #define TESTS_BENCH_SUBMIT_H
 
@@ -17,7 +17,8 @@ static inline void die(const char *what, const struct pen_status *st)
     exit(1);
 }
 
-/* Stores job n of client number `client`, with at most SUBMIT_BATCHES batches of so many pixels. */
+/* Stores job n of client number `client`, with at most SUBMIT_BATCHES batches. Each batch has
+ * `pixels` pixels. */
 static inline void submit(struct pen_store *store, int n, int client, int batches, int pixels)
 {
     static const unsigned char sha256[32];

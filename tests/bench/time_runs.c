@@ -2,10 +2,12 @@
 /* Times whole programs, interleaved, so that other load on the machine slows all alike.
  *
  * usage: time_runs RUNS < COMMANDS
- * COMMANDS has a line for each command: a name, a tab, a command for the shell. Each is run once
- * without being timed, unless RUNS is 1; then all of them in turn, RUNS times. Writes a JSON array
- * with a member for each command: name, the medians wall_ms (by the clock) and cpu_ms (of processor
- * time, which other load changes less), and the times of all runs. Fails if a command does. */
+ *
+ * COMMANDS has a line for each command: a name, a tab, a command for the shell. Unless RUNS is 1,
+ * each is first run once without timing. Then all of them run in turn, RUNS times. Writes a JSON
+ * array with a member for each command: name, the medians wall_ms (by the clock) and cpu_ms (of
+ * processor time, which other load changes less), and the times of all runs. Fails if a command
+ * fails. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* Translates a scene (standard input, JSON or XML) into one for POV-Ray 3.7 (standard output) with
- * the same primitives, camera, lights and size, so that both renderers do the same work. The
+/* Translates a scene (standard input, JSON or XML) into a scene for POV-Ray 3.7 (standard output)
+ * with the same primitives, camera, lights and size. So both renderers do the same work. The
  * pictures are close, but not equal.
  *
- * Translated exactly: primitives with the transforms of their groups, the view, point, spot and
- * directional lights with or without shadows, attenuation with kl = 0, the diffuse and Phong terms,
- * mirrors, transparency, and the limits of depth and contribution.
+ * These are translated exactly: primitives with the transforms of their groups, the view, point,
+ * spot and directional lights with or without shadows, attenuation with kl = 0, the diffuse and
+ * Phong terms, mirrors, transparency, and the limits of depth and contribution.
  *
- * Approximated: kl > 0 (matched at the light's distance from the middle of the scene); coloured kt
- * (POV-Ray's filter also colours the diffuse term); coloured ks (its brightness is used); ambient
- * light, which POV-Ray shows in mirrors too; refraction, where POV-Ray has Fresnel's reflection or
- * that by kr, not both; lights with a radius (a circular area light that faces
- * the point, with the same number of samples, none left out).
+ * These are approximated:
+ *   - kl > 0: matched at the light's distance from the middle of the scene;
+ *   - coloured kt: POV-Ray's filter also colours the diffuse term;
+ *   - coloured ks: its brightness is used;
+ *   - ambient light, which POV-Ray shows in mirrors too;
+ *   - refraction: POV-Ray has Fresnel's reflection or that by kr, not both;
+ *   - lights with a radius: a circular area light that faces the point, with the same number of
+ *     samples, none left out.
  *
  * usage: to_pov < SCENE > SCENE.pov      the first line states width and height */
 #include "bench/load_scene.h"

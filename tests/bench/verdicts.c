@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* How often benchmarks judge rightly. Each comparison is a benchmark of two rows of the same
- * settings, of which the second may be slowed by work that it repeats; so its verdict is known
- * beforehand. Also compares each benchmark's first row with the one before, as two reports.
+ * settings. The second row may be slowed by work that it repeats, so its right verdict is known.
+ * The first row is also compared with the first row of the benchmark before, as two reports.
  *   verdicts COMPARISONS SLOWER BUDGET [SETTING=VALUE…] <scene.json
- * SLOWER: by how much, 0.05; BUDGET: seconds for each. Prints a line of JSON.
+ * SLOWER is the slowdown, 0.05; BUDGET is the seconds for each comparison. Prints a line of JSON.
  *   verdicts --load SECONDS SEED
  * keeps a processor busy for random times, with random pauses, both of 0.05 to 1.5 s. */
 #include <math.h>

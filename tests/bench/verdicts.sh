@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: MIT
 # How often benchmarks judge rightly, with a least effect of 2 % and intervals of 2 %:
 #   verdicts.sh [BUILD [FOLDER]]        FOLDER is BUILD/verdicts by default
-# 1. the same against itself beside a load that comes and goes: "same" or "undecided" in 89 of 100;
+# 1. a program against itself, beside a load that comes and goes: "same" or "undecided" in 89 of 100;
 # 2. a kernel slowed by 5 % on an idle host: "slower" in 82 of 100.
-# Also for two reports, of benchmarks one after the other. Prints the rates, and ends with code 1 if one is
-# missed. The environment may set COMPARISONS (100), SCENE (builtin:spheres), SIZE (100x75), THREADS (1), BUDGET
-# (seconds of each comparison, 10), SLOWER (0.05), LOADS (how many processes make the load; 1).
+# It also compares reports of successive benchmarks. Prints the rates, and ends with code 1 if one is missed.
+# The environment may set COMPARISONS (100), SCENE (builtin:spheres), SIZE (100x75), THREADS (1), BUDGET
+# (seconds of each comparison, 10), SLOWER (0.05), LOADS (the number of processes that make the load; 1).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$root/build}

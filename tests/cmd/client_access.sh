@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# How the client reaches a daemon on another machine: where its token comes from and to whom it is sent,
-# whose certificates it accepts, and what it says if that fails. The server is a small one of this script,
-# which notes the token of each request.
+# How the client reaches a daemon on another machine: the source of its token and to whom it is sent, the
+# certificates that it accepts, and its messages if that fails. This script has a small server, which notes
+# the token of each request.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 cat >server.py <<'END'

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What bash completes for penumbra and penumbrad, against what the programs print: commands, options,
-# values, built-in scenes, settings, views.
+# What bash completes for penumbra and penumbrad, against what the programs print: commands, options, values,
+# built-in scenes, settings, views.
 if [ ! -e "${1:-build}/completion/penumbra.bash" ]; then
     echo "skipped: a build with sanitizers is not for installing and has no completion"
     exit 77

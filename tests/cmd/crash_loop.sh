@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Crash loops: the supervisor starts a process that keeps dying again after growing pauses; meanwhile
-# /readyz gives the reason; a process that stays alive makes the daemon ready again. This script
-# mostly waits, so run.sh may run it beside other tests.
+# Crash loops. If a process dies again and again, the supervisor restarts it after growing pauses. Meanwhile
+# /readyz gives the reason. A process that stays alive makes the daemon ready again. This script mostly waits,
+# so run.sh may run it beside other tests.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 start() {

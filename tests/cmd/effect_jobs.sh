@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Bills of effects as jobs, and explanations over HTTP, when all goes well and when it does not.
+# Bills of effects as jobs, and explanations over HTTP, in the good case and with errors.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 daemon_start

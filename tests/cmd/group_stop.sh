@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# SIGTERM to all processes of the daemon at once, as systemd sends it to a control group: the supervisor
-# alone decides, and starts none of them again.
+# SIGTERM to all processes of the daemon at once, as systemd sends it to a control group. Only the supervisor
+# decides, and it restarts none of them.
 . "$(dirname "$0")/lib.sh"
 daemon_start
 export PENUMBRA_URL="$url"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What the supervisor tells a service manager: that it is ready, that its processes answer, that it stops.
+# The supervisor's messages to a service manager: it is ready, its processes answer, it stops.
 . "$(dirname "$0")/lib.sh"
 python3 - "$build/penumbrad" "$work" >"$work/result" 2>"$work/errors" <<'END'
 import os, signal, socket, subprocess, sys, time

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Jobs that crash or block their worker: each fails alone, with an error that says where and how, and
-# other jobs succeed.
+# Jobs that crash or block their worker. Each fails alone, with an error that has the place and the reason,
+# and other jobs succeed.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 unset PENUMBRA_MEMORY_LIMIT
@@ -72,7 +72,7 @@ sleep 1
 kill $loop
 wait $loop 2>/dev/null
 expect "and the daemon was ready all the time" "$(sort -u ready)" 200
-check "the log tells whose fault it was" grep -q "(1 in a row; this one is held against its job)" "$work/log"
+check "the log tells whose fault it was" grep -q "(1 in a row; this one is charged to its job)" "$work/log"
 daemon_stop
 forget_injected_segv
 

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What users' scenes contain besides shapes: an index of 1, triangles without area, colours from 0 to 255, a
-# view along y, a cone seen along its axis. The scenes are those of reports.
+# Features of users' scenes besides shapes: an index of 1, triangles without area, colours from 0 to 255, a
+# view along y, a cone seen along its axis. The scenes are from reports.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 corpus=$root/tests/io/corpus/good

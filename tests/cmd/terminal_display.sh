@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What the command line prints on a terminal: a closing line, tables that fit, a display that ends by a key.
+# What the command line prints on a terminal: a closing line, tables that fit, a display that a key ends.
 . "$(dirname "$0")/lib.sh"
 python3 -c 'import os; os.openpty()' 2>/dev/null || {
     skip terminal "a pseudo-terminal cannot be opened"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# `penumbrad token`, and what a daemon that serves other machines needs before it starts.
+# `penumbrad token`, and the options that a daemon for other machines needs before it starts.
 . "$(dirname "$0")/lib.sh"
 penumbrad=$build/penumbrad
 cd "$work" || exit 1

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The crash test: crash BUILD ROUNDS [SEED].
  *
- * In each round one thread submits jobs, while the other one kills processes of the daemon, stops a
+ * In each round one thread submits jobs. Another thread kills processes of the daemon, stops a
  * worker for longer than its lease, drains the daemon, and cancels jobs. When all jobs have ended
  * undisturbed, the round checks:
  *
@@ -10,10 +10,10 @@
  *   the same bytes            pictures and ray counts are those of an undisturbed run
  *   nothing is left over      no rows contradict each other; no process outlives its supervisor
  *
- * Jobs come from three addresses, which have shares of the work of their own. Only the jobs that
- * ended last are kept, so those of earlier rounds are removed while processes are killed: each of
- * them is stored, or is gone and has left its statistics. Retention keeps a job for a minute after
- * its end; the test makes the jobs of a round that it has checked older than that. */
+ * Jobs come from three addresses, each with its own share of the work. Only the jobs that ended
+ * last are kept, so jobs of earlier rounds are removed while processes are killed. Each of them is
+ * stored, or is removed and has left its statistics. Retention keeps a job for a minute after its
+ * end, so the test makes the jobs of a checked round older than that. */
 #include <inttypes.h>
 #include <pthread.h>
 #include <signal.h>

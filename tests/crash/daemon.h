@@ -13,34 +13,35 @@ struct daemon {
     atomic_int port;
 };
 
-/* The ended jobs that the daemon keeps. It also takes X-Forwarded-For. */
+/* The number of ended jobs that the daemon keeps. It also accepts X-Forwarded-For. */
 enum { DAEMON_KEEP_JOBS = 8 };
 
-/* How many times as long as usual to wait: builds with sanitizers are slow. */
+/* Returns the factor for waiting times: builds with sanitizers are slow. */
 int daemon_patience(void);
 
-/* Starts the daemon on a free port and waits for its first line. Returns whether that has come. */
+/* Starts the daemon on a free port and waits for its first line. Returns true if this line has
+ * come. */
 bool daemon_start(struct daemon *daemon);
 
-/* Starts a supervisor of one more worker on the same store. Its `pid` is also what daemon_child and
- * daemon_kill take. */
+/* Starts a supervisor of one more worker on the same store. daemon_child and daemon_kill also
+ * accept its `pid`. */
 struct daemon daemon_extra_worker(const struct daemon *daemon);
 
-/* Waits, at most 10 s times the patience, until that supervisor waits for SIGTERM, which would end
- * it at once before. */
+/* Waits until this supervisor waits for SIGTERM, which would end it at once before. Waits at most
+ * 10 s times the patience. */
 void daemon_wait_for_worker(pid_t pid);
 
 /* Prints the last lines of the log of all processes. */
 void daemon_show_log(const struct daemon *daemon);
 
-/* The process id of the "api" or "work" child, 0 if there is none at the moment. */
+/* Returns the process id of the "api" or "work" child; 0 if there is none now. */
 pid_t daemon_child(const struct daemon *daemon, const char *role);
 
 /* Kills the supervisor, and waits for the end of its children. Returns false after 15 s. */
 bool daemon_kill(struct daemon *daemon);
 
-/* Sends SIGTERM and waits. Returns whether the daemon ended in its time with exit code 0, and its
- * children too. It takes 10 s at most, to which come those that processes are held up for. */
+/* Sends SIGTERM and waits. Returns true if the daemon and its children have ended in time, the
+ * daemon with exit code 0. They have 10 s, plus the time for which processes are stopped. */
 bool daemon_drain(struct daemon *daemon);
 
 /* The number of processes that run the daemon on this store, without zombies. */

@@ -7,7 +7,7 @@
 
 enum { KINDS = 6, VIEWS = 3 };
 
-/* Writes the body of a submit of that kind. The job's name is the kind's. */
+/* Writes the body of a submit of this kind. The job's name is the kind's. */
 void kind_body(int kind, int priority, char *out, size_t bytes);
 const char *kind_name(int kind);
 int kind_of(const char *name); /* -1: none */
@@ -18,13 +18,13 @@ struct outcome {
     json_t *rays;
 };
 
-/* Reads the results of a job that has succeeded; ends the program if there are none. Owns: release
- * the outcome. */
+/* Reads the results of a job that has succeeded; ends the program if there are none.
+ * Owns: release the outcome. */
 struct outcome outcome_of(struct pen_jobs *jobs, const char *id, int kind);
 void outcome_release(struct outcome *outcome);
 bool outcome_same_pixels(const struct outcome *a, const struct outcome *b);
 
-/* Ends the program with a message unless `ok`. */
+/* Ends the program with a message, unless `ok` is true. */
 void must(bool ok, const struct pen_status *st, const char *what);
 
 #endif

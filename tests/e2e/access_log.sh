@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What the log says of requests: those that change the store have a line. Those that read or are refused
-# have none: clients decide how many there are. They are counted.
+# Requests in the log. Requests that change the store have a line. Requests that read or are refused have
+# none, because clients decide how many there are; they are counted.
 . "$(dirname "$0")/lib.sh"
 
 metric() { # SERIES: its value

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# No job holds a worker for ever: paths that fork at every surface are cut off, and every job has a
-# timeout, which the operator bounds.
+# No job holds a worker for ever. Paths that fork at every surface are cut off. Every job has a timeout, which
+# the operator bounds.
 . "$(dirname "$0")/lib.sh"
 unset PENUMBRA_MAX_TIMEOUT PENUMBRA_MAX_SECONDS PENUMBRA_MAX_PIXELS PENUMBRA_MAX_SAMPLES PENUMBRA_MAX_PRIORITY \
     PENUMBRA_MAX_QUEUE PENUMBRA_MAX_CLIENT_QUEUE

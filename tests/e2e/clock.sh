@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The wall clock is set back by two hours while a job runs, and then three days ahead: the durations of
-# the job are true, and its picture is not removed for its age. Needs Debian's faketime.
+# The wall clock is set back by two hours while a job runs, and then three days ahead. The durations of the
+# job are true, and its picture is not removed for its age. Needs Debian's faketime.
 . "$(dirname "$0")/lib.sh"
 if ! command -v faketime >/dev/null; then
     skip command-faketime "what a clock that jumps does to jobs"

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Whoever reads standard error may stop: requests are answered, and the log tells later what it lost.
+# The reader of standard error may stop. Requests are still answered, and the log later reports the lines that
+# it lost.
 . "$(dirname "$0")/lib.sh"
 
 # The reader reads nothing until it is told to.

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# GET /metrics: its format, by promtool where that is installed and else by metrics.py, and that the
-# numbers are those of what happened.
+# GET /metrics: its format, by promtool if that is installed and else by metrics.py; and its numbers, which
+# must count what happened.
 . "$(dirname "$0")/lib.sh"
 here=$(dirname "$0")
 

@@ -53,6 +53,7 @@ for file in api/page/*; do
     *.css) type='text/css; charset=utf-8' ;;
     *.js) type='text/javascript; charset=utf-8' ;;
     *.svg) type=image/svg+xml ;;
+    *.png) type=image/png ;;
     *.json) type=application/json ;;
     *) type=unknown ;;
     esac

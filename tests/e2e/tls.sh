@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The daemon over TLS with tokens: what it serves otherwise, and what is particular to TLS.
+# The daemon over TLS with tokens: what it serves as usual, and what is special with TLS.
 export PEN_TLS=1
 here=$(dirname "$0")
 . "$here/lib.sh"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Pixel kernels hold the code of their effects and of no others, and the stripped kernels, which `make
-# effects-proof` counts the instructions of, give the same bits. That proof reads the block kernels too.
+# Pixel kernels contain the code of their effects and of no others. The stripped kernels, whose instructions
+# `make effects-proof` counts, give the same bits. That proof also reads the block kernels.
 case ${1:-build} in
 *asan* | *tsan*)
     echo "skipped: plain-build: kernels with sanitizers are not those that are installed"

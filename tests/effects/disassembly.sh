@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The disassembly of the kernels, function by function, against the markers of effects: a kernel
-# has those of its effects and no others.
+# The disassembly of the kernels, function by function, against the markers of effects: a kernel has the
+# markers of its effects and no others.
 #   tests/effects/disassembly.sh BUILD [INSTRUCTION-SET…]
-# reads the pixel kernels, and the block kernels of these instruction sets (none: a minute each). Prints
-# a row for each kernel, and what it should not have or lacks; exit 1 if there is any.
-# A kernel is its function and what it calls in its object; which source an instruction is of, its
-# line table tells, so the build needs -g, as in `make`.
+# reads the pixel kernels, and the block kernels of these instruction sets (each takes a minute; none by
+# default). Prints a row for each kernel, with the markers that it lacks or must not have; exit 1 if there are
+# any. A kernel is its function and the functions that it calls in its object. The line table gives the source
+# of an instruction, so the build needs -g, as in `make`.
 set -eu
 build=${1:-build}
 [ $# -eq 0 ] || shift

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Renders a scene by a compiled block kernel and by the one that is stripped by hand of the other
- * effects, for AVX2:
+/* Renders a scene by a compiled block kernel, and by the kernel that is stripped by hand of all
+ * other effects, for AVX2:
  *   instructions SET FILE             both must give the same bits and rays
- *   instructions SET FILE compiled    only that one, in proof_frame, so that valgrind counts it
- *   instructions SET FILE stripped    only the other one
+ *   instructions SET FILE compiled    only the compiled one, in proof_frame, for valgrind to count
+ *   instructions SET FILE stripped    only the stripped one
  * SET is none, hard, soft or mirror; the scene is changed to have just these effects. Or SET is a
  * form (support/forms.h), and the scene is rendered by the kernel that is chosen for it:
  *   instructions FORM FILE without    without the effect

@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# How many instructions a frame takes by a compiled kernel, and by the same kernel stripped by hand
-# of the effects that it has not (tests/effects/stripped), under callgrind; and how many it takes with an
-# effect without consequence, and without that effect (tests/support/forms.c):
+# Counts the instructions of a frame under callgrind. It compares a compiled kernel with the same kernel,
+# stripped by hand of the effects that it does not have (tests/effects/stripped). It also compares a frame
+# with an effect without consequence and a frame without this effect (tests/support/forms.c):
 #   tests/effects/instructions.sh BUILD
-# Prints tables; exit 1 if a ratio is above the limit, if a stripped kernel gives other bits, or if
-# valgrind is missing.
+# Prints tables; exit 1 if a ratio is above the limit, if a stripped kernel gives other bits, or if valgrind
+# is missing.
 set -u
 build=${1:-build}
 cd "$(dirname "$0")/../.." || exit 1

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The frame of a scene by the kernel that is chosen for it, by every other one that covers it, and
- * by every instruction set: the same bits and the same rays. So what a kernel leaves out changes
- * nothing, and an effect that a scene has not is computed as its simplest case. So do block kernels
- * that leave out a sky or patterns that the scene has. */
+/* The frame of a scene by the kernel that is chosen for it, by every other kernel that covers it,
+ * and by every instruction set: the same bits and the same rays. So a kernel may leave out code
+ * without a change, and an effect that a scene lacks is computed as its simplest case. The same
+ * holds for block kernels that leave out a sky or patterns of the scene. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

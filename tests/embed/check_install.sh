@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# An installed copy as another program sees it: `make install` into a folder, the example compiled
-# with what pkg-config prints, what the shared library exports, and `make uninstall`.
+# An installed copy, as another program sees it: `make install` into a folder, the example compiled with the
+# output of pkg-config, the exports of the shared library, and `make uninstall`.
 case $(echo "${1:-build}"/libpenumbra.so.*.*.*) in
 *'*')
     echo "skipped: plain-build: a build with sanitizers has no shared library and is not for installing"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* libpenumbra through its public header: errors with places, callbacks, threads, memory. Only the
- * bound on memory is compared with what the rooms below really take. */
+ * bound on memory is compared with the memory that the modules below really take. */
 #include <fenv.h>
 #include <pthread.h>
 #include <stdatomic.h>

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A daemon whose disk fails: it accepts no job that could be lost, loses no accepted job, serves what
-# can be read, and recovers by itself when the disk works again; processes that meet an I/O error are
-# replaced. preload.c simulates the failing disk; where tmpfs may be mounted, there is also a disk that is
-# really full.
+# A daemon whose disk fails. It accepts no job that could be lost, loses no accepted job, and serves
+# everything that can be read. It recovers by itself when the disk works again. Processes that meet an I/O
+# error are replaced. preload.c simulates the failing disk; if tmpfs may be mounted, there is also a disk that
+# is really full.
 . "$(dirname "$0")/../cmd/lib.sh"
 cd "$work" || exit 1
 export FAULTS_STORE="$store" FAULTS_CONTROL="$work/control"

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Simulates a failing disk under a running daemon. Preloaded, this library replaces the functions
- * by which SQLite accesses files whose path begins with $FAULTS_STORE. Each line of the file
- * $FAULTS_CONTROL, which is read at every call, makes an operation fail:
+/* Simulates a failing disk under a running daemon. When preloaded, this library replaces the
+ * functions with which SQLite accesses files whose path begins with $FAULTS_STORE. It reads the
+ * file $FAULTS_CONTROL at every call. Each line of it makes an operation fail:
  *
  *     write ENOSPC       every write; or EIO, or SHORT: half is written, then the disk is full
  *     sync EIO 3         every third sync of a process
  *     read EIO           every read
  *
- * Truncation fails with `write`. With an empty or missing file nothing fails. */
+ * Truncation fails with `write`. With an empty or missing file no operation fails. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Files written and read back: codes follow the formula, and PNG chunks state the transfer
- * function; every kind of PNG that other programs write is read; damaged and hostile files end in
+/* Files are written and read back. Codes follow the formula, and PNG chunks state the transfer
+ * function. Every kind of PNG that other programs write is read. Damaged and hostile files end in
  * an error. */
 #include <math.h>
 #include <png.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* FLIP against a second implementation, which follows the paper's text (flip.h): filters of the
- * plane that are not separated, each pixel by itself, in long double, with the C library's
+ * plane that are not separated, each pixel separately, in long double, with the C library's
  * functions. */
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A PNG written some rows at a time has the bytes of one written at once, also if rows are not
- * finished before they are due; a file that is given up or fails leaves nothing behind. */
+/* A PNG written some rows at a time has the bytes of a PNG written at once, even if rows are not
+ * finished when they are due. A file that is given up or fails leaves nothing behind. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -31,7 +31,7 @@ static struct pen_film *shrink(const struct pen_film *film, int edge)
     return copy;
 }
 
-/* How much of pixel i, of `from`, lies in pixel k, of `to`, as a part of that. */
+/* Returns the part of pixel k of `to` that pixel i of `from` covers. */
 static double weight(int i, int from, int k, int to)
 {
     const double low = fmax((double)i / from, (double)k / to),

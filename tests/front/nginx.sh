@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # deploy/nginx.conf, with ports and a certificate of this script, before a backend that records requests and
-# before a daemon. `make front` runs it: a minute. Caddy only checks its file.
+# before a daemon. `make front` runs it; it takes a minute. For Caddy, only its file is checked.
 . "$(dirname "$0")/../e2e/lib.sh"
 deploy=$(dirname "$0")/../../deploy
 for command in nginx openssl; do

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* A backend for the test of the front. It answers every request with 200, and prints each request
- * as one line: `plain` or the fault of its form, a tab, and its bytes, CR as \r and LF as \n.
+/* A backend for the test of the front. It answers every request with 200. It prints each request as
+ * a line: `plain` or the fault of its form, a tab, and its bytes, with CR as \r and LF as \n.
  *
- *   record      prints `port N` first, then serves until it is killed
+ *     record      prints `port N` first, then serves until it is killed
  *
- * A plain request can be read in one way only: a request line of three words, lines that end in
- * CRLF, no control bytes, no space before a colon, one Host, and one of Content-Length and chunks.
- */
+ * A plain request can be read in one way only. It has a request line of three words, lines that end
+ * in CRLF, no control bytes, no space before a colon, one Host, and either Content-Length or
+ * chunks. */
 #include <arpa/inet.h>
 #include <ctype.h>
 #include <netinet/in.h>

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The inputs that fuzz targets begin with, and those that have once broken one: check_corpus.sh BUILD
+# Runs the initial inputs of the fuzz targets, and the inputs that once broke a target: check_corpus.sh BUILD
 . "$(dirname "$0")/../e2e/lib.sh"
 for target in tests/fuzz/fuzz_*.c; do
     target=$(basename "${target#*fuzz_}" .c)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What the fuzz targets share. A target is a function over any bytes, which ends the process if a
- * promise of the program does not hold. libFuzzer calls it with inputs that it makes (`make fuzz`),
- * and replay.c with the kept ones (check_corpus.sh). */
+/* The parts that all fuzz targets share. A target is a function of any bytes, which ends the
+ * process if the program breaks a promise. libFuzzer calls it with its own inputs (`make fuzz`).
+ * replay.c calls it with the stored inputs (check_corpus.sh). */
 #ifndef PEN_TESTS_FUZZ_H
 #define PEN_TESTS_FUZZ_H
 
@@ -17,7 +17,8 @@ static inline void must(int holds)
         abort();
 }
 
-/* The bytes with a zero byte behind them. Owns: the caller frees it. */
+/* Returns the bytes with a zero byte after them.
+ * Owns: the caller frees it. */
 static inline char *fuzz_text(const uint8_t *data, size_t size)
 {
     char *text = malloc(size + 1);

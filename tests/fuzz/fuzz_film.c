@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Any bytes as a picture: PNG or PFM. What is read has a size and encoded values from 0 to 1. */
+/* Any bytes as a picture: PNG or PFM. An accepted picture has a size and encoded values from 0 to
+ * 1. */
 #include "film/picture.h"
 #include "fuzz/fuzz.h"
 

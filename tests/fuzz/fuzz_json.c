@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Any bytes as a scene in JSON: every error has a place, and an accepted scene is accepted again as
- * it is written, and then written to the same bytes. */
+/* Any bytes as a scene in JSON. Every error has a place. An accepted scene, written as JSON, is
+ * accepted again, and then written to the same bytes. */
 #include "fuzz/scene.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

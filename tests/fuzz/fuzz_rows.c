@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Any bytes as texts that the store holds: the first byte picks a job's request, or the statistics
- * of its batches, one a line. */
+/* Any bytes as texts of the store. The first byte selects a job's request, or the statistics of its
+ * batches, one a line. */
 #include "fuzz/fuzz.h"
 #include "jobs/internal/stats.h"
 #include "jobs/internal/stored_request.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Any bytes as what a worker has kept of an unfinished batch: the first byte picks the state of an
+/* Any bytes as the kept state of an unfinished batch. The first byte selects the state of an
  * adaptive render or of a benchmark. A state is used whole or not at all. */
 #include "base/thread_pool.h"
 #include "fuzz/fuzz.h"

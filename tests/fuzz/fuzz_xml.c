@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Any bytes as a scene in XML. Checks that
  *   - nothing leaks;
- *   - an accepted scene is accepted again as the JSON that is written from it, which is written to
- * the same bytes again;
+ *   - an accepted scene, written as JSON, is accepted again, and then written to the same bytes;
  *   - every error has a place. */
 #include "fuzz/scene.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Gives the files that are named to a fuzz target, in a build without libFuzzer. */
+/* Gives the named files to a fuzz target, in a build without libFuzzer. */
 #include <stdio.h>
 
 #include "fuzz/fuzz.h"

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* What the targets for scenes share. */
+/* The part that the targets for scenes share. */
 #ifndef PEN_TESTS_FUZZ_SCENE_H
 #define PEN_TESTS_FUZZ_SCENE_H
 
 #include "fuzz/fuzz.h"
 #include "io/document.h"
 
-/* An accepted scene is accepted again as the JSON that is written from it, and then written to the
- * same bytes. */
+/* Checks that an accepted scene, written as JSON, is accepted again, and then written to the same
+ * bytes. */
 static inline void check_written(const struct pen_document *document)
 {
     struct pen_limits limits = pen_limits_default();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The geometry once more in __float128 (113 bits), where products of two inputs are exact. The
- * tests of this room compare results with it. */
+/* The geometry in __float128 (113 bits), where products of two inputs are exact. The tests of this
+ * module compare results with it. */
 #ifndef TESTS_GEOM_QUAD_H
 #define TESTS_GEOM_QUAD_H
 
@@ -48,7 +48,8 @@ static inline quad quad_abs(quad x)
     return x < 0 ? -x : x;
 }
 
-/* The roots of a t^2 + 2 b t + c; returns the discriminant, and sets t[] if it is positive. */
+/* Finds the roots of a t^2 + 2 b t + c. Returns the discriminant, and sets t[] if it is
+ * positive. */
 static inline quad quad_roots(quad a, quad b, quad c, quad t[2])
 {
     quad disc = b * b - a * c;
@@ -60,14 +61,14 @@ static inline quad quad_roots(quad a, quad b, quad c, quad t[2])
     return disc;
 }
 
-/* Distance of t from the true value, in units in the last place of the true value. */
+/* Returns the distance of t from the true value, in units in the last place of the true value. */
 static inline double quad_ulps(double t, quad truth)
 {
     double size = fabs((double)truth);
     return (double)quad_abs(t - truth) / (nextafter(size, INFINITY) - size);
 }
 
-/* A sphere's intersections. */
+/* Finds a sphere's intersections. */
 static inline quad quad_sphere(struct pen_vec3 c, double r, struct pen_vec3 o, struct pen_vec3 d,
                                quad t[2])
 {
@@ -75,7 +76,7 @@ static inline quad quad_sphere(struct pen_vec3 c, double r, struct pen_vec3 o, s
     return quad_roots(quad_dot(dd, dd), quad_dot(f, dd), quad_dot(f, f) - (quad)r * r, t);
 }
 
-/* An infinite cylinder's intersections: axis through q along a, of any length. */
+/* Finds an infinite cylinder's intersections. Its axis goes through q along a; a has any length. */
 static inline quad quad_tube(struct pen_vec3 q, struct pen_vec3 a, double r, struct pen_vec3 o,
                              struct pen_vec3 d, quad t[2])
 {
@@ -85,8 +86,8 @@ static inline quad quad_tube(struct pen_vec3 q, struct pen_vec3 a, double r, str
     return quad_roots(quad_dot(m, m), quad_dot(m, n), quad_dot(n, n) - rr, t);
 }
 
-/* Where a line meets the plane of three points; *inside tells whether it is strictly inside or
- * strictly outside the triangle (+1, -1), or too near the border to be sure (0). */
+/* Finds where a line meets the plane of three points. *inside is +1 strictly inside the triangle,
+ * -1 strictly outside, 0 too near the border to be sure. */
 static inline quad quad_triangle(const struct pen_vec3 v[3], struct pen_vec3 o, struct pen_vec3 d,
                                  int *inside)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Boundary cases as tables: rays with the points where they should meet the primitives of a world.
- */
+/* Boundary cases as tables: rays, and the points where they should meet the primitives of a
+ * world. */
 #ifndef TESTS_GEOM_ROWS_H
 #define TESTS_GEOM_ROWS_H
 
@@ -36,7 +36,7 @@ struct row {
     }
 
 /* Checks one ray: the number of intersections, unless the row marks it as unsure, and the last
- * points, whose components may be off by `ulps` ulps of 4. */
+ * points. Their components may be off by `ulps` ulps of 4. */
 static inline void row_check(const struct world *w, const struct pen_origin_surface *origin,
                              const struct row *row, int number, double ulps)
 {
@@ -59,7 +59,7 @@ static inline void rows_check(const struct world *w, const struct row *row, int 
         row_check(w, &pen_origin_none, &row[i], i, ulps);
 }
 
-/* The same for rays that start on the side of primitive 0, reached from outside. */
+/* Checks rays that start on the side of primitive 0, reached from outside. */
 static inline void rows_check_leaving(const struct world *w, const struct row *row, int rows,
                                       double ulps)
 {

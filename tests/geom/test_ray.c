@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays made in lanes, for every instruction set of this processor: each lane is the ray that is
- * made alone, and that is what struct pen_ray says it is. */
+/* Rays made in lanes, for every instruction set of this processor. Each lane is the ray that is
+ * made alone, and has the properties that struct pen_ray promises. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* H073: no light enters a closed room at its seams. Rays are aimed at edges and corners. From the
- * computed hit point, wherever rounding puts it, no ray back into the room gets out, and no ray to
- * a point inside is blocked. */
+/* H073: no light enters a closed room at its seams. Rays are aimed at edges and corners. Rays then
+ * start at the computed hit point, wherever rounding puts it. No ray back into the room gets out,
+ * and no ray to a point inside is blocked. */
 #include <check.h>
 
 #include "geom/rows.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays that start on surfaces: they do not meet the surface that they start on, and meet everything
- * else. */
+/* Rays that start on surfaces do not meet the surface on which they start, and meet all others. */
 #include <check.h>
 
 #include "geom/quad.h"
@@ -31,8 +30,8 @@ static void make_round(struct random *r, int kind, double size, double far)
         world_cylinder(&world, at, random_direction(r), size, size * random_in(r, .5, 3), true);
 }
 
-/* Shoots at primitive 0 from a few sizes away until a ray hits; returns the start of the next ray.
- */
+/* Shoots at primitive 0 from a few sizes away until a ray hits; returns the start of the next
+ * ray. */
 static vec3 meet(struct random *r, double size, vec3 at, struct pen_hit *hit, vec3 *v)
 {
     for (;;) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Hit points, normals and origin surfaces in lanes, for every instruction set of this processor:
- * each lane is what the scalar functions give for it alone. */
+ * each lane is the result of the scalar functions for it alone. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Closed surfaces have no leaks and no double intersections: rays aimed at vertices, edges and
- * points of edges that are exact in binary, from near and far of the coordinate origin. */
+/* Closed surfaces have no leaks and no double intersections. Rays are aimed at vertices, edges and
+ * points of edges that are exact in binary, near the coordinate origin and far from it. */
 #include <check.h>
 
 #include "geom/rows.h"

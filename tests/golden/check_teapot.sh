@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# scenes/teapot.json is what scenes/teapot.py writes, and as large as it is meant to be.
+# scenes/teapot.json is the output of scenes/teapot.py, and has the intended size.
 . "$(dirname "$0")/../cmd/lib.sh"
 cd "$root" || exit 1
 exits "the generator runs" 0 python3 scenes/teapot.py

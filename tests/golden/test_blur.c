@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What is sampled converges to the oracle's mean over points of its own (tests/support/oracle.h):
- * depth of field, glossy reflection, frosted transmission. Penumbra's pictures with 16 seeds and 16
- * of the oracle's are compared by Welch's t-test (Welch, Biometrika 34, 1947), pixel by pixel, and
- * the means of blocks of 8 x 8 pixels. The probability that any of these tests fails by chance is
- * 1e-4 for a picture (Bonferroni). A lens that is 3 % wider fails by lens-balls
- * with SHARP samples of the oracle a pixel, and a cone by gloss-floor: tests/property/mutants.sh.
- */
+/* Sampled effects converge to the oracle's mean over its own points (tests/support/oracle.h): depth
+ * of field, glossy reflection, frosted transmission. Penumbra's pictures with 16 seeds and 16
+ * pictures of the oracle are compared by Welch's t-test (Welch, Biometrika 34, 1947), pixel by
+ * pixel, and as means of blocks of 8 x 8 pixels. The probability that any of these tests fails by
+ * chance is 1e-4 for a picture (Bonferroni). With SHARP samples of the oracle a pixel, lens-balls
+ * fails for a lens that is 3 % wider, and gloss-floor for such a cone:
+ * tests/property/mutants.sh. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

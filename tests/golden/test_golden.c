@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Golden films: the bits of every scene in scenes/ and tests/golden/scenes/, in small, held
- * against hashes.txt: the same for any number of threads, instruction set and accelerator, on any
- * machine. After a change that is meant to change pictures, look at them, then `make golden`
- * (PENUMBRA_GOLDEN=write) writes the table anew; its diff says which pictures changed. */
+/* Golden films: the bits of every scene in scenes/ and tests/golden/scenes/, in small, compared
+ * with hashes.txt. They are the same for any number of threads, instruction set and accelerator, on
+ * any machine. After a change that is meant to change pictures, look at them. Then `make golden`
+ * (PENUMBRA_GOLDEN=write) writes a new table, whose diff shows which pictures changed. */
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,8 +64,8 @@ static struct pen_scene *freeze(const struct pen_scene_desc *desc, int accelerat
     return scene;
 }
 
-/* A build with sanitizers looks for undefined behaviour: for each kernel one view stands for all.
- */
+/* A build with sanitizers looks for undefined behaviour: for each kernel one view stands for
+ * all. */
 #ifdef PEN_SHARED_KERNELS
 enum { ONE_PER_KERNEL = 1 };
 #else

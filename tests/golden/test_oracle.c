@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Every scene of tests/golden/scenes, and the built-in ones small, against the oracle: a renderer
- * written apart (tests/support/oracle.h). Pixels may differ in the last digits; whole different
- * pixels are allowed only where a ray grazes an edge closer than rounding can tell. */
+/* Every scene of tests/golden/scenes, and the built-in scenes in small, against the oracle, an
+ * independent renderer (tests/support/oracle.h). Pixels may differ in the last digits. Larger
+ * differences are allowed only if a ray grazes an edge closer than rounding can decide. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

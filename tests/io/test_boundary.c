@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The classroom's boundary cases of constructing primitives, as scenes. What threw an exception
- * there is refused here, with the reason and the place; what the classroom refused without need is
- * accepted. */
+/* The classroom's boundary cases of constructing primitives, as scenes. A case that threw an
+ * exception there is refused here, with the reason and the place. A case that the classroom refused
+ * without need is accepted. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* The reader against tests/io/corpus. Beside each bad/NAME.json and xml-bad/NAME.xml, NAME.expect
- * lists its errors in order, one per line:
+ * lists its errors in order, one a line:
  *
  *     CODE | PLACE | PART OF THE MESSAGE
  *
- * PLACE is a JSON Pointer, or LINE:COLUMN for XML and for a syntax error; one that ends in …
- * matches every place that begins with it. The line `more | N |` means that N more errors were
- * counted than are kept. A line `schema-blind: WHY` or `not-json: WHY` is for test_schema.c. Beside
- * good/NAME.json and xml-good/NAME.xml, NAME.expect lists the warnings about the scene; without the
- * file there must be none. The JSON of good-marked begins with a byte-order mark, which other
- * parsers, and so the tests that compare with them, do not read. */
+ * PLACE is a JSON Pointer, or LINE:COLUMN for XML and for a syntax error. A PLACE that ends in …
+ * matches every place that begins with it. The line `more | N |` means that N further errors were
+ * counted but not kept. A line `schema-blind: WHY` or `not-json: WHY` is for test_schema.c.
+ *
+ * Beside good/NAME.json and xml-good/NAME.xml, NAME.expect lists the warnings about the scene;
+ * without this file there must be none. The JSON of good-marked begins with a byte-order mark.
+ * Other parsers do not read it, and so neither do the tests that compare with them. */
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>

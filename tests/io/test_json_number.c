@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Numbers: the doubles are those of strtod, to the bit, and repeated ones are one value. */
+/* Numbers: the doubles are those of strtod, to the bit, and equal texts give one value. */
 #include <fenv.h>
 #include <math.h>
 #include <stdio.h>

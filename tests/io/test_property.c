@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Properties of the reader for any text: it does not crash, every error has a place that is in the
- * document, and exactly the texts that jansson's own parser accepts are JSON. A failure prints the
+/* Properties of the reader for any text. It does not crash. Every error has a place in the
+ * document. Exactly the texts that jansson's own parser accepts are JSON. A failure prints the
  * seed: PEN_SEED=… repeats it. */
 #include <glob.h>
 #include <math.h>
@@ -68,8 +68,8 @@ static bool exists_at(const json_t *value, const char *pointer)
     return value && !*pointer;
 }
 
-/* Every scene that was read can be frozen, unless its sizes are too different for one local frame.
- */
+/* Every scene that was read can be frozen, unless its sizes are too different for one local
+ * frame. */
 static void check_freeze(const json_t *document, const struct pen_scene_desc *desc,
                          const struct random *random)
 {
@@ -129,8 +129,8 @@ static bool equal(const json_t *a, const json_t *b)
     return same;
 }
 
-/* Parses a copy of exact size with both parsers, which must agree. Returns the document, or NULL.
- */
+/* Parses a copy of exact size with both parsers, which must agree. Returns the document, or
+ * NULL. */
 static json_t *check_parse(const struct corrupt_text *text, const struct random *random)
 {
     struct pen_limits limits = pen_limits_default();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* api/scene.schema.json accepts the same documents as the reader. tests/io/check_schema.py compares
- * them with an independent JSON Schema library. The documents are the corpus, and good scenes
+ * both with an independent JSON Schema library. The documents are the corpus, and good scenes
  * changed at random places. */
 #include <glob.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Properties of the XML reader for any text: it does not crash, every error and warning has a line
- * and a column that are in the text, and an accepted scene is equal to the one read from its values
- * written as JSON. A failure prints the seed: PEN_SEED=… repeats it. */
+/* Properties of the XML reader for any text. It does not crash. Every error and warning has a line
+ * and a column in the text. An accepted scene equals the scene that is read from its values written
+ * as JSON. A failure prints the seed: PEN_SEED=… repeats it. */
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes in XML in other people's words. Each NAME.xml of tests/io/corpus/xml-spellings has the
- * values, and so the picture, of NAME.ours.xml, which has only names of ours. */
+/* Scenes in XML with other people's names. Each NAME.xml of tests/io/corpus/xml-spellings has the
+ * values, and so the picture, of NAME.ours.xml, which has only our names. */
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Audits of jobs: what is judged is kept across a worker's death, and jobs of higher priority come
- * between two pixels; of a view of one batch, of several, and with a target error. */
+/* Audits of jobs. Their progress is kept across a worker's death, and jobs of higher priority come
+ * between two pixels. For a view of one batch, a view of several, and a view with a target
+ * error. */
 #include <string.h>
 
 #include "render/audit.h"
@@ -73,8 +74,8 @@ START_TEST(test_audits__job_of_higher_priority_comes_between_two_pixels)
 END_TEST
 
 /* What is kept is the seed, and how many pixels are done, are left, are wrong and are undecided,
- * then where: a hundred more that are wrong are there in the end, with another seed they are not.
- */
+ * then where: a hundred more that are wrong are there in the end, with another seed they are
+ * not. */
 START_TEST(test_audits__next_worker_goes_on_with_what_is_kept)
 {
     for (int shape = 0; shape < 2 * SHAPES; shape++) {

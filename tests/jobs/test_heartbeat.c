@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The heartbeat and render threads that do not stop: those that work on are stuck, and those that
+/* The heartbeat and render threads that do not stop. Threads that work on are stuck. Threads that
  * got no processor are not, however busy the rest of the process and of the machine is. */
 #include <pthread.h>
 #include <stdatomic.h>

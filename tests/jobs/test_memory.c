@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Out of memory at any allocation: every call reports it, leaks nothing (the run with sanitizers
- * checks that), and leaves a sound store, in which the same call then succeeds. */
+/* Out of memory at any allocation. Every call reports it and leaks nothing (the run with sanitizers
+ * checks that). It leaves a sound store, in which the same call then succeeds. */
 #include <stdio.h>
 #include <string.h>
 

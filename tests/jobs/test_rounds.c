@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs with a target error: when their worker dies, the next one goes on with what was kept, also
- * within a round; and a job of higher priority comes between two rounds or tiles. */
+/* Jobs with a target error. When their worker dies, the next worker continues from the kept state,
+ * also within a round. A job of higher priority comes between two rounds or tiles. */
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>

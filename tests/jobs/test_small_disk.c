@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A worker on a disk with too little space for a job's result: it keeps the result, and stores it
- * when there is space. Takes root's rights; without them nothing is tested. */
+/* A worker on a disk with too little space for a job's result. It keeps the result, and stores it
+ * when there is space. Needs root's rights; without them nothing is tested. */
 #include <unistd.h>
 
 #include "support/jobs.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The statistics object: of one render, and of a job, merged from those of its batches. */
+/* The statistics object of one render, and of a job, merged from those of its batches. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Accuracy studies and bills of effects that are interrupted: when their worker is killed, the next
- * one goes on with what is kept, unless that is damaged; and a job of higher priority comes between
- * two runs. What does not depend on time is in the report as if nothing had happened. */
+/* Interrupted accuracy studies and bills of effects. When their worker is killed, the next worker
+ * continues from the kept state, unless it is damaged. A job of higher priority comes between two
+ * runs. All parts of the report that do not depend on time are as without interruption. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -215,8 +215,8 @@ static void check_not_used(const struct kind *tested, enum damage done)
     jobs_bed_close(&bed);
 }
 
-/* All damages, or every second one of them, from `first` on: both kinds are read by the same code.
- */
+/* All damages, or every second one of them, from `first` on: both kinds are read by the same
+ * code. */
 static void check_damages(const struct kind *tested, int first)
 {
     for (int i = random_all() ? 0 : first; i < DAMAGES; i += random_all() ? 1 : 2)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Submissions that are accepted or refused, with the code, place and words of each error;
- * idempotency keys; the object of an accepted job. */
+/* Accepted and refused submissions, with the code, place and words of each error; idempotency keys;
+ * the object of an accepted job. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -427,6 +427,30 @@ START_TEST(test_submit__xml_errors_have_lines)
 }
 END_TEST
 
+START_TEST(test_submit__xml_may_be_a_string_in_a_job)
+{
+    static const char good[] = "{\"scene\": \" <scene><render width='8' height='6'/></scene>\", "
+                               "\"render\": {\"width\": 4}}";
+    static const char wrong[] = "{\"scene\": \"<scene>\\n <camra/></scene>\"}";
+    struct pen_submission in = {.body = good, .bytes = sizeof good - 1};
+    struct pen_submitted out;
+    struct pen_errors errors = {0};
+    jobs_bed_open(&bed);
+    ck_assert(pen_jobs_submit(bed.jobs, &in, &out, &errors));
+    json_t *job = json_loadb((char *)out.answer.data, out.answer.bytes, 0, NULL);
+    const json_t *render = json_object_get(job, "render");
+    ck_assert_int_eq(json_integer_value(json_object_get(render, "width")), 4);
+    ck_assert_int_eq(json_integer_value(json_object_get(render, "height")), 6);
+    json_decref(job);
+    pen_buf_release(&out.answer);
+    in = (struct pen_submission){.body = wrong, .bytes = sizeof wrong - 1};
+    ck_assert(!pen_jobs_submit(bed.jobs, &in, &out, &errors));
+    ck_assert_int_eq(errors.item[0].line, 2); /* of the text in the string */
+    ck_assert_int_eq(errors.item[0].column, 2);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 static const char *text_of(const json_t *job, const char *key)
 {
     return json_string_value(json_object_get(job, key));
@@ -765,7 +789,8 @@ PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
           test_submit__timeouts_are_those_that_the_operator_allows,
           test_submit__exploding_paths_count_as_work,
           test_submit__xml_is_a_bare_scene_and_is_returned_as_sent,
-          test_submit__xml_errors_have_lines, test_submit__bare_scene_is_a_job_with_defaults,
+          test_submit__xml_errors_have_lines, test_submit__xml_may_be_a_string_in_a_job,
+          test_submit__bare_scene_is_a_job_with_defaults,
           test_submit__job_keys_are_kept_and_render_overrides_the_scene,
           test_submit__effective_settings_read_back_as_themselves,
           test_submit__answer_is_the_stored_job, test_submit__scene_is_returned_as_sent,

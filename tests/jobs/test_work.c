@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What readers are told of work between two moments at which it is known; jobs with a budget. */
+/* The work that readers see between two reports of it; jobs with a budget. */
 #include <math.h>
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The worker, from a submitted job to its picture: the same bits as a direct render, however the
- * job is divided into batches; failures, cancels, timeouts and deaths of workers. */
+/* The worker, from a submitted job to its picture: the same bits as a direct render, for any
+ * division of the job into batches. Failures, cancels, timeouts and deaths of workers. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,10 +6,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A connected socket, with this receive buffer if it is not 0. Ends the program if it cannot. */
+/* Connects a socket, with this receive buffer unless it is 0. Ends the program if it cannot. */
 int load_connect(int port, int receive_bytes);
 
-/* The same; -1 if the server takes no connection. */
+/* Connects a socket; returns -1 if the server accepts no connection. */
 int load_try(int port, int receive_bytes);
 
 /* Sends all bytes. Returns false if the connection has ended. */
@@ -21,12 +21,12 @@ enum load_end {
     LOAD_RESET
 };
 
-/* Reads until the connection ends, nothing comes for `quiet_ms`, or `until` has come (NULL: never).
- * The first bytes are kept as a string in `text`, as many as have room. */
+/* Reads until the connection ends, no byte comes for `quiet_ms`, or `until` (NULL: none) has come.
+ * The first bytes are kept as a string in `text`, as many as fit. */
 enum load_end load_read(int fd, int quiet_ms, const char *until, char *text, size_t room);
 
-/* The first status in an answer that is final, not 1xx; 0 if there is none. Sets `rest` to the text
- * behind its status line. */
+/* Returns the first final status in an answer, not 1xx; 0 if there is none. Sets *rest to the text
+ * after its status line. */
 int load_status(const char *text, const char **rest);
 
 /* Seconds since an arbitrary start. */

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What the daemon owes to clients that send bad requests, are refused early, or are slow: two minutes. `make
-# load` runs it.
+# How the daemon serves clients that send bad requests, are refused early, or are slow; takes two minutes.
+# `make load` runs it.
 . "$(dirname "$0")/../e2e/lib.sh"
 . "$(dirname "$0")/lib.sh"
 load_start

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A member that vanishes gets a socket filter that drops every packet from the server: nothing is
- * acknowledged, and nothing is sent, as after a cable was pulled. */
+/* A vanished member gets a socket filter that drops every packet from the server. It acknowledges
+ * and sends nothing, as after a cable was pulled. */
 #include "load/crowd.h"
 
 #include <errno.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Slow clients, all at once, and after how many seconds the server closes each: 50 s.
+/* Slow clients, all at once, and the seconds after which the server closes each: 50 s.
  *
- *   deadlines PORT PICTURE [check]
- *       PICTURE is the path of an answer of some MB. With check, exit 1 if a client that is too
- *       slow was kept for too long, or a client that is fast enough was closed within 40 s. */
+ *     deadlines PORT PICTURE [check]
+ *         PICTURE is the path of an answer of some MB. With check, exit 1 if a client that is too
+ *         slow was kept for too long, or if a client that is fast enough was closed within 40 s. */
 #include <errno.h>
 #include <poll.h>
 #include <stdbool.h>

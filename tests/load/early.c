@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Clients that send a body of 20 MB to /v1/jobs before they read, as most libraries do, and give up
- * if they cannot. The server refuses the body early, by its length or when 16 MiB of its chunks
- * have come, and the 413 must still arrive.
+ * if they cannot. The server refuses the body early, by its length or after 16 MiB of its chunks.
+ * The 413 must still arrive.
  *
- *   early PORT [COUNT]    prints how many of COUNT (20) clients got the 413; exit 1 if not all did
+ *     early PORT [COUNT]    prints how many of COUNT (20) clients got the 413; exit 1 if any did
+ * not
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT */
-/* Loads a daemon on the loopback interface in ways that could silence it, and measures what others
- * get meanwhile. Prints lines `name value`, which the scripts beside it judge.
+/* Loads a daemon on the loopback interface in ways that could silence it, and measures how other
+ * clients are served meanwhile. Prints lines `name value`, which the scripts beside it judge.
  *
  *   load crowd PORT PID JOB PICTURE PERCENT SECONDS
- *       Connections that hold without using: at 100 per cent 5000 idle ones, 1000 that
- *       trickle, 1000 that vanish, 512 polls, 500 event streams of which half vanish, 100 slow
- *       readers. After so many seconds the clients leave; how long the process PID keeps their
- *       descriptors is measured.
+ *       Connections that hold resources without using them. At 100 per cent: 5000 idle ones, 1000
+ *       that trickle, 1000 that vanish, 512 polls, 500 event streams of which half vanish, 100
+ *       slow readers. After SECONDS the clients leave. Measures how long the process PID keeps
+ *       their descriptors.
  *
  *   load half PORT COUNT SECONDS
  *       Halves of requests: COUNT connections, opened again whenever the server closes one.
  *
  *   load bad PORT PER_SECOND SECONDS
- *       Bad requests, each on a connection of its own; with 0 for the port the same load comes
- *       to a server of this program that only accepts and closes.
+ *       Bad requests, each on its own connection. With port 0 the same load goes to a server of
+ *       this program that only accepts and closes.
  *
  *   load post PORT FILE CLIENTS SECONDS
  *       Clients that post a file to /v1/jobs again and again.
  *
  *   load ask PORT PATH SECONDS
- *       Nothing but the good requests. */
+ *       Only the good requests. */
 #include <arpa/inet.h>
 #include <dirent.h>
 #include <errno.h>

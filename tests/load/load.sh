@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The daemon under load, with the limits that it must hold on a machine that has nothing else to do; takes
-# some minutes. `make load` runs it; the figures are printed.
+# The daemon under load, and the limits that it must keep on an otherwise idle machine; takes some minutes.
+# `make load` runs it; it prints the figures.
 . "$(dirname "$0")/../e2e/lib.sh"
 . "$(dirname "$0")/lib.sh"
 ulimit -n "$(ulimit -Hn)"

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Sends mutated requests (requests.h) to a server, on several connections at once.
  *
- *   mutate PORT SECONDS [SEED [JOB [TOKEN]]]
- *       JOB is the id of a job, TOKEN a client's token. Prints how many connections there were;
- * exit 1 if the server is gone. */
+ *     mutate PORT SECONDS [SEED [JOB [TOKEN]]]
+ *         JOB is the id of a job, TOKEN a client's token. Prints the number of connections; exit 1
+ *         if the server is gone. */
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 # Mutated requests against a daemon that is built with sanitizers. `make mutate` runs it.
 #   mutate.sh BUILD MUTATE      the environment may set MINUTES (10), PEN_SEED
 # In the first half of the time there are no tokens, and the requests name a job that has a picture. In the
-# second half there are tokens, and the job never ends, since there is no worker.
+# second half there are tokens, and the job never ends, because there is no worker.
 mutate=$2
 . "$(dirname "$0")/../e2e/lib.sh"
 seconds=$((${MINUTES:-10} * 30))

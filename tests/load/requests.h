@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Mutated requests: those of cases.h, and requests for every route of the daemon. */
+/* Mutated requests: those of cases.h, and requests to every route of the daemon. */
 #ifndef TESTS_LOAD_REQUESTS_H
 #define TESTS_LOAD_REQUESTS_H
 

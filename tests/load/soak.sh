@@ -1,13 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A daemon that is used for a long time: jobs of all kinds, cancels, deletions, readers, clients that
-# leave or vanish, processes that are killed, restarts, and limits of what is kept. `make soak MINUTES=30`
-# runs it.
+# A daemon that is used for a long time: jobs of all kinds, cancels, deletions, readers, clients that leave or
+# vanish, processes that are killed, restarts, and retention. `make soak MINUTES=30` runs it.
 #   soak.sh [BUILD]     the environment may set MINUTES (30)
-# In the first third of the time processes are killed and the daemon is restarted, and the store fills up.
-# In the other two nothing is disturbed: memory, descriptors and sizes of files in the last third must be
-# those of the second one. All samples are printed at the end. Every job that was acknowledged must end as
-# it ought to, or be one that was removed.
+# In the first third of the time processes are killed, the daemon is restarted, and the store fills up. In the
+# other two thirds nothing is disturbed. Memory, descriptors and sizes of files in the last third must be
+# those of the second third. All samples are printed at the end. Every acknowledged job must end in its right
+# state, or be a job that was removed.
 . "$(dirname "$0")/../e2e/lib.sh"
 . "$(dirname "$0")/lib.sh"
 minutes=${MINUTES:-30}

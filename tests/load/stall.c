@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Clients that begin a TLS handshake and send nothing more.
  *
- *   stall PORT COUNT SECONDS [PID]
- *       Prints how many of the connections were made, how many are open after so many seconds, and
- *       the processor time of the process PID meanwhile, in per cent of one processor. */
+ *     stall PORT COUNT SECONDS [PID]
+ *         Prints how many connections were made, how many are open after SECONDS, and the
+ *         processor time of the process PID meanwhile, in per cent of one processor. */
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>

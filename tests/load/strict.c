@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Sends each request of cases.h between two good ones on one connection, and prints what came:
- *   200+  answered, and the request behind it too    200.  answered, then closed (R: by a reset)
- *   cut   closed without an answer                   wait  no answer within 1.5 s
+/* Sends each request of cases.h between two good ones on one connection, and prints the answers:
+ *     200+  answered, and the next request too         200.  answered, then closed (R: by a reset)
+ *     cut   closed without an answer                   wait  no answer within 1.5 s
  *
- *   strict PORT          prints the table
- *   strict PORT check    fails unless the answers are those that the daemon owes
- *   strict PORT front    the same for a front, which may be laxer about chunk sizes and refuse a
- *                        long head with any 4xx */
+ *     strict PORT          prints the table
+ *     strict PORT check    fails unless the answers are those that the daemon must give
+ *     strict PORT front    the same for a front, which may accept more chunk sizes and refuse a
+ *                          long head with any 4xx */
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>

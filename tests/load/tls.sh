@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A daemon with TLS, and clients that stall in their handshakes: these must cost no processor time, and
-# others must be served. `make load` runs it.
+# A daemon with TLS, and clients that stall in their handshakes. They must cost no processor time, and other
+# clients must be served. `make load` runs it.
 . "$(dirname "$0")/../e2e/lib.sh"
 . "$(dirname "$0")/lib.sh"
 command -v openssl >/dev/null || {

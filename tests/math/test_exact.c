@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Exact signs, and the build flag that they depend on: the compiler fuses no product into a sum
- * that is not written as fma(). The fused variants are compiled for a processor that has fma, since
- * otherwise a compiler has nothing to fuse with. */
+/* Exact signs, and the build flag on which they depend: the compiler fuses a product into a sum
+ * only where fma() is written. The fused variants are compiled for a processor with fma, because
+ * otherwise a compiler cannot fuse. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>

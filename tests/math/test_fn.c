@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The elementary functions against __float128, on ordinary and on hard ranges. Each test prints
- * its worst case. fn.h promises 1 ulp; the tests hold each function to what it was built for. */
+/* The elementary functions against __float128, on ordinary and on hard ranges. Each test prints its
+ * worst case. fn.h promises 1 ulp. The tests require of each function the smaller error for which
+ * it was built. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -94,8 +95,8 @@ static struct worst begin(const char *what, double bound, uint64_t seed)
     return (struct worst){.what = what, .bound = bound, .random = random_begin(seed)};
 }
 
-/* The bound of a result that is rounded twice: 0.57 ulp of at most half a spacing, and half of one.
- */
+/* The bound of a result that is rounded twice: 0.57 ulp of at most half a spacing, and half of
+ * one. */
 #define SUBNORMAL 0.785
 
 static void report_subnormal(const struct worst *w)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The elementary functions and sample points in lanes have the bits of the scalar ones, whatever
- * the other lanes hold, for every instruction set of this processor. */
+/* The elementary functions and sample points in lanes have the bits of the scalar ones, with any
+ * values in the other lanes, for every instruction set of this processor. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

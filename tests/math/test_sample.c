@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Sampling sequences are nets, uniform, independent of one another, and never change. */
+/* Sampling sequences are nets, uniform, independent of each other, and never change. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors and boxes: the classroom tracer's boundary cases (H035) are ordinary values here, and
- * every operation rounds as written. */
+/* Vectors and boxes. The boundary cases of the classroom's ray tracer (H035) are ordinary values
+ * here, and every operation rounds as written. */
 #include <math.h>
 #include <stdbool.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rows that other programs judged, for the report: matrix.sh and mutants.sh write them. */
+/* Rows that other programs judged, for the report; matrix.sh and mutants.sh write them. */
 #include <jansson.h>
 #include <stdio.h>
 

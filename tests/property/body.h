@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Closed bodies around the origin, of size about 1: rooms seen from inside, solids seen from
- * outside. Each is star-shaped: the part of a ray from the origin up to the surface lies inside, so
- * places inside and outside are known without the renderer. A pose puts a body into a scene. */
+ * outside. Each is star-shaped: a ray from the origin stays inside up to the surface. So places
+ * inside and outside are known without the renderer. A pose puts a body into a scene. */
 #ifndef TESTS_PROPERTY_BODY_H
 #define TESTS_PROPERTY_BODY_H
 
 #include "property/row.h"
 #include "support/kit.h"
 
-/* The order is: flat ones, then those with walls that reach beyond their edges, then round ones,
- * then those closed by surfaces of several kinds. */
+/* In this order: flat bodies; bodies whose walls reach beyond their edges; round bodies; bodies
+ * closed by surfaces of several kinds. */
 enum body_kind {
     BODY_BOX,
     BODY_SPLIT_BOX, /* of triangles */
@@ -61,36 +61,37 @@ struct body_pose {
 /* A body drawn at random; `thin` scales it along z. */
 void body_make(struct body *b, enum body_kind kind, struct random *r, double thin);
 
-/* Lets walls of several kinds reach through each other, where offsets round them apart. */
+/* Makes walls of several kinds reach through each other, where offsets round them apart. */
 void body_overlap(struct body *b);
 
-/* A pose: turned at random, about z, or not at all; the offset is in sizes. */
+/* Draws a pose: turned at random, about z, or not at all. The offset is in sizes. */
 struct body_pose body_pose(struct random *r, double size, double offset);
 vec3 body_place(const struct body_pose *pose, vec3 p);
 struct pen_transform body_transform(const struct body_pose *pose);
 vec3 body_turn(const struct body_pose *pose, vec3 d); /* a direction, unit if d is */
 
-/* Its vertex i as the scene has it. */
+/* Returns its vertex i as in the scene. */
 vec3 body_vertex(const struct body *b, const struct body_pose *pose, int i);
 
 /* Adds its primitives to the kit, as a group if the pose says so. */
 void body_add(const struct body *b, const struct body_pose *pose, struct kit *kit, int material);
 
-/* The distance from the origin to its surface in that direction (unit). */
+/* Returns the distance from the origin to its surface in this direction (unit). */
 double body_reach(const struct body *b, vec3 dir);
 
-/* Convex: how far inside p lies, < 0: outside by at least that distance. Others: less than that. */
+/* Returns how deep p is inside. For a convex body, a negative value means outside by at least that
+ * distance. For other bodies it is a lower bound. */
 double body_depth(const struct body *b, vec3 p);
 
-/* A direction at random that finds the ends of thin bodies too. */
+/* Returns a random direction that also finds the ends of thin bodies. */
 vec3 body_direction(const struct body *b, struct random *r);
 
-/* A place on a seam or a corner; on the surface somewhere, with the normal there. */
+/* Returns a place on a seam or a corner; or a place on the surface, with the normal there. */
 vec3 body_seam(const struct body *b, struct random *r);
 vec3 body_surface(const struct body *b, struct random *r, vec3 *n);
 
-/* The distance in sizes that must separate what is inside from what is outside, since coordinates
- * and transforms are rounded. */
+/* Returns the distance in sizes that must separate inside from outside, because coordinates and
+ * transforms are rounded. */
 double body_rounding(const struct body_pose *pose);
 
 #endif

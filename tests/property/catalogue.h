@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The catalogue of hard cases H001 to H149: what each is, and where it is tested. Rows of the suite
- * say themselves which cases they are (struct row, id); here are the tests elsewhere, and the
- * reasons for what has none. test_catalogue.c fails for a case that has neither. */
+ * name their cases themselves (struct row, id). Here are the tests elsewhere, and the reasons for
+ * cases without a test. test_catalogue.c fails for a case that has neither. */
 #ifndef TESTS_PROPERTY_CATALOGUE_H
 #define TESTS_PROPERTY_CATALOGUE_H
 
@@ -14,23 +14,23 @@ enum { CATALOGUE_FIRST = 1, CATALOGUE_LAST = 149 };
 /* A hard case. */
 struct catalogue_case {
     const char *what;
-    /* Tests beside the rows, with spaces between: test_… is one of libcheck's, what has a slash is
-     * a script. "" if there is none. */
+    /* Tests besides the rows, with spaces between them: test_… is a libcheck test, a name with a
+     * slash is a script. "" if there is none. */
     const char *tests;
-    enum row_status status; /* ROW_PENDING: a feature, or the rest of the tests, is still to come */
-    const char *why;        /* for what is not tested, or not all of it; NULL: nothing to say */
+    enum row_status status; /* ROW_PENDING: a feature, or the rest of the tests, is still missing */
+    const char *why;        /* for a case that is not tested, or not completely; NULL: no remark */
 };
 
-/* Case H0<number>, from CATALOGUE_FIRST to CATALOGUE_LAST. */
+/* Returns case H0<number>, from CATALOGUE_FIRST to CATALOGUE_LAST. */
 const struct catalogue_case *catalogue_case(int number);
 
-/* Whether a row is of case H0<number>. */
+/* Returns true if a row is of case H0<number>. */
 bool catalogue_has(const struct row *row, int number);
 
 /* "tested", "pending", "does not apply". */
 const char *catalogue_status(const struct catalogue_case *c);
 
-/* The catalogue as a table, for the three reports. */
+/* Writes the catalogue as a table, for the three reports. */
 void catalogue_markdown(FILE *f);
 void catalogue_json(FILE *f);
 void catalogue_html(FILE *f);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The hard cases by number. The rows of the suite state what they test themselves. */
+/* The hard cases by number. The rows of the suite name the cases that they test. */
 #include "property/catalogue.h"
 
 static const struct catalogue_case cases[CATALOGUE_LAST + 1] = {

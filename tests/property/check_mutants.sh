@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The edits of mutants.sh fit the source as it is, so that `make mutants` can judge each of them.
+# The edits of mutants.sh fit the present source, so that `make mutants` can judge each of them.
 . "$(dirname "$0")/../e2e/lib.sh"
 cd "$(dirname "$0")/../.." || exit 1
 sh tests/property/mutants.sh "$build" --edits >"$work/edits" 2>&1

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# H104, as `make stability` judges it: films do not depend on glibc's choice for the processor.
-# The other rows of determinism are in test_property; those that need other builds in matrix.sh.
+# H104, as `make stability` judges it: films do not depend on glibc's choice for the processor. The other rows
+# of determinism are in test_property; rows that need other builds are in matrix.sh.
 case ${1:-build} in
 *asan* | *tsan*)
     echo "skipped: plain-build: test_golden renders the same films, and sanitizers see nothing new of glibc's choice"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Cases worth keeping: those that failed once and the worst that were met. A text file, one case
- * a line: the row's name, then its arguments, fixed ones as decimals, the others as hex floats;
- * sorted. */
+/* Stored cases: cases that failed once, and the worst cases found. They are in a sorted text file,
+ * one case a line: the row's name, then its arguments. Fixed arguments are decimals, the others hex
+ * floats. */
 #ifndef TESTS_PROPERTY_CORPUS_H
 #define TESTS_PROPERTY_CORPUS_H
 
@@ -19,14 +19,14 @@ struct corpus {
     struct corpus_line line[CORPUS_MAX];
 };
 
-/* Reads a file; a file that is not there is an empty corpus. Returns the number of the first line
- * that is no case, or 0. */
+/* Reads a file; a missing file is an empty corpus. Returns the number of the first line that is no
+ * case, or 0. */
 int corpus_read(struct corpus *corpus, const char *path);
 
-/* Case number i of a row; NULL behind the last. */
+/* Returns case number i of a row; NULL after the last. */
 const struct row_case *corpus_case(const struct corpus *corpus, const char *row, int i);
 
-/* Adds a case, unless it is there already or the row has its CORPUS_PER_ROW. */
+/* Adds a case, unless the corpus has it or the row has CORPUS_PER_ROW cases. */
 void corpus_add(struct corpus *corpus, const char *row, const struct row_case *c);
 
 /* Forgets the cases of a row. */

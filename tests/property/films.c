@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Each film is made from its scene file anew, in small, as tests/golden/test_golden.c does. */
+/* Each film is made again from its scene file, in small, as tests/golden/test_golden.c does. */
 #include "property/films.h"
 
 #include <stdlib.h>

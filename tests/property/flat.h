@@ -7,15 +7,15 @@
 #include "property/oracle.h"
 #include "property/row.h"
 
-/* A case is a count (fixed), so many corners, o and d. Reads it: v[12]; returns the count, or 0. */
+/* Reads a case: a count (fixed), the corners v (at most 12), o and d. Returns the count, or 0. */
 int flat_case(const struct row_case *c, vec3 *v, struct oracle_ray *line);
 void flat_put(struct row_case *c, const vec3 *v, int count, vec3 o, vec3 d);
 
-/* Whether the ray's line crosses the triangle or polygon of these corners; *made: whether there is
- * such a primitive. */
+/* Returns true if the ray's line crosses the triangle or polygon of these corners. *made: the
+ * primitive could be made. */
 bool flat_cross(const vec3 *v, int count, const struct pen_ray *ray, double *t, bool *made);
 
-/* A plane whose lattice coordinates i, j give points that are exact: multiples of 1/256. */
+/* A plane whose points at integer coordinates i, j are exact: multiples of 1/256. */
 struct lattice {
     vec3 at, e, f;
 };

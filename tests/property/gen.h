@@ -1,42 +1,43 @@
 /* SPDX-License-Identifier: MIT */
-/* Generators: random numbers aimed at where tests fail. Rays at random prove nothing: every flat
- * test that leaks on the edges that G1 and G5 aim at leaks nowhere else.
+/* Generators: random numbers aimed at where tests fail. Random rays prove little: every flat test
+ * that leaks at the edges which G1 and G5 aim at leaks nowhere else.
  *
- * Every number drawn is kept in the case, and a case is made smaller by the frame, so generators
- * need no shrinking of their own. G7 (rays that start on a primitive, from a hit before) is what
- * rows of leaving do; G10 (mutations of stored cases) is the frame's. */
+ * Every drawn number is kept in the case, and the frame makes cases smaller, so generators do not
+ * shrink. Rows of leaving do G7 (rays that start on a primitive, from an earlier hit). The frame
+ * does G10 (mutations of stored cases). */
 #ifndef TESTS_PROPERTY_GEN_H
 #define TESTS_PROPERTY_GEN_H
 
 #include "support/random.h"
 
-/* G1: a point moved by 0, 1, 2 or 64 ulp per axis, often by none. Zeros stay: beside them are the
- * subnormals, where products vanish and signs are not exact. */
+/* G1: moves a point by 0, 1, 2 or 64 ulp per axis, often by none. Zeros stay, because subnormals
+ * are next to them, where products vanish and signs are not exact. */
 struct pen_vec3 gen_nudged(struct random *r, struct pen_vec3 p);
 
-/* G2: from o to a target, as it comes out, of unit length, or scaled by 2^-40 ... 2^40. */
+/* G2: makes a direction from o to a target: as computed, of unit length, or scaled by 2^-40 ...
+ * 2^40. */
 struct pen_vec3 gen_toward(struct random *r, struct pen_vec3 o, struct pen_vec3 to);
 
-/* G3: how a ray passes a primitive: closest approach over radius 1 +- 10^-k, k = 1 ... 16, or
- * anything from 0 to 1.1. */
+/* G3: draws how a ray passes a primitive, as closest approach over radius: 1 +- 10^-k, k = 1 ...
+ * 16, or a value from 0 to 1.1. */
 double gen_passing(struct random *r);
 
-/* G3: a ray that starts `far` radii from c and passes c at about `passing` radii. */
+/* G3: makes a ray that starts `far` radii from c and passes c at about `passing` radii. */
 void gen_grazing(struct random *r, struct pen_vec3 c, double radius, double far, double passing,
                  struct pen_vec3 *o, struct pen_vec3 *d);
 
 /* G4: a unit vector at 10^-k rad to a, k in [0, most]. */
 struct pen_vec3 gen_near_parallel(struct random *r, struct pen_vec3 a, double most);
 
-/* G5: a multiple of 1/16 in [-half, half]; such a point. */
+/* G5: draws a multiple of 1/16 in [-half, half]; draws such a point. */
 double gen_dyadic(struct random *r, int half);
 struct pen_vec3 gen_dyadic3(struct random *r, int half);
 
-/* G6: coordinates whose exponents are uniform in [-most, most]. */
+/* G6: draws coordinates whose exponents are uniform in [-most, most]. */
 double gen_wide(struct random *r, int most);
 struct pen_vec3 gen_wide3(struct random *r, int most);
 
-/* G8: along axes and diagonals, with zeros of both signs, never all zero. */
+/* G8: draws a direction along an axis or a diagonal, with zeros of both signs, never all zero. */
 struct pen_vec3 gen_axial(struct random *r);
 
 /* G9: a translation by 0, 1e3, 1e6 or 1e9, in a direction that is not an axis. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* films [PART…]: one line a golden film as this build makes it: the hash of the binary64 values
- * that it is rounded from, scene, view. Only films whose scene contains one of the parts. Exit
- * status 1 if a film is not that of the table, which it says. */
+/* films [PART…]: prints a line for each golden film of this build: the hash of the binary64 values
+ * before rounding, scene, view. With PARTs, only films whose scene contains one of them. Prints
+ * each film that differs from the table; exit status 1 if there is any. */
 #include "property/films.h"
 
 #include <string.h>

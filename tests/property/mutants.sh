@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A suite that cannot fail proves nothing: builds the renderer with one mistake at a time, and each
-# must make the row fail that was written against it. The same row must pass without the mistake.
+# Shows that the suite can fail. It builds the renderer with one mistake at a time. Each mistake must make the
+# row fail that was written against it, and the same row must pass without it.
 #   tests/property/mutants.sh BUILD [NAME…]      only these mutants
 #   tests/property/mutants.sh BUILD --edits      builds nothing: does each edit still fit the source?
-# A mistake is an edit that must change exactly as many lines as the list at the end says. One that
-# does not fit the source any more, or does not compile, is an error, not a kill.
-# Writes BUILD/stability/mutants.json; exit 1 if a mutant survives or could not be judged. If the environment
-# has MUTANTS_KEPT, a folder for this tree alone, what is known of a mutant is kept there and not found out again.
+# A mistake is an edit that must change exactly as many lines as the list at the end states. An edit that no
+# longer fits the source, or does not compile, is an error, not a kill. Writes BUILD/stability/mutants.json;
+# exit 1 if a mutant survives or could not be judged. The environment may set MUTANTS_KEPT, a folder for this
+# tree alone. Results of mutants are kept there and used again.
 set -u
 build=$1
 shift

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Cones in 113 bits. With f(t) = o - q + t d, x(t) = f.a / |a| the height over the base and
- * y(t) = |f x a| / |a| the distance from the axis, inside is where 0 <= x <= h and
- * y <= r(x) = r_0 + (r_1 - r_0) x / h. */
+/* Cones in 113 bits. With f(t) = o - q + t d, let x(t) = f.a / |a| be the height over the base and
+ * y(t) = |f x a| / |a| the distance from the axis. Inside is where 0 <= x <= h and y <= r(x) = r_0
+ * + (r_1 - r_0) x / h. */
 #include "property/oracle_quad.h"
 
 struct half {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Round primitives in 400 bits, by the textbook: the roots of a t^2 + 2 b t + c. Slow, and another
- * formula than oracle_quad.c's: it checks that one. */
+/* Round primitives in 400 bits, by the textbook: the roots of a t^2 + 2 b t + c. It is slow, and
+ * checks oracle_quad.c, which uses another formula. */
 #include "property/oracle.h"
 
 #ifdef HAVE_MPFR

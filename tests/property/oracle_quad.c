@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Round primitives in 113 bits. A line crosses a sphere or an infinite cylinder where its distance
- * from the centre or the axis is r; the distance comes from a cross product (Lagrange's identity),
- * so that no difference of large squares is taken. */
+ * from the centre or the axis is r. The distance is computed from a cross product (Lagrange's
+ * identity), so large squares are never subtracted. */
 #include "property/oracle_quad.h"
 
 const char *oracle_arithmetic(void)

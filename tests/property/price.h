@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the robust tests cost, per ray and primitive, against plain ones. */
+/* The cost of the robust tests, per ray and primitive, beside plain tests. */
 #ifndef TESTS_PROPERTY_PRICE_H
 #define TESTS_PROPERTY_PRICE_H
 
@@ -13,13 +13,14 @@ struct price {
     double instructions; /* by callgrind; 0: not counted */
 };
 
-/* Times every method; returns how many. */
+/* Times every method; returns their number. */
 int price_measure(struct price out[PRICE_MAX]);
 
-/* Runs method number i for `calls` tests and nothing else, for callgrind. False: no such method. */
+/* Runs only method number i for `calls` tests, for callgrind. Returns false if there is no such
+ * method. */
 bool price_run(int i, long calls);
 
-/* Fills in the instructions, by running this program under callgrind, if that is there. */
+/* Fills in the instructions by running this program under callgrind, if that is installed. */
 void price_count(const char *program, struct price out[PRICE_MAX], int count);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The primitives of the methods; the including file gives PRICE_VARIANT, the variant's name. Plain
- * tests are the textbook's: Moeller and Trumbore for triangles ("Fast, minimum storage ray/triangle
- * intersection", 1997), b^2 - a c for round primitives, the plane and then intersections of its
- * projected outline for polygons. */
+/* The primitives of the methods. The including file defines PRICE_VARIANT, the variant's name.
+ * Plain tests are the textbook's: for triangles Moeller and Trumbore ("Fast, minimum storage
+ * ray/triangle intersection", 1997); for round primitives b^2 - a c; for polygons the plane, then
+ * intersections of the projected outline. */
 #include "property/price_methods.h"
 
 typedef struct pen_vec3 vec3;
@@ -125,7 +125,7 @@ static double float_triangle(const struct price_set *set, const struct pen_ray *
     return (double)best;
 }
 
-/* a t^2 + 2 b t + c by the textbook. */
+/* Solves a t^2 + 2 b t + c by the textbook. */
 static inline double quadratic(double a, double b, double c, double best)
 {
     double disc = b * b - a * c;
@@ -191,7 +191,7 @@ static double float_tube(const struct price_set *set, const struct pen_ray *ray)
     return (double)best;
 }
 
-/* The side by the textbook, its intersections kept between the ends; then the discs. */
+/* The side by the textbook, where only intersections between the ends count; then the discs. */
 static double plain_cylinder(const struct price_set *set, const struct pen_ray *ray)
 {
     double best = INFINITY, dd = pen_dot(ray->d, ray->d);

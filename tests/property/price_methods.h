@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The methods whose price is measured: each tests one ray against the same few primitives of a kind
+/* The methods whose cost is measured. Each tests one ray against the same few primitives of a kind
  * and keeps the nearest. The file with the primitives is compiled twice: for the baseline and, as
  * price_avx2.c, with AVX2 and FMA. */
 #ifndef TESTS_PROPERTY_PRICE_METHODS_H
@@ -16,7 +16,7 @@ struct plain3 {
     float x, y, z;
 };
 
-/* What is shot at: the same primitives for the robust tests, in double and in float. */
+/* The targets: the same primitives for the robust tests, in double and in float. */
 struct price_set {
     struct world world[PEN_PRIM_KIND_COUNT];
     struct pen_vec3 triangle[PRICE_PRIMS][3], center[PRICE_PRIMS], axis[PRICE_PRIMS];
@@ -24,12 +24,12 @@ struct price_set {
     double radius[PRICE_PRIMS];
     float radius_f[PRICE_PRIMS];
     struct pen_ray ray[PRICE_RAYS];
-    /* Coordinate by coordinate, for tests of several at a time. */
+    /* Coordinate by coordinate, for tests of several primitives at a time. */
     _Alignas(32) double triangle_soa[9][PRICE_PRIMS], sphere_soa[4][PRICE_PRIMS];
     _Alignas(32) float triangle_soa_f[9][PRICE_PRIMS], sphere_soa_f[4][PRICE_PRIMS];
 };
 
-/* The nearest t in front of the ray, or infinity. */
+/* Returns the nearest t in front of the ray, or infinity. */
 typedef double price_fn(const struct price_set *set, const struct pen_ray *ray);
 
 struct price_method {
@@ -37,7 +37,7 @@ struct price_method {
     price_fn *run;
 };
 
-/* The methods of a variant, one after the other; NULL behind the last. */
+/* Return the methods of a variant, one by one; NULL after the last. */
 const struct price_method *price_method_base(int i);
 const struct price_method *price_method_avx2(int i);
 

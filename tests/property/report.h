@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What `make stability` leaves behind: one set of facts, written three ways. */
+/* The reports of `make stability`: one set of facts, written in three forms. */
 #ifndef TESTS_PROPERTY_REPORT_H
 #define TESTS_PROPERTY_REPORT_H
 
@@ -24,7 +24,7 @@ struct report {
 
 /* "passed", "FAILED", "FAILED, a known defect", "not run", "pending", "does not apply". */
 const char *report_verdict(const struct report_row *row);
-/* Whether the row makes the suite fail. */
+/* Returns true if the row makes the suite fail. */
 bool report_failed(const struct report_row *row);
 
 /* Sums over all rows. */
@@ -35,8 +35,8 @@ struct report_sums {
 };
 struct report_sums report_sum(const struct report *report);
 
-/* Adds the rows of a file that matrix.sh or mutants.sh wrote; `row` has room for ROWS_MAX. Fails:
- * returns false if it cannot be read. */
+/* Adds the rows of a file of matrix.sh or mutants.sh; `row` must have space for ROWS_MAX.
+ * Fails: false if it cannot be read. */
 bool report_also(struct report *report, const char *path);
 
 void report_markdown(const struct report *report, FILE *f);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The report as one page without anything outside it: the table, and a picture of each
- * distribution of errors. */
+/* The report as one page that needs no other file: the table, and a picture of each distribution of
+ * errors. */
 #include <math.h>
 #include <string.h>
 

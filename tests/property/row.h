@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* The frame of the stability suite: a row is a property that must hold in every case drawn for it.
  *
- * A row is a function that draws cases (lists of numbers) and one that judges a case; the frame
- * draws as many as asked, makes failing cases smaller, keeps the worst, counts and measures. Case
- * i of a row is a pure function of (seed, row, i): neither the number of processes nor where a run
- * began changes it. Judging reads the case alone, so a case written down is a test for ever. */
+ * A row has a function that draws cases (lists of numbers) and a function that judges a case. The
+ * frame draws as many cases as asked, makes failing cases smaller, keeps the worst, counts and
+ * measures. Case i of a row is a pure function of (seed, row, i): it does not depend on the number
+ * of processes or on where a run began. Judging depends only on the case, so a stored case is a
+ * lasting test. */
 #ifndef TESTS_PROPERTY_ROW_H
 #define TESTS_PROPERTY_ROW_H
 
@@ -26,8 +27,8 @@ enum {
     ROW_WHY = 240
 };
 
-/* The arguments of one case. The first `fixed` are choices (which primitive, which scene) that make
- * no sense when changed a little. count 0: nothing could be drawn. */
+/* The arguments of one case. The first `fixed` arguments are choices (which primitive, which
+ * scene), which must not be changed a little. count 0: no case could be drawn. */
 struct row_case {
     int count, fixed;
     double arg[ROW_ARGS];
@@ -38,10 +39,10 @@ struct row_error {
     double value, bound;
 };
 
-/* What judging a case says. */
+/* The result of judging a case. */
 struct row_verdict {
     bool failed;
-    bool skipped; /* the property says nothing about this case */
+    bool skipped; /* the property does not apply to this case */
     char why[ROW_WHY];
     int errors, tallies;
     struct row_error error[ROW_ERRORS];
@@ -65,14 +66,14 @@ struct pen_row_run;
 struct row {
     const char *id;     /* of the catalogue: "H038 H039" */
     const char *name;   /* as in test_property__h038_watertight */
-    const char *what;   /* what must hold, in one sentence */
-    const char *oracle; /* who says so, independently of the code under test */
+    const char *what;   /* what must hold, in a sentence */
+    const char *oracle; /* the judge that is independent of the code under test */
     enum row_status status;
     const char *why; /* for rows that are not tested */
     void (*run)(struct pen_row_run *run);
     uint64_t full;     /* cases of a full run; 0: 1e6 */
     uint64_t check;    /* cases in `make check`; 0: 1e4 */
-    const char *known; /* a defect under repair that this row shows; NULL if there is none */
+    const char *known; /* a defect under repair that this row shows; NULL: none */
 };
 
 /* A measured quantity: its distribution over all cases, and the case with the largest value. */
@@ -94,7 +95,7 @@ struct row_kept {
     uint64_t index;
 };
 
-/* What a run found; plain data, added up over processes. */
+/* The result of a run; plain data, added up over processes. */
 struct row_result {
     uint64_t tried, skipped, failures, replayed;
     double cpu_s;
@@ -118,8 +119,8 @@ struct pen_row_run {
 const struct row *row_at(int i);
 enum { ROWS_MAX = 256 };
 
-/* The loop that nearly every row is: draws cases first ... first + cases - 1, judges them, makes
- * the failing ones smaller. Replays the corpus before that. */
+/* The loop of nearly every row. It replays the corpus, then draws cases first ... first + cases -
+ * 1, judges them, and makes the failing cases smaller. */
 void row_each(struct pen_row_run *run, row_draw_fn *draw, row_judge_fn *judge);
 
 /* Runs a row, with its time. */
@@ -128,15 +129,15 @@ void row_run(struct pen_row_run *run);
 /* Building a case. */
 void row_arg(struct row_case *c, double x);
 void row_arg3(struct row_case *c, vec3 v);
-/* An argument that shrinking leaves alone; these come first. */
+/* Adds an argument that shrinking leaves alone; these come first. */
 void row_fixed(struct row_case *c, double x);
 
-/* Reading it again, in the same order: `at` counts arguments and starts at 0. */
+/* Reads the next argument, in the same order; `at` counts arguments from 0. */
 double row_next(const struct row_case *c, int *at);
 vec3 row_next3(const struct row_case *c, int *at);
 
-/* Building a verdict. A value above its bound, or NaN, fails the case; bound < 0: only measured.
- * Names must be string literals or live as long as the program. */
+/* Adds a measurement to a verdict. A value above its bound, or NaN, fails the case; bound < 0: only
+ * measured. Names must be string literals or live as long as the program. */
 void row_measure(struct row_verdict *v, const char *series, double value, double bound);
 void row_tally(struct row_verdict *v, const char *name);
 void row_fail(struct row_verdict *v, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -148,15 +149,17 @@ void row_skip(struct row_verdict *v);
 void row_take(struct pen_row_run *run, uint64_t index, const struct row_case *c,
               const struct row_verdict *v);
 
-/* Adds what a process found. */
+/* Adds the result of a process. */
 void row_result_add(struct row_result *to, const struct row_result *from);
 
-/* The value below which the share `part` of a series lies, to a quarter octave; 0 if exact. */
+/* Returns the value below which the share `part` of a series is, to a quarter octave; 0 if
+ * exact. */
 double row_quantile(const struct row_series *s, double part);
 /* The lower end of a bin. */
 double row_bin_begin(int bin);
 
-/* The numbers of a case as hex floats with spaces between; returns the length as snprintf does. */
+/* Writes the numbers of a case as hex floats with spaces between them; returns the length as
+ * snprintf does. */
 int row_print(char *text, size_t size, const struct row_case *c);
 
 #endif

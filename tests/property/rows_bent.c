@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Polygons with vertices off their plane, as far as the reader accepts: rooms made of them are
- * black, and where a wall stands on such a floor nothing is dark that light reaches. */
+/* Polygons with vertices off their plane, as far as the reader accepts. Rooms made of them are
+ * black. Where a wall stands on such a floor, no lit place is dark. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Boxes and trees: rays aimed where a box test may lose them. A tree must say what trying every
- * primitive says, bit for bit; and what an exact slab test says is hit by more than rounding must
- * be found. */
+/* Boxes and trees: rays aimed where a box test may lose them. A tree must give the result of trying
+ * every primitive, bit for bit. If an exact slab test hits by more than rounding, the box must be
+ * found. */
 #include <math.h>
 
 #include "property/gen.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* More surfaces that close or tile: the meshes, disk packets, stars and circles of the
- * catalogue. What must hold is a count. */
+/* More surfaces that close or tile: the meshes, disk packets, stars and circles of the catalogue.
+ * The property is a count. */
 #include <stdlib.h>
 
 #include "property/gen.h"
@@ -102,8 +102,8 @@ void rows_embree(struct pen_row_run *run)
     row_each(run, draw_embree, judge_embree);
 }
 
-/* H044: 1000 triangles of apex angle 1e-7 that meet in a vertex, and three that close the circle.
- */
+/* H044: 1000 triangles of apex angle 1e-7 that meet in a vertex, and three that close the
+ * circle. */
 enum { FAN = 1000 };
 static vec3 apex, rim[FAN + 1];
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Surfaces that lie in each other or touch. */
+/* Surfaces that coincide or touch. */
 #include "property/gen.h"
 #include "property/oracle.h"
 #include "property/primitives.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Convex solids seen from outside under one light: what faces the light and the viewer is lit as if
- * there were no shadows, what lies beyond the light's horizon is black. The oracle shoots and
- * shades in long double. */
+/* Convex solids seen from outside under one light. Parts that face the light and the viewer are lit
+ * as without shadows. Parts beyond the light's horizon are black. The oracle shoots and shades in
+ * long double. */
 #include <math.h>
 
 #include "property/body.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Corners of mirrors and of glass: a ray through the edge of two faces, or through a vertex, sees
- * what it sees beside it. All light depends on the direction alone and all faces are flat, so rays
- * that are parallel see equal values unless they meet other faces. */
+ * what it sees beside it. All light depends only on the direction, and all faces are flat. So
+ * parallel rays see equal values unless they meet other faces. */
 #include <math.h>
 
 #include "property/gen.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Flat primitives much larger than what is near them: their extent is no rounding. */
+/* Flat primitives much larger than the primitives near them: their extent must not become
+ * rounding. */
 #include <math.h>
 
 #include "property/gen.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Determinism: each golden film in each way of rendering that must not matter. A case is a way and
- * a film; the table of golden hashes says what must come out. */
+/* Determinism: each golden film, in each way of rendering that must not matter. A case is a way and
+ * a film; the table of golden hashes has the right result. */
 #include "accel/accel.h"
 #include "property/films.h"
 #include "property/rows.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Rooms that stand on a floor 1e2 to 1e12 times as wide: from inside they are black, and on the
- * lit side, outside, no shadow lies at the foot of their walls. */
+/* Rooms that stand on a floor 1e2 to 1e12 times as wide. From inside they are black. Outside, on
+ * the lit side, there is no shadow at the foot of their walls. */
 #include <math.h>
 
 #include "property/body.h"
@@ -300,8 +300,8 @@ static int different_pixels(void)
     return count;
 }
 
-/* Nothing but a wall near its foot and the floor before it is seen, and neither shades the other.
- */
+/* Nothing but a wall near its foot and the floor before it is seen, and neither shades the
+ * other. */
 static void judge_foot(const struct row_case *c, struct row_verdict *v)
 {
     struct standing s;

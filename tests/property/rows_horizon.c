@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Lights at the horizon of a wall: in its plane within rounding, or with a disk that it cuts. */
+/* Lights at the horizon of a wall: in its plane within rounding, or with a disk that the plane
+ * cuts. */
 #include <math.h>
 
 #include "property/body.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Coincident surfaces are layers: the picture of surfaces in contact is that of surfaces with a
- * small gap, in which the earlier one in the document lies on the viewer's side. */
+/* Coincident surfaces are layers. The picture of surfaces in contact is that of surfaces with a
+ * small gap, where the earlier surface in the document is on the viewer's side. */
 #include <math.h>
 
 #include "math/transform.h"
@@ -80,8 +80,8 @@ static void add_tiles(const struct pose *pose, double z, int material)
         }
 }
 
-/* Squares and tiles have the same corners in every stack; the others differ, and cover the middle.
- */
+/* Squares and tiles have the same corners in every stack; the others differ, and cover the
+ * middle. */
 static void add_member(const struct pose *pose, struct random *r, enum member kind, double z,
                        int material)
 {
@@ -339,8 +339,8 @@ void rows_layers_first(struct pen_row_run *run)
 
 enum { TWINS_MAX = 3 };
 
-/* Equal primitives that differ in what they let through, and what they send; member i glows i + 1.
- */
+/* Equal primitives that differ in what they let through, and what they send; member i glows i +
+ * 1. */
 struct twins {
     int kind, count; /* 0 sphere, 1 tube, 2 cylinder, 3 cone */
     double radius, high;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The points of a light that are sampled by `grid`, from the definition of the cells' points. */
+/* The points of a light that `grid` samples, from the definition of the cells' points. */
 #include "property/rows.h"
 #include "shade/internal/light_points.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Needles far below what a double resolves beside their length. Two shapes have such an aspect in
- * doubles: a vertex next to the origin with the others on a line through it, and vertices that
- * differ by almost nothing along one axis, at 0. */
+/* Needles far thinner than a double resolves beside their length. Two shapes have such an aspect in
+ * doubles. In one, a vertex is next to the origin and the others are on a line through it. In the
+ * other, vertices differ by almost nothing along one axis, at 0. */
 #include "property/flat.h"
 #include "property/gen.h"
 #include "property/rows.h"

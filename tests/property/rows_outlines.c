@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Outlines with many corners, notches, or corners off their plane, and what fills the rest: of the
- * two exactly one is met. */
+/* Outlines with many corners, with notches, or with corners off their plane, and surfaces that fill
+ * the rest. A ray meets exactly one of the two. */
 #include <stdlib.h>
 
 #include "property/gen.h"

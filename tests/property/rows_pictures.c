@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Whole pictures before and after a change of the scene that must not matter, or matter by no more
- * than the rounding of its numbers. The scenes have every kind of primitive and light, glass and
- * mirrors; their coordinates are dyadic, so that scaling and moving them is exact. */
+/* Whole pictures before and after a change of the scene. The change must not matter, or at most by
+ * the rounding of the scene's numbers. The scenes have every kind of primitive and light, glass and
+ * mirrors. Their coordinates are dyadic, so that scaling and moving them is exact. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

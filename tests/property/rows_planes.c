@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The boxes that a structure stores, looked at themselves: rays are tested with so much slack that
- * a box which is a little too small may hide nothing from any ray. */
+/* The stored boxes of a structure, checked directly. Rays are tested with so much slack that a box
+ * that is a little too small may hide nothing from any ray. */
 #include <math.h>
 
 #include "accel/internal/structure.h"

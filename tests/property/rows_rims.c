@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Closed rooms with round, dented and shallow walls, and the foot of round things on a floor, seen
- * from so near that all of the picture is within rounding of a seam. */
+/* Closed rooms with round, dented and shallow walls, and round things on a floor. They are seen
+ * from so near that the whole picture is within rounding of a seam. */
 #include <math.h>
 
 #include "property/gen.h"
@@ -576,8 +576,8 @@ static void judge_foot(const struct row_case *c, struct row_verdict *v)
 }
 
 /* The same with the light before it: foot and floor are as without shadows. Something closed is
- * looked at from a sine of 1/8 and more over the floor, see "Where it ends" in src/geom/README.md.
- */
+ * looked at from a sine of 1/8 and more over the floor, see "Where it ends" in
+ * src/geom/README.md. */
 static void judge_front(const struct row_case *c, struct row_verdict *v)
 {
     struct place at = begin_place(c);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Rooms closed by surfaces of every kind, with mirrors and highlights, and lights outside that lie
- * where rounding decides: near walls, in their planes, tangent to round ones. They are black. */
+/* Rooms closed by surfaces of every kind, with mirrors and highlights. The lights are outside,
+ * where rounding decides: near walls, in their planes, tangent to round walls. The rooms are
+ * black. */
 #include <math.h>
 #include <stdlib.h>
 

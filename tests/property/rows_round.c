@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Intersections of spheres, infinite cylinders and cylinders against 113 bits: how far t is off,
- * how far the point is off the surface, and whether hit or miss is said wrongly. Rays that pass the
- * primitive in the outer tenth of its radius are rows of their own: there t is badly conditioned.
- */
+/* Intersections of spheres, infinite cylinders and cylinders against 113 bits: the error of t, the
+ * distance of the point from the surface, and wrong hits and misses. Rays that pass the primitive
+ * in the outer tenth of its radius have their own rows, because t is badly conditioned there. */
 #include "geom/prims.h"
 #include "property/gen.h"
 #include "property/oracle.h"
@@ -182,8 +181,8 @@ static double speed(const struct prim *prim, enum oracle_part part)
 
 /* One intersection against its truth. Nearer than two radii the bar is 8u (|f| + r), across the
  * axis for a side and along it for a cap. A cap may be many radii away all the same, at the far end
- * of a long cylinder: where `ulps` of t are more than that, those count, since no double is nearer.
- */
+ * of a long cylinder: where `ulps` of t are more than that, those count, since no double is
+ * nearer. */
 static void compare(struct row_verdict *v, const struct bars *bar, const struct prim *prim,
                     enum oracle_part part, double t, struct truth truth)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Random scenes of primitives of every kind, many of which touch or coincide: the same film and the
- * same numbers of rays, whatever renders them. */
+/* Random scenes of primitives of every kind, many of which touch or coincide. Every way of
+ * rendering gives the same film and the same numbers of rays. */
 #include <stdlib.h>
 #include <string.h>
 

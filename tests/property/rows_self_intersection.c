@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays that start on a surface where a ray before them ended: the surface is not met again where it
- * is left, and everything else is. */
+/* Rays that start on a surface where an earlier ray ended. They do not meet the surface where they
+ * leave it, and meet all others. */
 #include "property/gen.h"
 #include "property/oracle.h"
 #include "property/primitives.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Copies of a solid that groups move, turn, mirror and scale by a power of two, whatever the size
- * of the moves: the later in the document owns where they overlap. */
+/* Copies of a solid that groups move, turn, mirror and scale by a power of two, by any distance.
+ * Where they overlap, the later in the document counts. */
 #include "property/gen.h"
 #include "property/rows.h"
 #include "scene/solid.h"

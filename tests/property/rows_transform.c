@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Maps that nearly flatten space, or do: whether they can be inverted, whether they mirror, and
- * where they put the normal of a plane. */
+/* Maps that flatten space, or nearly: whether they can be inverted, whether they mirror, and where
+ * they put the normal of a plane. */
 #include "math/transform.h"
 #include "property/gen.h"
 #include "property/oracle.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Trees over mixed, coincident, unbounded and hardly any primitives. */
+/* Trees over mixed, coincident, unbounded and very few primitives. */
 #include <math.h>
 
 #include "property/gen.h"

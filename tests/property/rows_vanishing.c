@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Coordinates so small that products of them vanish, beside ones of unit size: what a tree says is
- * still what trying all says. */
+/* Coordinates so small that products of them vanish, beside coordinates of unit size. A tree still
+ * gives the result of trying all primitives. */
 #include <math.h>
 
 #include "property/gen.h"

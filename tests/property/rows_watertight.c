@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Surfaces that close: rays aimed at vertices, edges and points of edges that are exact in binary.
- * From inside a closed surface a ray crosses it an odd number of times, and a sheet seen from above
- * once; nothing but the surface itself is needed to judge that. */
+ * A ray from inside a closed surface crosses it an odd number of times, and a ray from above
+ * crosses a sheet once. Only the surface itself is needed to judge that. */
 #include "property/gen.h"
 #include "property/primitives.h"
 #include "property/rows.h"

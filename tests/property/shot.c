@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures for rows of light and shadow. */
+/* Pictures for the rows of light and shadow. */
 #include "property/shot.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs the rows of the table with as many cases as they ask for, in parallel processes, and writes
- * report.md, report.json and index.html. Exit status: 0 if no row failed, 1 if one did, 2 for a
- * wrong command line.
+/* Runs the rows of the table with the number of cases that they ask for, in parallel processes.
+ * Writes report.md, report.json and index.html. Exit status: 0 if no row failed, 1 if one did, 2
+ * for a wrong command line.
  *
  *   stability [--out DIR] [--corpus FILE] [--jobs N] [--seed N] [--cases N] [--rows PART]
  *             [--also FILE]... [--no-price]
@@ -182,8 +182,8 @@ static void run_all(struct suite *s)
     s->report.wall_s = (double)(pen_clock_ns() - begun) * 1e-9;
 }
 
-/* A row's lines: what failed, what was worst if `worst`, and older cases as far as there is room.
- */
+/* A row's lines: what failed, what was worst if `worst`, and older cases as far as there is
+ * room. */
 static void renew_lines(struct suite *s, const struct corpus *old, const struct report_row *row,
                         bool worst)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What tests/support needs of libcheck, for a program that is no test: a failed assertion ends the
- * process, which its parent counts. */
+/* The functions of libcheck that tests/support needs, for a program that is no test. A failed
+ * assertion ends the process, which its parent counts. */
 #include <check.h>
 #include <stdarg.h>
 #include <stdio.h>

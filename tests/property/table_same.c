@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The same bits, whatever renders them: H096 and H100 to H105. What takes other builds or other
- * processes (H101's killed worker, H103, H104) is in matrix.sh. */
+/* The same bits in every way of rendering: H096 and H100 to H105. Cases that need other builds or
+ * other processes (H101's killed worker, H103, H104) are in matrix.sh. */
 #include <stddef.h>
 
 #include "property/rows.h"

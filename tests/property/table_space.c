@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Leaving, coincidence, scale, boxes: H059 to H099. */
+/* Rays that leave surfaces, coincidence, scale, boxes: H059 to H099. */
 #include <stddef.h>
 
 #include "property/rows.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The catalogue of hard cases tells the truth: every case is tested or says why not, what it names
- * is there, and no test is of a case that is said to have none. Reads the sources of the tests. */
+/* The catalogue of hard cases is true. Every case is tested or has a reason why not. The tests that
+ * it names exist. No test is of a case that has none by the catalogue. This test reads the sources
+ * of the tests. */
 #include <ctype.h>
 #include <glob.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Adaptive rendering: the rule against noise whose error is known, pictures against closed forms,
- * and the same bytes however the work is divided. */
+/* Adaptive rendering: the rule against noise with a known error, pictures against closed forms, and
+ * the same bytes for any division of the work. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Audits of pictures of which it is known how many pixels are wrong. */
+/* Audits of pictures whose number of wrong pixels is known. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Targets where light is small and bright: pictures against closed forms. */
+/* Target errors with small and bright lights: pictures against closed forms. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -60,8 +60,8 @@ static double unit(double v)
     return v < 1 ? v : 1;
 }
 
-/* Renders with eight seeds: how many of the pictures are beyond the target, which all report met.
- */
+/* Renders with eight seeds: how many of the pictures are beyond the target, which all report
+ * met. */
 static int pictures_beyond(const float *want)
 {
     static float rgb[3 * SIDE * SIDE];

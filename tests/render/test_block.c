@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Blocks of pixels, rendered together, give the films and the counts of rays of pixels rendered one
+/* Blocks of pixels that are rendered together have the films and ray counts of pixels rendered one
  * by one, bit for bit. */
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The arithmetic of cost maps, and what measuring one may take. */
+/* The arithmetic of cost maps, and the cost of measuring one. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Estimates and decisions of adaptive rendering, without rays: samples are drawn from distributions
- * whose means and variances are known, so the true errors are known as well. */
+/* Estimates and decisions of adaptive rendering, without rays. Samples are drawn from distributions
+ * with known means and variances, so the true errors are known. */
 #include <math.h>
 #include <string.h>
 
@@ -139,8 +139,8 @@ static double normal(struct random *random)
     return radius * cos(2 * acos(-1) * random_unit(random));
 }
 
-/* Takes the samples of a round: normal, around 0.5. The sum of n has n times the variance of one.
- */
+/* Takes the samples of a round: normal, around 0.5. The sum of n has n times the variance of
+ * one. */
 static void take_samples(struct pen_adaptive *a, struct random *random, deviation_fn *deviation)
 {
     const int width = a->settings->width;
@@ -316,8 +316,8 @@ static double noisy_edge(int x, int y)
 }
 
 /* With all 64 samples everywhere the mean square error is 0.00022, three quarters of the target's.
- * Of this the eighth leaves 0.0002, so that the rest must get better than a picture of that error.
- */
+ * Of this the eighth leaves 0.0002, so that the rest must get better than a picture of that
+ * error. */
 START_TEST(test_decide__what_capped_pixels_leave_is_made_up_for_by_others)
 {
     struct random random = random_begin(20261126);

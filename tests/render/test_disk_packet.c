@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Disk packets give the same bits as single shadow rays. Soft lights are rendered with a
- * tree, which traces packets, and without one, which traces single rays; pixels and ray counts must
- * be equal. The random scenes are hard on purpose: most coordinates are small integers, so that
- * lights lie in planes, on axes and at centres, primitives touch and coincide, and points lie on
- * edges of other primitives. */
+/* Disk packets give the same bits as single shadow rays. Soft lights are rendered with a tree,
+ * which traces packets, and without a tree, which traces single rays. Pixels and ray counts must be
+ * equal. The random scenes are hard on purpose. Most coordinates are small integers, so lights are
+ * in planes, on axes and at centres; primitives touch and coincide; points are on edges of other
+ * primitives. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The warning that nothing is visible, against the picture: all objects glow before a black
- * background. There is no false alarm; of views that are empty most get the warning, also those of
- * infinite primitives, wide lenses and small pictures. */
+/* The warning that nothing is visible, against the picture. All objects glow before a black
+ * background. There is no false alarm. Most empty views get the warning, also views of infinite
+ * primitives, with wide lenses, and of few pixels. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What the two halves of a pixel's samples tell about the error of their mean (render/adaptive.h),
- * for what can be in a pixel: edges, corners, lines, disks, waves, stripes and checks, at random
- * places. The truth is a mean over a fine grid. */
+/* The error of a pixel's mean, as estimated from the two halves of its samples (render/adaptive.h),
+ * for typical contents of a pixel: edges, corners, lines, disks, waves, stripes and checks, at
+ * random places. The truth is a mean over a fine grid. */
 #include <math.h>
 
 #include "math/sample.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether doubles resolve a scene: the measures against values computed by hand, and that a picture
- * is right wherever no warning is given. */
+/* Whether doubles resolve a scene: the measures against values computed by hand. A picture without
+ * a warning is right. */
 #include <glob.h>
 #include <math.h>
 #include <stdio.h>

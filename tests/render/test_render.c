@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The film does not depend on how the work is divided; the statistics and cancellation of a run. */
+/* The film does not depend on the division of the work. The statistics and the cancellation of a
+ * run. */
 #include <fenv.h>
 #include <stdlib.h>
 #include <string.h>
@@ -367,8 +368,8 @@ static void set_state(void *user, int thread, int x, int y)
 }
 
 /* Renders twice with one pool. Its threads inherit the state `inherited`; during the first run one
- * of them sets `given`. Checks how many threads had to be reset in the first and in the second run.
- */
+ * of them sets `given`. Checks how many threads had to be reset in the first and in the second
+ * run. */
 static void check_resets(unsigned inherited, unsigned given, int first, int second)
 {
     struct pen_status st;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Renders in rounds that are interrupted, between rounds and within them: what another process goes
- * on with gives the same picture and the same statistics. */
+/* Renders in rounds that are interrupted, between rounds and within them. Another process that
+ * continues from the state gets the same picture and the same statistics. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How a task's pixels are divided among threads: the last tiles are shared, rows are told in order
- * as they are finished, and a PNG that is written meanwhile has the bytes of one written after. */
+/* The division of a task's pixels among threads. Threads share the last tiles. Finished rows are
+ * reported in order. A PNG that is written meanwhile has the bytes of a PNG written afterwards. */
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The checks of vertex loops: what is refused, where, and that it is decided exactly. */
+/* The checks of vertex loops: what is refused, at which place, and that the decisions are exact. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

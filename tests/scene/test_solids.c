@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Solids of triangles and polygons: which faces make one, whether it is closed, what it contains
- * and how it is numbered, however the document orders faces and vertices. */
+/* Solids of triangles and polygons: which faces form one, whether it is closed, what it contains
+ * and its number, for any order of faces and vertices in the document. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

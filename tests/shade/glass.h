@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A bench for rays in glass: solids, and a screen that tells where a ray ends. The screen's
- * emission is a gradient from 0 to 1 in one channel and 1 in another: their ratio is the place,
- * whatever part of the light the glass lets through, and the second is that part. */
+/* A bench for rays in glass: solids, and a screen that shows where a ray ends. In one channel the
+ * screen's emission is a gradient from 0 to 1, in another it is 1. The ratio of both is the place,
+ * for any part of the light that passes the glass. The second channel is this part. */
 #ifndef TESTS_SHADE_GLASS_H
 #define TESTS_SHADE_GLASS_H
 
@@ -18,7 +18,8 @@ struct glass_screen {
     double width;
 };
 
-/* Where a ray meets the screen, from its point along `along`, and how much of it. */
+/* Where a ray meets the screen, measured from its point along `along`, and the part of the
+ * light. */
 struct landing {
     double at, weight;
     struct pen_ray_counts rays;
@@ -37,7 +38,7 @@ static inline int glass_material(struct kit *kit, double ior)
     return kit_material(kit, glass_of(ior));
 }
 
-/* An empty bench: paths of at most so many surfaces, in the dark. */
+/* Begins an empty bench in the dark; paths have at most `surfaces` surfaces. */
 static inline void glass_begin(struct kit *kit, int surfaces)
 {
     kit_init(kit);
@@ -73,7 +74,7 @@ static inline struct pen_object_desc *glass_add_screen(struct kit *kit,
     return kit_plane(kit, screen->point, screen->n, kit_material(kit, m));
 }
 
-/* Where the pixel's ray lands on the screen, which has been added. */
+/* Returns where the pixel's ray meets the screen, which is already in the scene. */
 static inline struct landing glass_landed(struct kit *kit, const struct glass_screen *screen)
 {
     struct landing l;
@@ -94,7 +95,7 @@ static inline struct landing glass_land(struct kit *kit, const struct glass_scre
     return l;
 }
 
-/* Where the mathematics says that a ray lands. */
+/* Returns where a ray ends by the equations. */
 static inline double glass_truth(const struct glass_screen *screen, const struct quad_ray *ray)
 {
     const struct quad3 point = quad3(screen->point);
@@ -103,8 +104,8 @@ static inline double glass_truth(const struct glass_screen *screen, const struct
     return (double)quad_dot(end, quad3(screen->along));
 }
 
-/* Adds a solid of faces of a list of vertices: numbers of vertices, a negative one ends a face, two
- * end the list. The same in 113 bits, if wanted. */
+/* Adds a solid whose faces are lists of vertex numbers. A negative number ends a face, two end the
+ * list. Also makes the same solid in 113 bits, if asked for. */
 static inline void glass_solid(struct kit *kit, const struct pen_vec3 *v, const int *faces,
                                struct pen_vec3 inner, int material, struct convex *truth)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Snell's law, Fresnel's equations and convex solids in __float128, from the mathematics. */
+/* Snell's law, Fresnel's equations and convex solids in __float128, from the equations. */
 #ifndef TESTS_SHADE_OPTICS_H
 #define TESTS_SHADE_OPTICS_H
 
@@ -32,7 +32,7 @@ struct quad_ray {
     struct quad3 o, d;
 };
 
-/* What a surface makes of a ray. */
+/* What a surface does with a ray. */
 struct quad_split {
     bool total;
     quad share; /* that is reflected */
@@ -58,7 +58,7 @@ static inline struct quad_split quad_refract(struct quad3 n, struct quad3 d, qua
     return to;
 }
 
-/* Where a ray meets a plane, as a distance. */
+/* Returns the distance at which a ray meets a plane. */
 static inline quad quad_plane(struct quad3 point, struct quad3 n, const struct quad_ray *ray)
 {
     return quad_dot(quad_sub(point, ray->o), n) / quad_dot(n, ray->d);
@@ -66,7 +66,7 @@ static inline quad quad_plane(struct quad3 point, struct quad3 n, const struct q
 
 enum { CONVEX_FACES = 8 };
 
-/* A convex solid: the points below all its planes. */
+/* A convex solid: the points below all of its planes. */
 struct convex {
     int count;
     struct quad3 point[CONVEX_FACES], n[CONVEX_FACES]; /* outward, unit */
@@ -84,8 +84,8 @@ static inline void convex_add(struct convex *solid, const struct pen_vec3 v[3],
     solid->n[solid->count++] = quad_scale(n, turned ? -1 : 1);
 }
 
-/* Where the line of a ray enters a convex solid and leaves it, and by which planes. False if it
- * passes it, or an edge is nearer than `margin`. */
+/* Where the line of a ray enters and leaves a convex solid, and through which planes. False if it
+ * misses the solid, or if an edge is nearer than `margin`. */
 struct crossing {
     quad t[2];
     int face[2];
@@ -113,9 +113,9 @@ static inline bool convex_cross(const struct convex *solid, const struct quad_ra
            second[1] - x->t[1] > margin;
 }
 
-/* Of light from outside along a ray, the part that is still inside a convex solid after some
- * surfaces: what a path of as many surfaces lacks in light that is the same everywhere. *sure is
- * cleared where an edge is near. */
+/* Returns the part of light from outside along a ray that is still inside a convex solid after some
+ * surfaces. In light that is the same everywhere, a path of that many surfaces lacks this part.
+ * *sure is cleared if an edge is near. */
 static inline quad convex_left(const struct convex *solid, struct quad_ray ray, double ior,
                                int surfaces, bool *sure)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What rays see that miss everything: the sky's colours by the elevation of the ray. */
+/* The background: the sky's colours by the elevation of a ray that meets no object. */
 #include <math.h>
 
 #include "support/kit.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Eyes on and in glass: on its surface they see what eyes beside it see, and in a bubble they know
- * the glass around it, though its faces only just fail to meet. */
+/* Eyes on and in glass. On its surface they see what eyes beside it see. In a bubble they know the
+ * glass around it, even if its faces barely fail to meet. */
 #include <math.h>
 #include <stdlib.h>
 

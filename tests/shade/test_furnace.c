@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* H113: convex solids of clear glass in light that is everywhere the same. A pixel shows that light
- * less what max_depth cuts off: what is still inside the glass, which has a closed form for a ball
- * and follows the mathematics' ray in a solid with flat faces. */
+/* H113: convex solids of clear glass in light that is everywhere the same. A pixel shows this
+ * light, less the light that max_depth cuts off: the light that is still inside the glass. It has a
+ * closed form for a ball. For a solid with flat faces it follows the exact ray. */
 #include <math.h>
 
 #include "shade/glass.h"

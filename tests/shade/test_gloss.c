@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Blurred rays: how many there are, where they go, and what a cone of no width does. Their means
- * are compared with the oracle's in tests/golden/test_blur.c. The camera looks along -z from z
+/* Blurred rays: their number and their directions, and a cone without width.
+ * tests/golden/test_blur.c compares their means with the oracle's. The camera looks along -z from z
  * = 10. */
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Light near the horizon of the shaded point: above it, below it, or grazing, when it brings
- * nothing. The materials have `ks` with shininess 0, so that any light above the horizon brings all
- * of it, however low. */
+/* Light near the horizon of the shaded point: above it, below it, or grazing, when it contributes
+ * nothing. The materials have `ks` with shininess 0. So any light above the horizon contributes
+ * fully, however low it is. */
 #include <math.h>
 
 #include "geom/ray.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Which kernel renders a view: one that leaves out a sky or patterns where few samples meet them.
- * Bits and rays do not depend on that. */
+/* The choice of the kernel for a view: a kernel without a sky or patterns, if few samples meet
+ * them. Bits and rays do not depend on it. */
 #include <stdlib.h>
 #include <string.h>
 

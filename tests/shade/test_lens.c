@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Depth of field: what is in focus is as sharp as by a pinhole, what is not is blurred over the
+/* Depth of field. Objects in focus are as sharp as through a pinhole; others are blurred over the
  * circle of confusion. The camera looks along -z from z = 10. */
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Unshadowed light in lanes, for every instruction set of this processor: each lane has the bits of
- * its point alone, whatever the others are. */
+ * its point alone, with any points in the other lanes. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The mean over the points of `grid`, against its exact expectation: the share of the disk behind a
- * straight edge, which has a closed form, plus the bias that a mean over a random number of points
- * has. The bias follows from the areas of the cells, by adding one cell after the other to the
+/* The mean over the points of `grid`, against its exact expectation. This is the share of the disk
+ * behind a straight edge, which has a closed form, plus the bias of a mean over a random number of
+ * points. The bias follows from the areas of the cells: one cell after the other is added to the
  * distribution of (points right of the edge, points). */
 #include <math.h>
 #include <stdio.h>

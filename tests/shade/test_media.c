@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a path is in: solids inside others, that overlap, touch and coincide, eyes inside them, and
- * surfaces that do not close. */
+/* The media of a path: solids inside others, solids that overlap, touch and coincide, eyes inside
+ * them, and surfaces that do not close. */
 #include <math.h>
 
 #include "shade/glass.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Patterns: the colour of a place in an object's own coordinates, however groups move it. Tests
- * choose a place there, which says the colour, and look at where the group's transform puts it. */
+/* Patterns: the colour of a place in an object's own coordinates, under any transform of its
+ * groups. Tests choose a place there, which determines the colour, and look at where the group's
+ * transform puts it. */
 #include <math.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Where refracted rays land, against Snell's law in 113 bits: behind plates, balls, boxes and
- * prisms, forth and back, and as the index goes to 1. */
+/* Where refracted rays end, against Snell's law in 113 bits: behind plates, balls, boxes and
+ * prisms, forth and back, and as the index approaches 1. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Transmittance between a point and a light: which surfaces count, and by what colour. The pixel
+/* Transmittance between a point and a light: which surfaces count, and with which colour. The pixel
  * looks straight down on the plane z = 0; the light is above it. */
 #include "support/kit.h"
 #include "support/suite.h"

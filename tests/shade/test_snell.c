@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Snell's law and Fresnel's reflectance against __float128. What is computed must be right, up to
- * the rounding of a few operations, for an angle of incidence within 4u of the given one: in the
- * given directions no more is known of it. */
+/* Snell's law and Fresnel's reflectance against __float128. The result must be right, up to the
+ * rounding of a few operations, for an angle of incidence within 4u of the given one. The given
+ * directions do not determine the angle better. */
 #include <math.h>
 
 #include "shade/internal/snell.h"

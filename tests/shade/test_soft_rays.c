@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The samples of a soft light: which are taken, what each depends on, and which cost a ray. */
+/* The samples of a soft light: which are taken, on what each depends, and which cost a ray. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -251,8 +251,8 @@ START_TEST(test_soft_rays__below_the_horizon)
         kit.settings.max_depth = 1;
         struct pen_ray_counts rays;
         vec3 t = pen_scale(kit_pixel(&kit, 0, 0, &rays), 1 / sine);
-        if (see_through) { /* rays to points below go through the floor, take its colour, and count
-                            */
+        if (see_through) { /* rays to points below go through the floor, take its colour, and
+                            * count */
             ck_assert_uint_eq(rays.shadow, SAMPLES);
             ck_assert_double_eq_tol(t.x, above + 0.5 * (1 - above), 0.01);
             ck_assert_double_eq_tol(t.y, above + 0.25 * (1 - above), 0.01);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A store in PostgreSQL, with programs: what a start refuses and advises, that no password is shown, and
-# an api with two workers whose database stops and starts again.
+# A store in PostgreSQL, with programs: what a start refuses and advises, that no password is shown, and an
+# api with two workers whose database stops and starts again.
 if [ -z "${PENUMBRA_TEST_POSTGRES:-}" ]; then
     ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || {
         echo "skipped: postgresql: no server of PostgreSQL"

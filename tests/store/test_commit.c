@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Submit, claim, commit: from a queued job to its end; the fence; what is repeated. */
+/* Submit, claim, commit: from a queued job to its end; the fence; repeated calls. */
 #include <string.h>
 
 #include "support/store.h"

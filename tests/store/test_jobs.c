@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs as readers see them: one, lists, counts; cancel and delete. */
+/* Jobs as readers see them: a job, lists, counts; cancel and delete. */
 #include <string.h>
 
 #include "support/store.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a long batch keeps and tells: states and parts, progress, work and estimates, the map of
- * costs; and when it should give way. */
+/* What a long batch keeps and reports: states and parts, progress, work and estimates, the map of
+ * costs; and when it should yield. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

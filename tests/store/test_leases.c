@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Leases that end, workers that are lost, charges and quarantine. */
+/* Leases that end, lost workers, charges and quarantine. */
 #include <stdlib.h>
 #include <string.h>
 

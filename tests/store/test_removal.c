@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Removed jobs: they are gone at once, their rows go in slices, also after a kill in between, and
- * their statistics stay. */
+/* Removed jobs. They are gone at once. Their rows are removed in slices, also after a kill in
+ * between. Their statistics stay. */
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Values: pixels, statistics, commits, artefacts of any length, what a batch keeps, the scene; and
- * that slices remove all of it with its job. */
+/* Objects: pixels, statistics, commits, artefacts of any length, what a batch keeps, the scene.
+ * Slices remove all of them with their job. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is kept: by age, number and bytes; clocks that jump. */
+/* Retention by age, number and bytes; clocks that jump. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The statements of the rules, read from the objects of the store: each is prepared, keeps to the
- * SQL that SQLite and PostgreSQL both know, and reads no large table from end to end. */
+/* The statements of the rules, read from the objects of the store. Each can be prepared, uses only
+ * SQL that SQLite and PostgreSQL share, and reads no large table from end to end. */
 #include <ctype.h>
 #include <glob.h>
 #include <regex.h>
@@ -57,8 +57,8 @@ static void read_object(const char *path)
     }
 }
 
-/* The objects lie beside the test, in the build's folder. Those of an engine have SQL of their own.
- */
+/* The objects lie beside the test, in the build's folder. Those of an engine have SQL of their
+ * own. */
 static void read_statements(void)
 {
     char path[1024];

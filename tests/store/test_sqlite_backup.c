@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Backups: a copy is whole although others write meanwhile, is checked, gets its name last, and
- * never replaces a file without being told to. */
+/* Backups. A copy is whole although other processes write meanwhile. It is checked, gets its name
+ * last, and replaces a file only if asked to. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Damaged files: every page of a store is overwritten in turn, and headers, lengths and permissions
- * are wrong. Opening or the check refuses each with a message that names the file, and leaves it as
- * it was. Damage that is met in use breaks the handle. A check ends when its time is up. */
+/* Damaged files. Every page of a store is overwritten in turn, and headers, lengths and permissions
+ * are wrong. Opening or the check refuses each with a message that names the file, and leaves it
+ * unchanged. Damage that is found in use breaks the handle. A check ends when its time is up. */
 #include <fcntl.h>
 #include <sqlite3.h>
 #include <stdio.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* A disk that fails below SQLite, at the n-th call for every n.
- *  - A call of the store that returns true has had its effect. One that fails has had none, or its
- *    outcome is unknown and it has had all or none; pen_store_failure tells which.
- *  - A full disk leaves a handle that works once there is space. After an I/O error the handle is
- *    broken, as its process will be told, and a new handle works.
- *  - Damage that is noticed, such as a failed sync, is not written over: nothing is synced again.
- */
+ *   - A call of the store that returns true has had its effect. A call that fails has had no
+ *     effect, or its outcome is unknown: full effect or none. pen_store_failure says which.
+ *   - After a full disk, a handle works once there is space. After an I/O error the handle is
+ *     broken, and says so; a new handle works.
+ *   - Damage that is noticed, such as a failed sync, is not written over: nothing is synced
+ * again. */
 #include <errno.h>
 #include <sqlite3.h>
 #include <stdio.h>

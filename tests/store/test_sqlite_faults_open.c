@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A disk that fails while a store is made: it is then whole or not there, and the next call makes
- * it. */
+/* A disk that fails while a store is made. The store is then whole or missing, and the next call
+ * makes it. */
 #include <glob.h>
 #include <stdio.h>
 #include <sys/stat.h>

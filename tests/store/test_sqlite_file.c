@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The store as a file: which files are opened, which are refused and left unchanged, that the file
- * and its log stay small, and many processes at once. */
+/* The store as a file: which files are opened, and which are refused and left unchanged. The file
+ * and its log stay small. Many processes may use it at once. */
 #include <fcntl.h>
 #include <pthread.h>
 #include <sqlite3.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The n-th allocation fails, and all after it, for every n. A handle that has run out of memory
- * keeps no lock that others wait for, and running out of memory is no fault of the store. */
+ * keeps no lock for which others wait. Running out of memory is no fault of the store. */
 #include "base/clock.h"
 #include "base/log.h"
 #include "support/alloc.h"

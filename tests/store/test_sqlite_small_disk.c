@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A disk of 128 MiB that fills up. New jobs are refused below 64 MiB; what is running goes on. On a
- * full disk a commit fails and may be repeated, and cancels and deletes take the place of the
- * reserve, which is made again. Takes root's rights; without them nothing is tested. */
+/* A disk of 128 MiB that fills up. New jobs are refused below 64 MiB; running jobs continue. On a
+ * full disk a commit fails and may be repeated. Cancels and deletes use the space of the reserve,
+ * which is made again. Needs root's rights; without them nothing is tested. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Stored values have a checksum, which every read checks: a damaged one is refused, wherever the
- * damage is, and the store serves all else. */
+/* Stored objects have a checksum, which every read checks. A damaged object is refused, wherever
+ * the damage is, and the store serves all others. */
 #include <stdlib.h>
 #include <string.h>
 

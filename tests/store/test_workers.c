@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The list of workers, those whose process is gone, and their counters. */
+/* The list of workers, workers whose process is gone, and their counters. */
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>

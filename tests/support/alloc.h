@@ -26,8 +26,8 @@ static struct {
     pthread_t thread; /* the only one, if one_thread */
 } alloc_state;
 
-/* For work that starts threads. A sanitizer's runtime allocates in each and ends the process if it
- * cannot, so in such a build only the calling thread's allocations fail. */
+/* For work that starts threads. A sanitizer's runtime allocates in each thread, and ends the
+ * process if it cannot. So in such a build only the calling thread's allocations fail. */
 static inline void alloc_spare_new_threads(void)
 {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -54,7 +54,7 @@ static inline void alloc_fail_after(long n)
     alloc_state.armed = true;
 }
 
-/* Allocations succeed again. Returns whether one was refused since alloc_fail_after. */
+/* Makes allocations succeed again. Returns true if one was refused since alloc_fail_after. */
 static inline bool alloc_succeed(void)
 {
     alloc_state.armed = false;
@@ -75,8 +75,8 @@ ALLOC_UNWATCHED static bool alloc_refuse(size_t bytes)
     return alloc_state.refused = true;
 }
 
-/* The system's function of that name. ISO C has no cast from the object pointer that dlsym returns
- * to a function pointer. */
+/* Finds the system's function of this name. ISO C has no cast from the object pointer that dlsym
+ * returns to a function pointer. */
 #define ALLOC_SYSTEM(type, name)                                                                   \
     static type system_##name;                                                                     \
     if (!system_##name) {                                                                          \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Takes the place of a worker that held a batch of the job then: so it needs the store's inner
- * functions, since the store takes a value from a claim's holder only. */
+/* Acts as a worker that held a batch of the job. It needs internal functions of the store, because
+ * the store accepts an object only from a claim's holder. */
 #include "store/internal/objects.h"
 #include "support/store.h"
 

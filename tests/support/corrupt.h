@@ -21,7 +21,7 @@ struct corrupt_kind {
     size_t count;
 };
 
-/* Reads a file, which may fill half of the buffer at most; the test fails if it cannot be read. */
+/* Reads a file, which may fill at most half of the buffer. The test fails if it cannot be read. */
 void corrupt_read(const char *path, struct corrupt_text *text);
 
 /* Makes one change: inserts a piece or a byte, removes a part or copies it elsewhere, or changes a

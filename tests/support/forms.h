@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Two forms of a scene, by effect: without the effect, and with it but without consequence. Both
- * must give the same bits and rays, at the same cost. */
+/* Two forms of a scene for each effect: without the effect, and with the effect but without
+ * consequence. Both must give the same bits and rays, at the same cost. */
 #ifndef TESTS_SUPPORT_FORMS_H
 #define TESTS_SUPPORT_FORMS_H
 
@@ -9,9 +9,10 @@
 struct form {
     const char *name;
     unsigned effect;
-    /* Changes the scene; `idle`: to one with the effect. The memory of a pattern is static. */
+    /* Changes the scene; with `idle`, to the form with the effect. The memory of a pattern is
+     * static. */
     void (*make)(struct pen_scene_desc *desc, bool idle);
-    bool called_for; /* the idle form calls for the effect: only rays tell that none meets it */
+    bool called_for; /* the idle form calls for the effect; only rays show that none meets it */
 };
 
 /* All of them; the last has no name. */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How the hashes in tests/golden/hashes.txt are computed, for all tests that compare films with
- * them. */
+/* The hashes in tests/golden/hashes.txt, for all tests that compare films with them. */
 #ifndef TESTS_SUPPORT_GOLDEN_H
 #define TESTS_SUPPORT_GOLDEN_H
 
@@ -32,7 +31,7 @@ static inline uint64_t golden_hash(const float *film, size_t count)
     return h;
 }
 
-/* Reduces the picture's size, but not its shape, and the number of samples, so that all scenes
+/* Reduces the size of the picture, but not its shape, and the number of samples, so that all scenes
  * together take seconds. */
 static inline void golden_shrink(struct pen_settings *s)
 {

@@ -5,11 +5,11 @@
 
 #include "base/cpu.h"
 
-/* How many of PEN_ISA_LIST this processor has: the first ones. The first call prints which it does
- * not have, so that tests that leave these out say so. */
+/* Returns how many sets of PEN_ISA_LIST this processor has; they are the first ones. The first call
+ * prints the missing sets, because tests leave these out. */
 int isa_count(void);
 
-/* Makes pen_cpu_isa return this one, and then its own choice again. */
+/* Makes pen_cpu_isa return this set; then its own choice again. */
 void isa_force(int isa);
 void isa_release(void);
 

@@ -20,13 +20,13 @@ struct kit {
     uint32_t parked; /* objects inside groups, at the end of the array */
 };
 
-/* An empty scene of 1 x 1 pixel, black, seen from (0, 0, 10) along -z. */
+/* Makes an empty scene of 1 x 1 pixel, black, seen from (0, 0, 10) along -z. */
 void kit_init(struct kit *kit);
 
 /* Adds a material and returns its number. */
 int kit_material(struct kit *kit, struct pen_material material);
 
-/* Materials of one grey property, ambient 0. */
+/* Return materials of one grey property, ambient 0. */
 struct pen_material kit_matte(double kd);
 struct pen_material kit_glow(double r, double g, double b); /* emission only */
 
@@ -73,8 +73,8 @@ struct pen_vec3 kit_moved(struct pen_vec3 p, double by);
 struct pen_vec3 kit_mirrored(struct pen_vec3 p, double by);
 void kit_mirror_directions(struct kit *kit);
 
-/* Multiplies lengths by s, and adapts the attenuation of lights, so that a scene whose points are
- * scaled too looks the same. */
+/* Multiplies lengths by s and adapts the attenuation of lights. So a scene whose points are scaled
+ * too looks the same. */
 void kit_scale_lengths(struct kit *kit, double s);
 
 /* Freezes the scene with the accelerator of the settings. The test fails if that fails. */
@@ -83,7 +83,7 @@ struct pen_scene *kit_freeze(struct kit *kit);
 /* Freezes the scene, renders pixel (x, y) and frees the scene. */
 struct pen_vec3 kit_pixel(struct kit *kit, int x, int y, struct pen_ray_counts *rays);
 
-/* The film of a frozen scene's first view; free() it. */
+/* Returns the film of a frozen scene's first view; free() it. */
 float *kit_film(const struct pen_scene *scene, const struct pen_settings *settings, int threads);
 
 /* Makes a scene with every kind of primitive and light, glass, mirrors, hard and soft shadows, with

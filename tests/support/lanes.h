@@ -11,20 +11,20 @@
 
 enum { LANES_TEST_MAX = 8, LANES_TEST_FUNCTIONS = 7 };
 
-/* A point of a surface, as struct surface of shade holds it. */
+/* A point of a surface, as in struct surface of shade. */
 struct lanes_point {
     struct pen_vec3 kd, ks, p, n, v;
     double shininess, nv, grazing_sine, bound;
     bool lit;
 };
 
-/* What a light brings to it; `term` has a meaning only if it arrives. */
+/* Light that arrives at it; `term` is valid only if it arrives. */
 struct lanes_arriving {
     bool arrives;
     struct pen_vec3 term, to_light;
 };
 
-/* Hit points, and what lanes_prim_surface tells of them. */
+/* Hit points, and the results of lanes_prim_surface. */
 struct lanes_hits {
     struct pen_vec3 p[LANES_TEST_MAX], n[LANES_TEST_MAX];
     double scale[LANES_TEST_MAX], curvature[LANES_TEST_MAX];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Where a test was last, for libcheck's report of a crash. libcheck writes this to a pipe after
- * each assertion that holds, which took a quarter of the time of tests with many. The tests are
- * linked with --wrap=_mark_point, so that each place is written only when a test reaches it first.
- */
+/* Where a test was last, for libcheck's report of a crash. libcheck writes it to a pipe after each
+ * assertion that holds, which took a quarter of the time of tests with many assertions. The tests
+ * are linked with --wrap=_mark_point, so that each place is written only when a test first reaches
+ * it. */
 #include <stdbool.h>
 #include <stdint.h>
 

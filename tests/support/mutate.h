@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Random changes of scenes, for property tests: a member or element of a document is removed,
- * copied elsewhere, negated, or replaced by a value or key that the format has somewhere. */
+/* Random changes of scenes, for property tests. A member or element of a document is removed,
+ * copied elsewhere, negated, or replaced by a value or key that is valid elsewhere in the
+ * format. */
 #ifndef TESTS_SUPPORT_MUTATE_H
 #define TESTS_SUPPORT_MUTATE_H
 

@@ -121,7 +121,8 @@ struct oracle_scene {
     struct oracle_light *lights;
 };
 
-/* The distances along a ray, also behind its start, at which it meets a primitive; how many. */
+/* Finds the distances along a ray, also behind its start, at which it meets a primitive. Returns
+ * their number. */
 int oracle_body_roots(const struct oracle_primitive *b, struct ray ray, real t[4]);
 
 /* Finds the solids: sets `solid` of every primitive, and `step`. */
@@ -140,14 +141,14 @@ struct oracle_bend {
 /* `n`: the unit normal on the side the ray comes from. */
 struct oracle_bend oracle_bend(struct point direction, struct point n, real before, real behind);
 
-/* Random numbers in [0, 1). */
+/* A source of random numbers in [0, 1). */
 struct oracle_chance {
     double (*uniform)(void *user);
     void *user;
 };
 
-/* A random unit vector less than `degrees` from `middle` and on the same side of the plane across
- * n, uniform in solid angle. 0 degrees: the middle itself. */
+/* Returns a random unit vector less than `degrees` from `middle`, on the same side of the plane
+ * across n, uniform in solid angle. With 0 degrees it is the middle itself. */
 struct point oracle_blurred(struct oracle_chance chance, struct point middle, struct point n,
                             real degrees);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The oracle's solids: which primitives enclose glass, and the index of refraction at a point. A
  * solid is a closed primitive, or all triangles and polygons of one material that are joined at
- * edges, if every edge of theirs is. */
+ * edges, if every edge of theirs is joined. */
 #include <jansson.h>
 
 #include "support/oracle.h"

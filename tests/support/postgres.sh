@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Starts a PostgreSQL server of its own in a new folder, on a Unix socket alone, runs a command, and stops
-# the server. As root the server belongs to the user postgres.
+# Starts its own PostgreSQL server in a new folder, on a Unix socket alone, runs a command, and stops the
+# server. For root the server belongs to the user postgres.
 #   tests/support/postgres.sh COMMAND [ARGUMENT…]
 # The command's environment has PENUMBRA_TEST_POSTGRES, the URL of an empty database; PGHOST and PGUSER for
-# psql; PENUMBRA_TEST_POSTGRES_DATA, the server's folder; and PENUMBRA_TEST_PG_CTL, a command for it.
-# PENUMBRA_TEST_FSYNC=on lets the server wait for the disk.
+# psql; PENUMBRA_TEST_POSTGRES_DATA, the server's folder; and PENUMBRA_TEST_PG_CTL, a command for it. With
+# PENUMBRA_TEST_FSYNC=on the server waits for the disk.
 set -eu
 bin=$(ls -d /usr/lib/postgresql/*/bin 2>/dev/null | sort -V | tail -1)
 [ -n "$bin" ] || { echo "postgres.sh: no PostgreSQL: run sh deploy/install-deps.sh --all" >&2; exit 77; }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Random numbers for property tests: splitmix64 (Steele, Lea, Flood, OOPSLA 2014). A test prints
- * its seed with its failures, and PEN_SEED in the environment repeats it. PEN_CASES=all makes tests
- * try all their cases, as `make check-all` does, where `make check` tries a part. PEN_FEWER=10
- * makes heavy tests try a tenth of them. Builds with sanitizers use that: they find undefined
- * behaviour, for which rare numbers are not needed. */
+ * its seed with its failures, and PEN_SEED in the environment repeats it. With PEN_CASES=all, tests
+ * try all their cases, as `make check-all` does; `make check` tries a part. PEN_FEWER=10 makes
+ * heavy tests try a tenth of them. Builds with sanitizers use that, because they look for undefined
+ * behaviour, which needs no rare numbers. */
 #ifndef TESTS_SUPPORT_RANDOM_H
 #define TESTS_SUPPORT_RANDOM_H
 
@@ -26,7 +26,7 @@ static inline struct random random_begin(uint64_t seed)
     return (struct random){seed, seed};
 }
 
-/* Whether all cases are asked for. */
+/* Returns true if all cases are asked for. */
 static inline bool random_all(void)
 {
     const char *cases = getenv("PEN_CASES");
@@ -41,20 +41,20 @@ static inline int random_fewer(void)
     return fewer > 1 ? fewer : 1;
 }
 
-/* The number of cases that are tried, out of `count`. */
+/* Returns the number of cases to try, out of `count`. */
 static inline int random_cases(int count)
 {
     return (count + random_fewer() - 1) / random_fewer();
 }
 
-/* The number of cases that are tried, out of `all`, where `few` still find the mutants of the
- * subject (tests/property/mutants.sh) or differ in more than their random numbers. */
+/* Returns the number of cases to try, out of `all`. `few` cases must still find the mutants of the
+ * subject (tests/property/mutants.sh), or differ in more than their random numbers. */
 static inline int random_some(int all, int few)
 {
     return random_cases(random_all() ? all : few);
 }
 
-/* The step from one n to the next, for tests that would try every n. */
+/* Returns the step from one n to the next, for tests that would try every n. */
 static inline int random_stride(void)
 {
     return 1 + (random_fewer() - 1) / 3;

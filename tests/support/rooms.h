@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Closed rooms of flat primitives, from which no ray may escape, and places on their surfaces: for
+/* Closed rooms of flat primitives, from which no ray may escape, and places on their surfaces, for
  * rays that are aimed at edges and corners. */
 #ifndef TESTS_SUPPORT_ROOMS_H
 #define TESTS_SUPPORT_ROOMS_H
@@ -22,23 +22,23 @@ enum world_room {
  * a point inside from which all walls are visible. */
 struct pen_vec3 world_room(struct world *w, struct random *r, enum world_room room, double far);
 
-/* A random corner of the room, point of an edge, or point that lies exactly on an edge if the ends
- * of the edge allow such a point. */
+/* Returns a random corner of the room, a point of an edge, or a point exactly on an edge, if the
+ * ends of the edge allow such a point. */
 struct pen_vec3 world_aim(const struct world *w, struct random *r);
 
-/* Where a ray has arrived. */
+/* The place where a ray has arrived. */
 struct stand {
     struct pen_hit hit;
     struct pen_vec3 p, n; /* n: unit, on the side that the ray came from */
     struct pen_origin_surface origin;
 };
 
-/* The place where a ray that starts on `origin` hits, as shading computes it. */
+/* Returns the place where a ray that starts on `origin` hits, as shading computes it. */
 struct stand world_stand(const struct world *w, const struct pen_ray *ray,
                          const struct pen_origin_surface *origin, struct pen_hit hit);
 
-/* A direction on the side of the surface that the ray came from (through: on the other side), and
- * the origin surface of a ray in that direction. */
+/* Returns a direction on the side of the surface from which the ray came, or on the other side with
+ * `through`. Also sets the origin surface of a ray in that direction. */
 struct pen_vec3 stand_turn(const struct stand *s, struct random *r, bool through,
                            struct pen_origin_surface *origin);
 

@@ -6,12 +6,12 @@
 #include "scene/scene.h"
 #include "shade/kernel.h"
 
-/* Whether a proof tries everything, as `make effects-proof` does (PEN_PROOF=full in the
- * environment); else it is one of many tests and takes a part. */
+/* Returns true if a proof tries everything, as `make effects-proof` does (PEN_PROOF=full in the
+ * environment). Otherwise it is one of many tests and tries a part. */
 bool proof_in_full(void);
 
-/* Calls `each` with a scene, or with every scene of tests/golden/scenes, and of scenes if that is
- * wanted; it may change the description. Returns how many there are. A file that is no scene ends
+/* Calls `each` with a scene, or with every scene of tests/golden/scenes and, if asked for, of
+ * scenes; it may change the description. Returns the number of scenes. A file that is no scene ends
  * the process. */
 typedef void scene_file_fn(const char *path, struct pen_scene_desc *desc, void *user);
 void scene_file_with(const char *path, scene_file_fn *each, void *user);
@@ -23,7 +23,7 @@ void scene_file_shrink(struct pen_settings *settings, int width);
 /* Freezes a description. Ends the process if that fails. */
 struct pen_scene *scene_file_freeze(const char *path, const struct pen_scene_desc *desc);
 
-/* What the renderer gives a kernel. */
+/* Makes the input that the renderer gives a kernel. */
 struct pen_kernel_input frame_input(const struct pen_scene *scene, int view,
                                     const struct pen_settings *settings, enum pen_isa isa);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* An HTTP server inside the test process, on a free port with a store in a temporary folder, and a
+/* An HTTP server inside the test process, on a free port with a store in a temporary folder. Also a
  * client that sends plain bytes, so that tests can send what no HTTP library would. */
 #ifndef TESTS_SUPPORT_SERVER_H
 #define TESTS_SUPPORT_SERVER_H
@@ -21,7 +21,7 @@ struct server {
 };
 
 struct server_options {
-    bool worker;               /* whether jobs get rendered */
+    bool worker;               /* jobs are rendered */
     int idle_seconds;          /* as pen_http_options */
     int heartbeat_ms;          /* as pen_http_options */
     int connections;           /* as pen_http_options */
@@ -34,11 +34,11 @@ struct server_options {
 void server_start(struct server *server, const struct server_options *options);
 void server_stop(struct server *server);
 
-/* How many times as long as usual a client waits for the server: libcheck's CK_TIMEOUT_MULTIPLIER,
- * which builds with sanitizers set, or 1. */
+/* Returns the factor for a client's waiting times: libcheck's CK_TIMEOUT_MULTIPLIER, which builds
+ * with sanitizers set, or 1. */
 int client_patience(void);
 
-/* A connected socket whose reads give up after SUITE_HANG_S. */
+/* Returns a connected socket whose reads give up after SUITE_HANG_S. */
 int server_connect(const struct server *server);
 
 /* As server_connect, from another loopback address, such as "127.0.0.2". */
@@ -57,16 +57,16 @@ struct answer {
 void client_read(int fd, bool head_request, struct answer *answer);
 void answer_release(struct answer *answer);
 
-/* The value of a field of the answer, or "". */
+/* Returns the value of a field of the answer, or "". */
 const char *answer_field(const struct answer *answer, const char *name, char *out, size_t bytes);
 
-/* Whether bytes of an answer have come. */
+/* Returns true if bytes of an answer have come. */
 bool client_sees_answer(int fd);
 
-/* Whether the server closes the connection, before SUITE_HANG_S. */
+/* Returns true if the server closes the connection within SUITE_HANG_S. */
 bool client_sees_end(int fd);
 
-/* Whether it has closed the connection already. */
+/* Returns true if it has already closed the connection. */
 bool client_has_seen_end(int fd);
 
 /* Makes one request on a new connection. `head` is a request line and fields, without Host and the
@@ -74,24 +74,24 @@ bool client_has_seen_end(int fd);
 void server_ask(const struct server *server, const char *head, const char *body,
                 struct answer *answer);
 
-/* The status of the answer to such a request. */
+/* Returns the status of the answer to such a request. */
 int server_status(const struct server *server, const char *head, const char *body);
 
-/* The server answers whether it is alive, and reads its store. The test fails if it does not. */
+/* Fails the test unless the server answers that it is alive, and reads its store. */
 void server_expect_alive(const struct server *server);
 
 /* Submits a small job and writes its path. */
 void server_submit(const struct server *server, char path[80]);
 
-/* Opens `count` long polls on a job, with further fields in lines of their own. */
+/* Opens `count` long polls on a job, with further fields in separate lines. */
 void server_open_polls(const struct server *server, const char *path, const char *fields, int *fds,
                        int count);
 
-/* Waits until so many long polls and event streams wait in the server. The test fails if they do
- * not come. */
+/* Waits until this number of long polls and event streams wait in the server. The test fails if
+ * they do not. */
 void server_wait_for_waiters(const struct server *server, int polls, int streams);
 
-/* Waits until one of these connections can be read; returns its place. */
+/* Waits until one of these connections can be read; returns its index. */
 int client_first_answered(const int *fds, int count);
 
 void client_pause(long ms);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A store in a folder of its own, and jobs to put in it, for tests of the rooms store and jobs.
- * Only store.c names the URL, of the engine that PEN_STORE_ENGINE names (sqlite, if nothing). So
- * the tests hold for every engine, but tests/store/test_sqlite_*.c. */
+/* A store in its own folder, and jobs to put in it, for tests of the modules store and jobs. Only
+ * store.c knows the URL. Its engine is PEN_STORE_ENGINE, by default sqlite. So the tests hold for
+ * every engine, except tests/store/test_sqlite_*.c. */
 #ifndef TESTS_SUPPORT_STORE_H
 #define TESTS_SUPPORT_STORE_H
 
@@ -9,31 +9,31 @@
 
 struct store_bed {
     char folder[64], url[96];
-    char schema[16]; /* of a PostgreSQL store; empty: of another */
+    char schema[16]; /* of a PostgreSQL store; else empty */
     struct pen_store *store;
 };
 
-/* Makes the folder and the URL, and opens nothing. A test that forks calls this, forks, and opens
- * the store then: handles must not be carried across a fork. */
+/* Makes the folder and the URL, and opens nothing. A test that forks calls this, then forks, then
+ * opens the store, because a handle must not be used across a fork. */
 void store_bed_make(struct store_bed *bed);
 
-/* Opens a new store, in the folder of store_bed_make or in a new one; fails the test if it cannot.
- */
+/* Opens a new store, in the folder of store_bed_make or in a new folder. The test fails if it
+ * cannot. */
 void store_bed_open(struct store_bed *bed);
 
-/* Makes the bed's store take its time from *time_ms: it passes only when the test changes that. */
+/* Makes the bed's store take its time from *time_ms, which only the test changes. */
 void store_bed_set_clock(const struct store_bed *bed, int64_t *time_ms);
 
-/* Checks the store (the test fails if it is damaged), closes it, removes the folder. */
+/* Checks the store, closes it and removes the folder. The test fails if the store is damaged. */
 void store_bed_close(struct store_bed *bed);
 
-/* A further handle on the bed's store. */
+/* Returns another handle on the bed's store. */
 struct pen_store *store_bed_handle(const struct store_bed *bed);
 
 enum { STORE_JOB_BATCHES = 64, STORE_JOB_TILE = 4 };
 
 /* A job of `views` views, each of `batches` batches of one tile of 4x4 pixels. Fields may be
- * changed before it is submitted; it must stay where it is. */
+ * changed before it is submitted. It must not be moved. */
 struct store_job {
     char id[PEN_ID_BYTES], scene[64];
     unsigned char sha256[32];
@@ -45,19 +45,19 @@ struct store_job {
 /* Number n gives the id and, modulo 8, the scene. */
 void store_job_init(struct store_job *job, int n, int views, int batches);
 
-/* Makes a job that is one study of so many runs. */
+/* Makes a job that is one study of `runs` runs. */
 void store_study_init(struct store_job *job, int n, int runs);
 
 /* Submits a job; fails the test unless it was created. */
 void store_job_submit(struct pen_store *store, const struct store_job *job);
 
-/* Of leases that a test does not mean to end: longer than any test takes, on any machine. */
+/* The length of leases that must not end in a test: longer than any test takes, on any machine. */
 enum { STORE_LEASE_MS = 3600 * 1000 };
 
 /* Claims a batch, for STORE_LEASE_MS; fails the test if none is open. */
 struct pen_claim store_claim(struct pen_store *store, const char *worker);
 
-/* Commits the result that the batch needs: pixels, which depend on the tile alone, and a picture if
+/* Commits the result that the batch needs: pixels, which depend only on the tile, and a picture if
  * the batch ends its view. Returns the code. */
 enum pen_code store_commit(struct pen_store *store, const struct pen_claim *claim);
 
@@ -77,17 +77,17 @@ void store_put(struct pen_store *store, const struct store_artefact *artefact);
 /* Reports that a worker was killed by another process; returns the number of batches opened. */
 int store_worker_died(struct pen_store *store, const char *id);
 
-/* Does all that deletes have left to do, in slices; returns their number. */
+/* Does all housekeeping that deletes have left, in slices; returns their number. */
 int store_purge_slices(struct pen_store *store);
 
 /* Puts a worker with two threads on the list of workers. */
 void store_worker_seen(struct pen_store *store, const char *id);
 
-/* The job; the caller releases it. */
+/* Returns the job; the caller releases it. */
 struct pen_job_record store_job_get(struct pen_store *store, const char *id);
 enum pen_job_state store_job_state(struct pen_store *store, const char *id);
 
-/* Fails the test with the message of the status unless ok. */
+/* Fails the test with the message of the status, unless ok. */
 void store_must(bool ok, const struct pen_status *st, const char *what);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What tests read of a store's rows that the door does not show. */
+/* Rows of a store that tests read, and that the interface does not show. */
 #ifndef TESTS_SUPPORT_STORE_ROWS_H
 #define TESTS_SUPPORT_STORE_ROWS_H
 
@@ -16,7 +16,7 @@ struct store_batch {
 /* Reads at most `most` batches of a job, by view and first tile; returns their number. */
 int store_batches(const char *url, const char *id, struct store_batch *batch, int most);
 
-/* What a statement gives that has one number for a result. */
+/* Returns the result of a statement whose result is one number. */
 int64_t store_value(const char *url, const char *sql);
 
 /* Runs a statement without results, with a blob (or NULL) for $1. */

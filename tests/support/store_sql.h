@@ -10,7 +10,7 @@
 /* Runs one statement without results, with a blob (or NULL) for its first parameter. */
 void store_run_sql(const struct store_bed *bed, const char *sql, const void *blob, size_t bytes);
 
-/* What a statement gives that has one number for a result. */
+/* Returns the result of a statement whose result is one number. */
 int store_number(const char *file, const char *sql);
 
 #endif

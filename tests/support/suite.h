@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* A test program: `PEN_SUITE("name", test_a, test_b)` at the end of a test file makes its main.
- * Each test runs in a process of its own (libcheck), so a crash fails one test only.
+ * Each test runs in its own process (libcheck), so a crash fails only one test.
  *
- * Tests that judge how long something takes stand behind PEN_TIMED in the list, or use
- * ck_assert_timed: they would fail on a slow machine, so only `make check-all PARTS=timed`, which
- * sets the environment variable PEN_TIMED, judges times. A test that lacks a privilege or a feature
- * of the machine calls suite_skip and returns. */
+ * Tests that judge how long something takes come after PEN_TIMED in the list, or use
+ * ck_assert_timed. They would fail on a slow machine. So only `make check-all PARTS=timed`, which
+ * sets PEN_TIMED in the environment, judges times. A test that lacks a privilege or a feature of
+ * the machine calls suite_skip and returns. */
 #ifndef TESTS_SUPPORT_SUITE_H
 #define TESTS_SUPPORT_SUITE_H
 
@@ -15,19 +15,19 @@
 /* Runs the tests of one suite and prints libcheck's closing line. Returns the exit code. */
 int suite_run(const char *name, const TTest *const *tests, int count);
 
-/* Whether times are judged. */
+/* Returns true if times are judged. */
 bool suite_timed(void);
 
-/* Says that the running test is skipped, and why: `need` is a word that tests/needs.sh knows. */
+/* Says that the running test is skipped, and why. `need` is a word from tests/needs.sh. */
 void suite_skip(const char *need, const char *why);
 
-/* In a list of tests: those behind it judge times. */
+/* In a list of tests: all tests after it judge times. */
 #define PEN_TIMED NULL
 
 #define ck_assert_timed(condition) ck_assert(!suite_timed() || (condition))
 
-/* Seconds after which a test gives up, because what it waits for seems never to come. No time that
- * a test judges is so long. */
+/* Seconds after which a test gives up, because it waits for something that seems never to come. No
+ * test judges a time as long as this. */
 enum { SUITE_HANG_S = 300 };
 
 #define PEN_SUITE(name, ...)                                                                       \

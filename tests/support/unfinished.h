@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Studies that are interrupted, and what they keep, in memory. */
+/* Interrupted studies, and what they keep, in memory. */
 #ifndef TESTS_SUPPORT_UNFINISHED_H
 #define TESTS_SUPPORT_UNFINISHED_H
 
@@ -7,12 +7,12 @@
 
 /* Initialise with zeros. */
 struct unfinished_bed {
-    int runs_left; /* until the study is interrupted; 0: it is not */
+    int runs_left; /* until the study is interrupted; 0: never */
     int calls;     /* of unfinished_keep */
     json_t *state;
     int width, height;
     float *picture[PEN_STUDY_PICTURES_MAX];
-    struct pen_kept_study kept; /* what is kept, once something is */
+    struct pen_kept_study kept; /* what is kept, after the first time */
 };
 
 /* pen_between_fn; `user` is the bed. */
@@ -20,7 +20,8 @@ bool unfinished_keep(void *user, const struct pen_unfinished *unfinished);
 
 void unfinished_release(struct unfinished_bed *bed);
 
-/* A copy of a state with another value, JSON, at a JSON pointer; the caller json_decref()s. */
+/* Returns a copy of a state with another value, JSON, at a JSON pointer; the caller calls
+ * json_decref(). */
 json_t *unfinished_changed(const json_t *state, const char *pointer, const char *value);
 
 #endif

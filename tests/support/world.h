@@ -8,8 +8,8 @@
 
 enum { WORLD_MAX = 2048 };
 
-/* Holds its own arrays; it is large, so tests keep it static. Primitives are numbered in the order
- * in which they are added. */
+/* Primitives in its own arrays. It is large, so tests keep it static. Primitives are numbered in
+ * the order in which they are added. */
 struct world {
     struct pen_prims prims;
     struct pen_prim_ref ref[WORLD_MAX];
@@ -50,8 +50,8 @@ void world_box(struct world *w, struct pen_vec3 lo, struct pen_vec3 hi);
 /* Adds `count` primitives of all kinds, with sizes up to `size`, in a cube of half-width 1. */
 void world_random(struct world *w, struct random *random, uint32_t count, double size);
 
-/* Adds polygons of that size with corners off their plane, concave ones, in a cube of half-width 1.
- */
+/* Adds polygons of that size with corners off their plane, also concave ones, in a cube of
+ * half-width 1. */
 void world_bent(struct world *w, struct random *random, uint32_t count, double size);
 
 /* Makes a ray, and fails the test if that is impossible. */
@@ -67,13 +67,13 @@ struct pen_hit world_nearest(const struct world *w, const struct pen_ray *ray,
                              const struct pen_origin_surface *origin,
                              const struct pen_t_interval *interval);
 
-/* The number of intersections with 0 < t <= tmax; the first `room` of them are stored in hit[], in
- * order. */
+/* Returns the number of intersections with 0 < t <= tmax. The first `room` of them are stored in
+ * hit[], in order. */
 int world_intersections(const struct world *w, const struct pen_ray *ray,
                         const struct pen_origin_surface *origin, double tmax, struct pen_hit *hit,
                         int room);
 
-/* The number of intersections with t > 0 of a ray that starts in free space. */
+/* Returns the number of intersections with t > 0 of a ray that starts in free space. */
 int world_count(const struct world *w, struct pen_vec3 o, struct pen_vec3 d);
 
 #endif

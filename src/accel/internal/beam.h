@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* The beam of a ray packet: what encloses all its rays, in binary32.
+/* The beam of a ray packet: a volume that encloses all its rays, in binary32.
  *
  * The rays' directions have the same largest axis z and the same sign along it; x and y are the
- * other two. At a depth w >= 0 along z, in that sign, from its origin (ox, oy, oz) a ray is at
- * x = ox + w sx, with |sx| <= 1. So all rays at depths w0 to w1 from the nearest origin are between
- * the least ox + w sx and the largest. Shadow rays to a point are enclosed as if they began in
- * their common end, which makes a narrower beam, and by the box of all their origins and the end.
+ * other two axes. At depth w >= 0 along z, in that sign, from its origin (ox, oy, oz) a ray is at x
+ * = ox + w sx, with |sx| <= 1. So at depths w0 to w1 from the nearest origin, all rays are between
+ * the least and the largest ox + w sx. Shadow rays to a point are enclosed as if they began at
+ * their common end, which makes a narrower beam. They are also inside the box of all their origins
+ * and the end.
  *
- * Why no box that a ray meets is left out. Let M be the largest size of a coordinate of an origin,
- * of the light, and of a box. All numbers in a test are at most 4 M; each is off by at most eight
- * roundings of 2^-24, conversion included; the point at which a ray meets what the box contains is
- * within the box up to 2^-24 of the ray's length there, at most 4 M (accel/README.md); and what the
- * self-intersection rule adds lies within `grow` of the ray's origin. Together that is below
- * 9 4 M 2^-24 + grow < 2^-18 M + grow, the beam's margin. */
+ * Why the beam enters every box that a ray meets. Let M be the largest size of a coordinate of an
+ * origin, of the light, and of a box. All numbers in a test are at most 4 M. Each is off by at most
+ * eight roundings of 2^-24, conversion included. The point at which a ray meets a primitive is
+ * within its box up to 2^-24 of the ray's length there, at most 4 M (accel/README.md). The
+ * additions of the self-intersection rule lie within `grow` of the ray's origin. Together that is
+ * below 9 4 M 2^-24 + grow < 2^-18 M + grow, the beam's margin. */
 #ifndef PEN_ACCEL_INTERNAL_BEAM_H
 #define PEN_ACCEL_INTERNAL_BEAM_H
 
@@ -22,15 +23,15 @@
 
 struct beam {
     int axis[3];             /* x, y and z */
-    bool forward;            /* the rays go up along z */
-    float lo[3], hi[3];      /* their origins, or the light, by x, y, z */
+    bool forward;            /* the rays go towards larger z */
+    float lo[3], hi[3];      /* the bounds of their origins, or the light, by x, y, z */
     float least[2], most[2]; /* slopes of x and y by depth */
     float margin;
-    bool bounded;               /* the rays are inside the box */
+    bool bounded;               /* the rays are inside the following box */
     float box_lo[3], box_hi[3]; /* by axis of space */
 };
 
-/* The depths of boxes, and the range of x or y that the beam has there. */
+/* The depths of boxes, and the beam's range of x or y at these depths. */
 struct beam_depth8 {
     float8 near, far;
 };
@@ -46,7 +47,7 @@ static inline struct beam_depth8 beam_depth8(const struct beam *beam, const stru
     return (struct beam_depth8){beam->lo[2] - hi, beam->hi[2] - lo};
 }
 
-/* The node's boxes that some ray may enter. */
+/* The node's boxes that some ray may enter, as bits. */
 static inline unsigned beam_enter_node(const struct beam *beam, const struct pen_node *node)
 {
     const float8 zero = {0, 0, 0, 0, 0, 0, 0, 0};
@@ -69,7 +70,8 @@ static inline unsigned beam_enter_node(const struct beam *beam, const struct pen
     return mask8_bits(&in);
 }
 
-/* No ray meets what is in a box at a smaller depth, counted from its own origin. */
+/* A lower bound of the depth, counted from its own origin, at which a ray meets a primitive in the
+ * box. */
 static inline float beam_near(const struct beam *beam, const struct pen_float_box *box)
 {
     const int z = beam->axis[2];
@@ -77,7 +79,8 @@ static inline float beam_near(const struct beam *beam, const struct pen_float_bo
     return (w > 0 ? w : 0) - 2 * beam->margin;
 }
 
-/* The beams of so many parts of the rays. The other members of struct beam are those of all. */
+/* The number of beams that are tested at once, one for each part of the rays. Members of struct
+ * beam that are not here are common to all parts. */
 enum { BEAMS = 8 };
 
 struct beams {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Tests of blocks, four primitives at once, in binary64. Every lane does the operations of the
  * primitive's header in geom in the same order, so t has the same bits. Lanes with a special case
- * (the ray starts on or touches the primitive, or is parallel to it) are tested by the scalar
+ * (the ray starts on or touches the primitive, or is parallel to it) are left to the scalar
  * functions. The comment of a small function names the scalar function that it computes. */
 #ifndef PEN_ACCEL_INTERNAL_BLOCKS_AVX2_H
 #define PEN_ACCEL_INTERNAL_BLOCKS_AVX2_H
@@ -98,7 +98,7 @@ static inline unsigned bits(__m256d mask)
 #define LESS(a, b) _mm256_cmp_pd(a, b, _CMP_LT_OQ)
 #define LESS_EQUAL(a, b) _mm256_cmp_pd(a, b, _CMP_LE_OQ)
 
-/* The t beyond which intersections do not count. */
+/* The largest t at which intersections count. */
 static inline __m256d tmax4(const struct trace *trace, bool any)
 {
     return splat4(any ? trace->shadow->tmax : trace->best.t);
@@ -120,7 +120,7 @@ static inline unsigned useful_pairs(const struct trace *trace, __m256d t0, __m25
         LESS(t0, t1), _mm256_and_pd(LESS_EQUAL(t0, tmax4(trace, any)), LESS_EQUAL(after, t1))));
 }
 
-/* The same where t0 and t1 are only bounds, or NaN where there is no bound. */
+/* The same if t0 and t1 are only bounds, or NaN for no bound. */
 static inline unsigned overlaps4(const struct trace *trace, __m256d t0, __m256d t1, bool any)
 {
     __m256d out =
@@ -128,7 +128,7 @@ static inline unsigned overlaps4(const struct trace *trace, __m256d t0, __m256d 
     return 15 & ~bits(_mm256_or_pd(LESS(t1, t0), out));
 }
 
-/* Tests lanes by the scalar function; empty lanes are skipped. */
+/* Tests lanes by the scalar function; skips empty lanes. */
 static inline bool test_lanes(struct trace *trace, const uint32_t prim[PEN_LANES], unsigned lanes,
                               bool any)
 {
@@ -140,7 +140,8 @@ static inline bool test_lanes(struct trace *trace, const uint32_t prim[PEN_LANES
     return false;
 }
 
-/* The same by the reference, for flat primitives that may have the ray's origin on their border. */
+/* Tests lanes by the reference, for flat primitives that may have the ray's origin on their border.
+ */
 static inline bool test_at_border(struct trace *trace, const uint32_t prim[PEN_LANES],
                                   unsigned lanes, bool any)
 {
@@ -175,7 +176,7 @@ static inline bool test_spheres4(struct trace *trace, const struct pen_spheres4 
     __m256d rr = _mm256_loadu_pd(b->rr);
     __m256d disc = _mm256_add_pd(_mm256_sub_pd(rr, dot4(l, l)), _mm256_loadu_pd(b->rr_low));
     unsigned own = origin_lanes(trace, b->prim);
-    /* All lanes surely miss, by more than the refinement may change. */
+    /* All lanes certainly miss, by more than refinement can change. */
     if ((bits(LESS(_mm256_mul_pd(splat4(-PEN_GRAZING), rr), disc)) | own) == 0)
         return false;
     __m256d h = _mm256_sqrt_pd(_mm256_mul_pd(disc, inv_dd));
@@ -217,7 +218,7 @@ static inline struct vec4 shear4(const struct trace *trace, const double v[3][PE
     return f;
 }
 
-/* Its y alone, and its x alone. */
+/* Its y alone, and below its x alone. */
 static inline __m256d shear_y4(const struct trace *trace, const double v[3][PEN_LANES])
 {
     const struct pen_ray *ray = trace->ray;
@@ -236,7 +237,7 @@ static inline __m256d shear_x4(const struct trace *trace, const double v[3][PEN_
 
 /* A superset of the lanes whose edge from a to b passes within `slack` of the ray's origin. In ray
  * space the shear at most doubles distances across the ray. An edge that is a single point there
- * has a neighbour that is not, and that passes as near. */
+ * has a neighbour that is longer and passes as near. */
 static inline __m256d edge_passes_origin4(const struct trace *trace, struct vec4 a, struct vec4 b)
 {
     __m256d size = _mm256_add_pd(abs4(_mm256_sub_pd(b.x, a.x)), abs4(_mm256_sub_pd(b.y, a.y)));
@@ -278,7 +279,7 @@ static inline bool test_triangles4(struct trace *trace, const struct pen_triangl
     __m256d ev = minus_dop4(a.x, c.y, a.y, c.x);
     __m256d a_low = LESS_EQUAL(a.y, zero), b_low = LESS_EQUAL(b.y, zero);
     __m256d c_low = LESS_EQUAL(c.y, zero);
-    /* At most one edge passes upward and one downward: the winding is their difference. */
+    /* At most one edge passes upward and one downward; the winding is their difference. */
     __m256d up =
         _mm256_or_pd(_mm256_or_pd(_mm256_and_pd(_mm256_andnot_pd(b_low, a_low), LESS(zero, ew)),
                                   _mm256_and_pd(_mm256_andnot_pd(c_low, b_low), LESS(zero, eu))),
@@ -298,8 +299,8 @@ static inline bool test_triangles4(struct trace *trace, const struct pen_triangl
            offer_triangles(trace, block->prim, lanes & ~origin_lanes(trace, block->prim), any);
 }
 
-/* The lanes of a block whose boxes the ray enters: the others it surely misses. Those that may
- * contain its origin are in *inside. */
+/* The lanes of a block whose boxes the ray enters; it certainly misses the others. *inside: the
+ * lanes that may contain its origin. */
 static inline unsigned lanes_entered(const struct trace *trace, const struct pen_boxes4 *boxes,
                                      bool any, unsigned *inside)
 {
@@ -311,7 +312,7 @@ static inline unsigned lanes_entered(const struct trace *trace, const struct pen
     return enter_boxes(boxes, box, pen_float_up(tmax * box->scale), inside);
 }
 
-/* The largest number of corners in some lanes of a block. Lanes without a polygon have none. */
+/* The largest number of corners in `lanes` of a block. Lanes without a polygon have none. */
 static inline uint32_t most_corners(const struct trace *trace, const struct pen_polygons4 *block,
                                     unsigned lanes)
 {
@@ -328,18 +329,19 @@ static inline uint32_t most_corners(const struct trace *trace, const struct pen_
 
 /* Whether polygons wind around the ray, by the winding rule of geom/triangle.h. */
 struct entered4 {
-    unsigned lanes; /* those that do; right except in `ties` */
+    unsigned lanes; /* lanes that do; right except in `ties` */
     unsigned ties;  /* two products round to the same number: their order is not known */
 };
 
-/* The edges of four polygons, summed up. */
+/* The sums over the edges of four polygons. */
 struct winding4 {
     __m256i turns;
-    __m256d ties, near; /* masks: of entered4, and of those with the ray's origin on their border */
+    __m256d ties,
+        near; /* masks: entered4.ties, and polygons with the ray's origin on their border */
 };
 
-/* Adds the edge from a to b in the lanes in which it `passes` y = 0; a_low: a is not above. Two
- * products that round to different numbers are in that order too before rounding. */
+/* Adds the edge from a to b in the lanes in which it `passes` y = 0; a_low: a.y is not above 0. If
+ * two products round to different numbers, these have the order of the exact products. */
 static inline void add_edge4(struct winding4 *w, struct vec4 a, struct vec4 b, __m256d a_low,
                              __m256d passes)
 {
@@ -352,10 +354,10 @@ static inline void add_edge4(struct winding4 *w, struct vec4 a, struct vec4 b, _
     w->turns = _mm256_add_epi64(w->turns, _mm256_and_si256(_mm256_castpd_si256(right), turn));
 }
 
-/* Right for `lanes` only, so that polygons of four corners do not wait for one of a hundred in
- * their block that the ray misses. x is computed of the ends of edges that pass y = 0, the fewest.
- * If `border` is not NULL, it gets a superset of the polygons with the ray's origin on their
- * border. */
+/* The polygons that wind around the ray. The result is valid for `lanes` only, so a polygon of a
+ * hundred corners that the ray misses costs nothing. x is computed only for ends of edges that pass
+ * y = 0, which are few. If `border` is not NULL, it gets a superset of the polygons with the ray's
+ * origin on their border. */
 static inline struct entered4 polygons_entered4(const struct trace *trace,
                                                 const struct pen_polygons4 *block, unsigned lanes,
                                                 unsigned *border)
@@ -457,7 +459,7 @@ static inline __m256d dot_guarded4(struct vec4 a, struct vec4 b)
     return bits(plain) == 15 ? sum : _mm256_blendv_pd(accurate_dot4(a, b), sum, plain);
 }
 
-/* `tied` is a constant: whether the ray is tied. */
+/* Tests four planes. `tied` is a constant: whether the ray is tied. */
 static inline __attribute__((always_inline)) bool
 planes4(struct trace *trace, const struct pen_planes4 *b, bool any, bool tied)
 {
@@ -509,17 +511,19 @@ static inline bool test_planes4(struct trace *trace, const struct pen_planes4 *b
     return planes4(trace, b, any, false);
 }
 
-/* The intersections of a ray with four cylinders, continued without end. */
+/* The intersections of a ray with four cylinders that are continued without end. */
 struct side4 {
-    __m256d mm, nn; /* 0 if parallel; squared distance of the origin from the axis, times |a|^2 */
+    __m256d mm, nn; /* |d x a|^2, 0 if parallel; squared distance of the origin from the axis, times
+                       |a|^2 */
     __m256d inv, tp, lm, disc, rr; /* of pen_cylinder_side_roots; lm is l.m */
     __m256d t0, t1;                /* as pen_cylinder_side_roots */
-    unsigned near; /* lanes that the scalar function refines; t is within [least, most] there */
+    unsigned near; /* lanes that the scalar function refines; there t is within [least, most] */
     __m256d least, most;
 };
 
-/* The first half of pen_cylinder_side_roots: how far the ray's line passes from the axis. Returns
- * the lanes that it surely misses, by more than the refinement may change, and not in parallel. */
+/* The first half of pen_cylinder_side_roots: the distance of the ray's line from the axis. Returns
+ * the lanes that it certainly misses, by more than refinement can change; parallel lanes are not
+ * among them. */
 static inline unsigned side_distance4(const struct trace *trace, const struct pen_cylinders4 *b,
                                       struct vec4 f, struct vec4 a, struct side4 *out)
 {
@@ -542,7 +546,7 @@ static inline unsigned side_distance4(const struct trace *trace, const struct pe
                               LESS(out->disc, _mm256_mul_pd(splat4(-PEN_GRAZING), out->rr))));
 }
 
-/* The second half. */
+/* The second half: the roots. */
 static inline void side_roots4(const struct trace *trace, struct side4 *out)
 {
     __m256d rest = _mm256_mul_pd(neg4(out->lm), out->inv), tp = out->tp;
@@ -557,7 +561,7 @@ static inline void side_roots4(const struct trace *trace, struct side4 *out)
     }
 }
 
-/* The sum of the sizes of the products of a dot product. */
+/* The sum of the sizes of the products in a dot product. */
 static inline __m256d size4(struct vec4 a, struct vec4 b)
 {
     __m256d xy = _mm256_add_pd(abs4(_mm256_mul_pd(a.x, b.x)), abs4(_mm256_mul_pd(a.y, b.y)));
@@ -579,7 +583,7 @@ static inline __m256d cylinder_touches4(const struct trace *trace, const struct 
                         _mm256_or_pd(LESS_EQUAL(off_base, twice), LESS_EQUAL(off_top, twice)));
 }
 
-/* pen_cylinder_slab_loses. Of tied rays, side4.near has all lanes that count. */
+/* pen_cylinder_slab_loses. For tied rays, side4.near contains all lanes that count. */
 static inline unsigned slab_loses4(const struct trace *trace, const struct pen_cylinders4 *b,
                                    struct vec4 f, struct vec4 a)
 {
@@ -603,13 +607,13 @@ static inline bool offer_inside(struct trace *trace, const struct pen_cylinders4
             offer(trace, b->prim[lane], in->hi, in->hi_part, any));
 }
 
-/* The t-intervals in the slabs; `up`: lanes in which the ray goes from the base to the top. */
+/* The t-intervals in the slabs. `up`: lanes in which the ray goes from the base to the top. */
 struct slab4 {
     __m256d lo, hi;
     unsigned up;
 };
 
-/* Clips the slab's intervals to the side's, and offers their ends. */
+/* Clips the slabs' intervals to the sides', and offers their ends. */
 static inline bool offer_sides(struct trace *trace, const struct pen_cylinders4 *b, unsigned lanes,
                                const struct slab4 *slab, const struct side4 *side, bool any)
 {
@@ -639,8 +643,8 @@ static inline unsigned near4(const struct trace *trace, __m256d t0, __m256d t1)
     return bits(LESS_EQUAL(least, splat4(trace->near_sq)));
 }
 
-/* Lanes whose ends are surely on the side, at side.t0 and side.t1, wherever within `pad` the
- * refined slab begins and ends. `first`: only the first end matters, if it is ahead. */
+/* Lanes whose ends are certainly on the side, at side.t0 and side.t1, if the ends of the refined
+ * slab are within `pad` of these. `first`: only the first end matters, if it is ahead. */
 static inline unsigned ends_on_side4(const struct trace *trace, const struct side4 *side,
                                      const struct slab4 *slab, __m256d pad, bool first)
 {

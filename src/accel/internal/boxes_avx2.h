@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tests of boxes with AVX2 and FMA, the eight of a node or the four of a block at once; see
+/* Tests of boxes with AVX2 and FMA: the eight of a node or the four of a block at once. See
  * prim_test.h. */
 #ifndef PEN_ACCEL_INTERNAL_BOXES_AVX2_H
 #define PEN_ACCEL_INTERNAL_BOXES_AVX2_H
@@ -13,8 +13,8 @@ static inline __m256d splat4(double x)
     return _mm256_set1_pd(x);
 }
 
-/* The near or far planes of an axis: their row in a node, and the ray's origin and reciprocal that
- * they are compared with. */
+/* The near or far planes of an axis: their row in a node, and the ray's origin and reciprocal for
+ * the comparison. */
 struct box_side {
     __m256 o, inv;
     size_t row;
@@ -31,13 +31,13 @@ static inline struct box_side box_side(float o, float inv, size_t row)
     return (struct box_side){_mm256_set1_ps(o), _mm256_set1_ps(inv), row};
 }
 
-/* The nearest floats, kept finite. */
+/* The nearest floats, limited to finite ones. */
 static inline __m128 floats_nearest(__m256d x)
 {
     return _mm256_cvtpd_ps(_mm256_max_pd(_mm256_min_pd(x, splat4(FLT_MAX)), splat4(-FLT_MAX)));
 }
 
-/* A margin larger than the distance of a float from any number that rounds to it, and from its
+/* A margin that exceeds the distance of a float from any number that rounds to it, and from its
  * neighbours. */
 static inline __m128 floats_margin(__m128 f)
 {
@@ -57,7 +57,7 @@ static inline void box_ray_make(struct box_ray *box, const struct pen_ray *ray, 
     high = _mm_add_ps(high, floats_margin(high));
     __m256d inv = _mm256_div_pd(splat4(box->scale), d);
     __m128 far_inv = _mm256_cvtpd_ps(_mm256_mul_pd(inv, splat4(1 + 0x1p-22)));
-    /* Where d is negative or -0, the near plane is the high end. */
+    /* If d is negative or -0, the near plane is the high end. */
     float o_near[4], o_far[4], inv_near[4], inv_far[4];
     _mm_storeu_ps(o_near, _mm_blendv_ps(high, low, far_inv));
     _mm_storeu_ps(o_far, _mm_blendv_ps(low, high, far_inv));
@@ -78,8 +78,8 @@ static inline __m256 box_t(const struct pen_node *node, const struct box_side *s
                          side->inv);
 }
 
-/* An axis with a NaN, from 0 times infinity, does not count: max and min then give their second
- * operand. */
+/* The boxes of a node that the ray enters, as bits. An axis with a NaN, from 0 times infinity, does
+ * not count, because max and min then return their second operand. */
 static inline unsigned enter_node(const struct pen_node *node, const struct box_ray *box,
                                   float limit, float near[PEN_WIDE])
 {
@@ -121,8 +121,8 @@ static inline __m128 boxes_t(const struct pen_boxes4 *boxes, const struct box_si
         _mm256_castps256_ps128(side->inv));
 }
 
-/* The boxes of a block; in *inside those of them that the ray enters no later than the query
- * begins. */
+/* The boxes of a block that the ray enters, as bits. *inside: those that it enters no later than
+ * the query begins. */
 static inline unsigned enter_boxes(const struct pen_boxes4 *boxes, const struct box_ray *box,
                                    float limit, unsigned *inside)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Tests of boxes in plain C, one by one; see prim_test.h. Every float has the same bits as in
- * boxes_avx2.h, so that both variants enter the same boxes and count the same tests. */
+ * boxes_avx2.h, so both variants enter the same boxes and count the same tests. */
 #ifndef PEN_ACCEL_INTERNAL_BOXES_BASE_H
 #define PEN_ACCEL_INTERNAL_BOXES_BASE_H
 
@@ -14,14 +14,14 @@ struct box_ray {
     double scale;
 };
 
-/* A margin larger than the distance of a float from any number that rounds to it, and from its
+/* A margin that exceeds the distance of a float from any number that rounds to it, and from its
  * neighbours. */
 static inline float float_margin(float f)
 {
     return (float)((double)fabsf(f) * 0x1p-23 + (double)FLT_MIN);
 }
 
-/* The nearest float, infinite beyond the range. */
+/* The nearest float; infinite if x is out of range. */
 static inline float float_any(double x)
 {
     return fabs(x) < 0x1.ffffffp127 ? (float)x : signbit(x) ? -INFINITY : INFINITY;
@@ -51,7 +51,7 @@ static inline void box_ray_make(struct box_ray *box, const struct pen_ray *ray, 
     box->tmin = pen_float_down(tmin * box->scale);
 }
 
-/* Whether the ray enters one of the `width` boxes that `plane` holds side by side. */
+/* Whether the ray enters this one of the `width` boxes that `plane` holds side by side. */
 static inline bool enter_box(const float *plane, int width, const struct box_ray *box, float limit,
                              float *near)
 {

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* What LANES rays of a disk packet surely do with a candidate: they hit it, miss it, or rounding
- * decides. */
+/* Classifies LANES rays of a disk packet against a candidate: certain hit, certain miss, or
+ * undecided because of rounding. */
 #ifndef PEN_ACCEL_INTERNAL_DISK_PACKET_CLASSIFY_H
 #define PEN_ACCEL_INTERNAL_DISK_PACKET_CLASSIFY_H
 
 #include "accel/internal/disk_candidate.h"
 #include "math/lanes.h"
 
-/* Rays that surely hit the candidate's primitive before they end, that surely miss it, that surely
- * intersect it exactly once, and exactly twice. A ray in neither `hit` nor `miss` is not decided.
- */
+/* Rays that certainly hit the candidate's primitive before they end, certainly miss it, certainly
+ * intersect it exactly once, and exactly twice. A ray in neither `hit` nor `miss` is undecided. */
 struct verdict {
     lane_mask hit, miss, once, twice;
 };
@@ -24,7 +23,7 @@ static inline lanes line_at(const struct pen_disk_line *line, struct disk_points
     return line->e + p.a * line->u + p.b * line->v;
 }
 
-/* The squared length of the direction to a point of the disk, which u and v span: d.d. */
+/* The squared length d.d of the direction to a point of the disk that u and v span. */
 static inline lanes length_at(const struct pen_disk_line *line, struct disk_points p)
 {
     return line->e + p.a * p.a * line->u + p.b * p.b * line->v;
@@ -57,7 +56,7 @@ static inline struct verdict classify_lines(const struct pen_disk_candidate *can
     return out;
 }
 
-/* Rays that are surely on one side of a line. */
+/* Rays that are certainly on one side of a line. */
 struct sides {
     lane_mask above, below;
 };
@@ -68,7 +67,7 @@ static inline struct sides line_sides(const struct pen_disk_line *line, struct d
     return (struct sides){lanes_above(e, line->band), lanes_below(e, -line->band)};
 }
 
-/* See outline_candidate. */
+/* For a flat primitive with any outline: see outline_candidate. */
 static inline struct verdict classify_outline(const struct pen_disk_candidate *candidate,
                                               struct disk_points p)
 {
@@ -103,13 +102,14 @@ static inline struct verdict classify_sphere_ahead(const struct pen_disk_candida
                             .twice = hit};
 }
 
-/* Two intersections at lo < hi: whether each surely counts, or surely does not. */
+/* Two intersections at lo < hi: the rays in which each certainly counts, and certainly does not. */
 struct ends {
     lane_mask lo, no_lo, hi, no_hi;
 };
 
 /* An intersection before the ray begins or after it ends does not count. If the ray starts on the
- * primitive, neither does the intersection at its origin, which is lo if hi is surely ahead. */
+ * primitive, the intersection at its origin does not count either; it is lo if hi is certainly
+ * ahead. */
 static inline struct ends ends_of(const struct pen_disk_candidate *candidate, lanes lo, lanes hi,
                                   double end)
 {
@@ -128,11 +128,11 @@ static inline struct ends ends_of(const struct pen_disk_candidate *candidate, la
     return e;
 }
 
-/* The intersections of rays with a solid: at lo < hi where they surely meet it. */
+/* The intersections of rays with a solid, at lo < hi for rays that certainly meet it. */
 struct chord {
     lanes lo, hi;
     struct ends ends;
-    lane_mask meets, beside; /* surely; neither where that is not sure */
+    lane_mask meets, beside; /* both are certain; a ray in neither is undecided */
 };
 
 static inline struct verdict verdict_of_chord(const struct chord *c)
@@ -158,9 +158,9 @@ static inline struct chord sphere_chord(const struct pen_disk_candidate *candida
                           .beside = lanes_below(f, -k->band)};
 }
 
-/* The lines are those of cylinder_lines, in disk_candidate.c. Without caps, an end of the overlap
- * that belongs to the slab is no intersection. Where a ray runs along the caps, at a sine below
- * 2^-20, rounding decides where it passes their planes, and no hit is sure. */
+/* The chord in a cylinder. The lines are those of cylinder_lines in disk_candidate.c. Without caps,
+ * an end of the overlap that belongs to the slab is no intersection. If a ray runs along the caps,
+ * at a sine below 2^-20, rounding decides where it passes their planes; then no hit is certain. */
 static inline struct chord cylinder_chord(const struct pen_disk_candidate *candidate,
                                           struct disk_points p)
 {

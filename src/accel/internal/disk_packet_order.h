@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* The order in which rays of a disk packet intersect primitives that let light pass. What such a
- * ray transmits is a product of kt in that order, since rounded products of more than two factors
- * depend on it. */
+/* The order in which rays of a disk packet intersect primitives that transmit light. The ray's
+ * transmittance is a product of kt in that order. The order matters, because a rounded product of
+ * more than two factors depends on it. */
 #ifndef PEN_ACCEL_INTERNAL_DISK_PACKET_ORDER_H
 #define PEN_ACCEL_INTERNAL_DISK_PACKET_ORDER_H
 
 #include "accel/internal/disk_packet_classify.h"
 
-/* The intersections of LANES rays with a candidate that lets light pass, and by how much their t
- * may be off. A ray that by the verdict intersects it twice does so at lo and hi, one that does
- * once at lo or else, where `at_hi`, at hi. */
+/* The intersections of LANES rays with a candidate that transmits light, and the error of their t.
+ * A ray that the verdict has in `twice` intersects it at lo and hi. A ray in `once` does so at hi
+ * if it is in `at_hi`, else at lo. */
 struct lane_intersections {
     lane_mask at_hi;
     lanes lo, hi, error;
@@ -39,7 +39,7 @@ candidate_intersections(const struct pen_disk_candidate *candidate, struct disk_
                                        .error = 0x1p-20 * (1 + lanes_abs(c.lo) + lanes_abs(c.hi))};
 }
 
-/* The intersections of one ray, by t. */
+/* The intersections of one ray, sorted by t. */
 struct intersection_list {
     int count;
     bool overflow;
@@ -62,7 +62,8 @@ static inline void add_intersection(struct intersection_list *list, struct inter
     list->count++;
 }
 
-/* Adds those with candidate `number` of the rays from i on that are in `rays`, a bit each. */
+/* Adds the intersections with candidate `number` of the rays from i on. `rays` has a bit for each
+ * ray to include. */
 static inline void add_intersections(const struct pen_disk_packet *packet, uint8_t number, int i,
                                      struct disk_points p, unsigned rays,
                                      struct intersection_list list[LANES])
@@ -83,8 +84,8 @@ static inline void add_intersections(const struct pen_disk_packet *packet, uint8
     }
 }
 
-/* Makes the sequence of ray i of the packet. False if rounding could change it, or if it is too
- * long. */
+/* Makes the sequence of ray i of the packet. Returns false if rounding could change it, or if it is
+ * too long. */
 static inline bool make_sequence(struct pen_disk_packet *packet, int i,
                                  const struct intersection_list *list)
 {
@@ -99,8 +100,8 @@ static inline bool make_sequence(struct pen_disk_packet *packet, int i,
     return sure;
 }
 
-/* Finds the order in which some rays, all decided, intersect candidates that let light pass.
- * Returns the rays for which it is sure. */
+/* Finds the order in which some rays, all decided, intersect candidates that transmit light.
+ * Returns the rays whose order is certain. */
 static inline uint64_t order_intersections(struct pen_disk_packet *packet, const double *a,
                                            const double *b, uint64_t rays)
 {

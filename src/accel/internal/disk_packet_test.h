@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tests the rays of a disk packet against its candidates, LANES rays at a time, and traces those
+/* Tests the rays of a disk packet against its candidates, LANES rays at a time. Traces the rays
  * that need the scalar fallback. */
 #ifndef PEN_ACCEL_INTERNAL_DISK_PACKET_TEST_H
 #define PEN_ACCEL_INTERNAL_DISK_PACKET_TEST_H
@@ -8,12 +8,12 @@
 #include "accel/internal/disk_packet_traverse.h"
 #include "accel/internal/traverse_query.h"
 
-/* The same for a whole packet, a bit for each ray. */
+/* struct verdict for a whole packet, a bit for each ray. */
 struct verdicts {
     uint64_t hit, miss, once, twice;
 };
 
-/* Classifies rays 0 ... n - 1, without groups of LANES that are all in `done`. */
+/* Classifies rays 0 ... n - 1. Skips groups of LANES rays that are all in `done`. */
 static inline void classify_rays(const struct pen_disk_candidate *candidate, const double *a,
                                  const double *b, int n, uint64_t done, struct verdicts *v)
 {
@@ -32,7 +32,7 @@ static inline void classify_rays(const struct pen_disk_candidate *candidate, con
     }
 }
 
-/* Tests opaque candidates: returns the rays that are blocked. */
+/* Tests opaque candidates. Returns the blocked rays. */
 static inline uint64_t test_opaque(struct pen_disk_packet *packet, const double *a, const double *b,
                                    int n, uint64_t all)
 {
@@ -52,9 +52,9 @@ static inline uint64_t test_opaque(struct pen_disk_packet *packet, const double 
     return blocked;
 }
 
-/* Tests candidates that let light pass, for the rays in `open`. Returns those that are not decided;
- * *many are those that intersect more than twice in all, so that the order of the products matters.
- * one, two, more: a counter of two bits per ray, and its overflow. */
+/* Tests candidates that transmit light, for the rays in `open`. Returns the undecided rays. *many:
+ * the rays with more than two intersections in all, for which the order of the products matters.
+ * `one` and `two` are a counter of two bits per ray, `more` its overflow. */
 static inline uint64_t test_transmissive(struct pen_disk_packet *packet, const double *a,
                                          const double *b, int n, uint64_t open, uint64_t *many)
 {

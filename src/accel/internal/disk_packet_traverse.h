@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Traverses the tree once for a disk packet and collects the primitives that some ray may hit. A
- * box is skipped if it does not overlap the box around all rays, or lies beyond one of four planes
- * through the origin that enclose the cone of rays; both are widened by the packet's delta and by
- * the rounding of floats. */
+ * box is skipped if it does not overlap the box around all rays. It is also skipped if it is beyond
+ * one of four planes through the origin that enclose the cone of rays. Both tests are widened by
+ * the packet's delta and by the rounding of floats. */
 #ifndef PEN_ACCEL_INTERNAL_DISK_PACKET_TRAVERSE_H
 #define PEN_ACCEL_INTERNAL_DISK_PACKET_TRAVERSE_H
 
@@ -10,10 +10,10 @@
 #include "accel/internal/floats8.h"
 #include "accel/internal/prim_test.h"
 
-/* A plane that encloses the rays: boxes with n.x > off for all their points lie beyond it. */
+/* A plane that encloses the rays: a box is beyond it if n.x > off for all points of the box. */
 struct disk_packet_plane {
     float n[3], off;
-    int row[3]; /* of struct pen_node's planes: the end of the box where n.x is least */
+    int row[3]; /* rows of struct pen_node's planes: the end of the box at which n.x is least */
 };
 
 struct disk_packet_box {
@@ -64,7 +64,7 @@ static inline void disk_packet_box_make(struct disk_packet_box *box,
     box->plane[3] = disk_packet_plane_of(packet, pen_neg(v));
 }
 
-/* The node's boxes that some ray may enter. */
+/* The node's boxes that some ray may enter, as bits. */
 static inline unsigned disk_packet_enter_node(const struct pen_node *node,
                                               const struct disk_packet_box *box)
 {
@@ -85,7 +85,7 @@ static inline unsigned disk_packet_enter_node(const struct pen_node *node,
     return mask8_bits(&in);
 }
 
-/* Adds a primitive's candidate. False if that ends the traversal. */
+/* Adds a primitive's candidate. Returns false if that ends the traversal. */
 static inline bool disk_packet_add(const struct pen_accel *accel, struct pen_disk_packet *packet,
                                    uint32_t prim, bool generic,
                                    enum pen_disk_visibility *visibility)
@@ -147,7 +147,7 @@ static inline void disk_packet_traverse(const struct pen_accel *accel,
     }
 }
 
-/* Whether the primitive that occluded all of the last packet occludes all of this one too. */
+/* Whether the primitive that occluded the whole last packet also occludes this whole packet. */
 static inline bool occluded_by_last(const struct pen_accel *accel, struct pen_disk_packet *packet)
 {
     uint32_t last = packet->last_occluder;

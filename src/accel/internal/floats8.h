@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors of eight floats in the compiler's own vector types, which work on any processor: the
- * boxes of a node, or of the parts of a packet. */
+/* Vectors of eight floats in the compiler's own vector types, for any processor: the boxes of a
+ * node, or of the parts of a packet. */
 #ifndef PEN_ACCEL_INTERNAL_FLOATS8_H
 #define PEN_ACCEL_INTERNAL_FLOATS8_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The instruction set that this file is compiled for, PEN_ISA: includes its header, isa_<name>.h,
- * and makes names of its name. */
+/* PEN_ISA, the instruction set for which this file is compiled: includes its header isa_<name>.h
+ * and builds names from its name. */
 #ifndef PEN_ACCEL_INTERNAL_ISA_H
 #define PEN_ACCEL_INTERNAL_ISA_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the traversals need of AVX2 and FMA: eight boxes at once, four primitives at once; see
- * isa_base.h. Compiled without these instructions, it is isa_base.h: the same results. */
+/* The operations of the traversals with AVX2 and FMA: eight boxes at once, four primitives at once;
+ * see isa_base.h. Without these instructions, this header is isa_base.h, with the same results. */
 #ifndef PEN_ACCEL_INTERNAL_ISA_AVX2_H
 #define PEN_ACCEL_INTERNAL_ISA_AVX2_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* One query in progress, and the tests of single primitives: what every compiled variant shares.
+/* One query in progress, and the tests of single primitives: common to all compiled variants.
  *
- * An instruction set's header (see isa_base.h) states how boxes and items are tested:
+ * An instruction set's header (see isa_base.h) defines how boxes and items are tested:
  *
  *   struct box_ray { ...; float tmin; double scale; };
  *   static inline void box_ray_make(struct box_ray *, const struct pen_ray *, double tmin,
@@ -12,45 +12,45 @@
  *                                     float near[2]);
  *   static inline bool test_item(struct trace *, uint32_t item, bool any);
  *
- * However a variant does that, it offers the same intersections: those of pen_prim_intersect.
+ * Every variant offers the same intersections: those of pen_prim_intersect.
  *
- * A struct box_ray is a ray in binary32 for tests of boxes, scaled by a power of two such that the
- * largest component of d is in [1, 2): a box's t is the ray's t times `scale`. So that a box test
- * never errs towards a miss:
- *  1. the near plane of an axis is compared with an origin that is rounded towards that plane, the
- *     far plane with one rounded away from it, so that rounding moves t of the near plane down and
- *     t of the far plane up;
- *  2. reciprocals are off by 2^-22 in the same directions, which is more than the three roundings
- * of a slab test take away;
- *  3. boxes grow by `grow`, so that a box is entered too if it holds a primitive that the ray's
- *     origin only touches. */
+ * A struct box_ray is a ray in binary32 for tests of boxes. It is scaled by a power of two such
+ * that the largest component of d is in [1, 2): a box's t is the ray's t times `scale`. Three rules
+ * ensure that a box test never misses a box in error:
+ *  1. The near plane of an axis is compared with an origin that is rounded towards that plane, the
+ *     far plane with one rounded away from it. So rounding moves t of the near plane down and t of
+ *     the far plane up.
+ *  2. Reciprocals are off by 2^-22 in the same directions. That is more than the three roundings of
+ *     a slab test.
+ *  3. Boxes grow by `grow`, so that the ray also enters the box of a primitive that its origin only
+ *     touches. */
 #ifndef PEN_ACCEL_INTERNAL_PRIM_TEST_H
 #define PEN_ACCEL_INTERNAL_PRIM_TEST_H
 
 #include "accel/internal/rounding.h"
 #include "accel/internal/structure.h"
 
-struct box_ray; /* of the instruction set */
+struct box_ray; /* defined by the instruction set */
 
 /* One query in progress. */
 struct trace {
     const struct pen_accel *accel;
     const struct pen_ray *ray;
     const struct pen_origin_surface *origin;
-    bool from_surface;          /* the ray starts on a primitive */
-    bool reaches_origin;        /* and the box of what is tested now contains the origin */
-    double slack;               /* a primitive that touches the origin misses it by at most this */
-    double grow;                /* the self-intersection rule reaches no farther than this */
-    double near_sq;             /* square of the t at distance grow */
-    const struct box_ray *box;  /* the ray as boxes see it; NULL before that is made */
-    struct pen_hit after, best; /* nearest: the intersection sought is between these */
+    bool from_surface;   /* the ray starts on a primitive */
+    bool reaches_origin; /* from_surface, and the box of the current leaf contains the origin */
+    double slack;        /* the distance by which a primitive that touches the origin may miss it */
+    double grow;         /* the reach of the self-intersection rule */
+    double near_sq;      /* squared t at distance grow */
+    const struct box_ray *box;  /* the ray for boxes; NULL before it is made */
+    struct pen_hit after, best; /* nearest: the intersection is sought between these */
     struct pen_shadow *shadow;
-    double light_bound;    /* shadow: how far the light may be off a surface that contains it */
-    struct pen_vec3 light; /* shadow to a point: where the ray ends */
+    double light_bound; /* shadow: the distance by which the light may miss a surface that contains
+                           it */
+    struct pen_vec3 light; /* shadow to a point: the end of the ray */
 };
 
-/* The unit normal of a plane, triangle or polygon; NULL for other kinds and for a polygon that is
- * cut into triangles. */
+/* The unit normal of a plane, triangle or polygon; NULL for other kinds and for a cut polygon. */
 static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
                                                  struct pen_prim_ref ref)
 {
@@ -73,7 +73,7 @@ static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
     return NULL;
 }
 
-/* At least pen_prim_scale of a flat primitive. */
+/* An upper bound of pen_prim_scale of a flat primitive. */
 static inline double flat_scale(const struct trace *trace, struct pen_prim_ref ref,
                                 struct pen_vec3 p)
 {
@@ -82,7 +82,7 @@ static inline double flat_scale(const struct trace *trace, struct pen_prim_ref r
     return pen_norm1(pen_sub(p, trace->accel->prims->plane[ref.index].q));
 }
 
-/* Whether pen_prim_ends_ray may be true. A cheaper test, which nearly always shows that the light
+/* Whether pen_prim_ends_ray may be true: a cheaper test, which nearly always shows that the light
  * is not on the surface. */
 static inline bool may_end_ray(const struct trace *trace, struct pen_hit h)
 {
@@ -99,7 +99,7 @@ static inline bool may_end_ray(const struct trace *trace, struct pen_hit h)
                1u << h.part;
 }
 
-/* Inserts an intersection that lets light pass, in order. */
+/* Inserts an intersection with a primitive that transmits light, in order. */
 static inline void keep_intersection(struct pen_shadow *query, struct pen_hit h)
 {
     if (query->count == PEN_SHADOW_MAX) {
@@ -112,7 +112,7 @@ static inline void keep_intersection(struct pen_shadow *query, struct pen_hit h)
     query->hit[at] = h;
 }
 
-/* Records an intersection; true if it ends the query. */
+/* Records an intersection; returns true if it ends the query. */
 static inline bool offer(struct trace *trace, uint32_t prim, double t, uint8_t part, bool any)
 {
     struct pen_hit h = {t, prim, part};
@@ -135,8 +135,8 @@ static inline bool offer(struct trace *trace, uint32_t prim, double t, uint8_t p
     return true;
 }
 
-/* The intersections of any primitive, by the reference: for kinds without a test here, and for
- * primitives that the ray's origin is on or touches. */
+/* Tests any primitive by the reference: for kinds without a test here, and for primitives that the
+ * ray's origin is on or touches. */
 static __attribute__((noinline)) bool test_reference(struct trace *trace, uint32_t prim, bool any)
 {
     struct pen_intersections c;
@@ -189,8 +189,8 @@ static inline bool near_origin(const struct trace *trace, double t0, double t1)
 }
 
 /* Whether the ray may pass the rim of a cylinder so near its origin that the self-intersection rule
- * decides; `in` is its interval inside, NULL if there is none. Where there is none, only an open
- * cylinder may be met. */
+ * decides. `in` is its interval inside; NULL if there is none. Then only an open cylinder may be
+ * met. */
 static inline bool may_pass_rim(const struct trace *trace, const struct pen_cylinder *c,
                                 const struct pen_interval *in)
 {
@@ -223,8 +223,8 @@ static inline bool test_cylinder(struct trace *trace, uint32_t prim, const struc
            ((c->caps || in.hi_part == PEN_PART_SIDE) && offer(trace, prim, in.hi, in.hi_part, any));
 }
 
-/* Whether the ray's origin may be on a plane. Of a ray along the plane, t times d.n may not tell.
- */
+/* Whether the ray's origin may be on a plane. For a ray along the plane, t times d.n cannot decide
+ * this. */
 static inline bool starts_on_plane(const struct trace *trace, struct pen_prim_ref ref)
 {
     if (ref.kind != PEN_PRIM_PLANE)
@@ -234,8 +234,8 @@ static inline bool starts_on_plane(const struct trace *trace, struct pen_prim_re
     return fabs(pen_dot(plane->n, f)) <= 2 * trace->origin->bound + 16 * PEN_U * pen_norm1(f);
 }
 
-/* Offers the intersection of the ray's line with a flat primitive at t, if the self-intersection
- * rule does not decide otherwise. */
+/* Offers the intersection of the ray's line with a flat primitive at t, unless the
+ * self-intersection rule decides otherwise. */
 static inline bool offer_flat(struct trace *trace, uint32_t prim, double t, bool any)
 {
     bool late = t > (any ? trace->shadow->tmax : trace->best.t);
@@ -258,8 +258,8 @@ static inline bool offer_flat(struct trace *trace, uint32_t prim, double t, bool
     return !late && offer(trace, prim, t, PEN_PART_SIDE, any);
 }
 
-/* Whether a facet is surely behind the ray's origin or beyond what is sought, and out of the
- * self-intersection rule's reach; t is rough. */
+/* Whether a facet is certainly behind the ray's origin or beyond the end of the query, and beyond
+ * the reach of the self-intersection rule. t is an estimate. */
 static inline bool is_useless(const struct trace *trace, double t, bool any)
 {
     double end = any ? trace->shadow->tmax : trace->best.t;
@@ -267,14 +267,14 @@ static inline bool is_useless(const struct trace *trace, double t, bool any)
            (!trace->from_surface || t * t > 1.0000001 * trace->near_sq);
 }
 
-/* Whether the ray's origin is surely not on a facet that its line meets at t, which is rough. */
+/* Whether the ray's origin is certainly not on a facet that its line meets at t, an estimate. */
 static inline bool starts_off(const struct trace *trace, double t, double dn)
 {
     return fabs(t * dn) > 2 * trace->origin->bound + 16 * PEN_U * trace->accel->scale;
 }
 
-/* The same where the ray's origin may be in the facet's plane, which t does not tell where the ray
- * grazes it. |g| is below 2. */
+/* offer_flat, if the ray's origin may be in the facet's plane. For a grazing ray, t cannot decide
+ * this. |g| is below 2. */
 static __attribute__((noinline)) bool offer_near_plane(struct trace *trace, uint32_t prim,
                                                        const struct pen_facet *facet, double t,
                                                        bool any)
@@ -285,9 +285,9 @@ static __attribute__((noinline)) bool offer_near_plane(struct trace *trace, uint
     return offer_flat(trace, prim, t, any);
 }
 
-/* Whether a facet whose inside the ray's line passes surely blocks a shadow ray that starts off it:
- * it is opaque, and is met clearly between the ray's ends, far from where the self-intersection
- * rule or the light could make a difference. That spares most occluders their exact t. */
+/* Whether a facet whose inside the ray's line passes certainly blocks a shadow ray that starts off
+ * it. It does if it is opaque and is met clearly between the ray's ends, where neither the
+ * self-intersection rule nor the light can change the answer. So most occluders need no exact t. */
 static inline bool surely_blocks(const struct trace *trace, uint32_t prim, double t, double dn)
 {
     const struct pen_shadow *query = trace->shadow;
@@ -299,9 +299,9 @@ static inline bool surely_blocks(const struct trace *trace, uint32_t prim, doubl
 }
 
 /* Offers the intersection with a triangle or polygon whose inside the ray's line passes. Most of
- * those behind the origin are dropped at once; not where the origin may be on them: a ray that
- * nearly lies in a plane meets it far from where it starts, before or behind, as rounding has put
- * the origin. */
+ * those behind the origin are dropped at once, but not if the origin may be on them. A ray that
+ * nearly lies in a plane meets it far from its start, and rounding of the origin decides whether
+ * before or behind. */
 static inline bool offer_outline(struct trace *trace, uint32_t prim, const struct pen_facet *facet,
                                  const struct pen_vec3 *v, uint32_t count, bool any)
 {
@@ -394,7 +394,7 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
 }
 
 /* Tests one primitive of a leaf. A flat primitive with the ray's origin on its border may count as
- * hit although the ray's line misses its inside, so the reference decides near the origin. */
+ * hit although the ray's line misses its inside. So near the origin the reference decides. */
 static inline bool test_one(struct trace *trace, uint32_t prim, bool any)
 {
     uint32_t kind = trace->accel->prims->ref[prim].kind;
@@ -417,7 +417,7 @@ static inline bool test_each(struct trace *trace, uint32_t item, bool any)
     return false;
 }
 
-/* The power of two that scales a ray's d for boxes. */
+/* The power of two by which a ray's d is scaled for boxes. */
 static inline double box_scale(const struct pen_ray *ray)
 {
     double largest = pen_component(ray->d, ray->kz);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A group of a ray packet: its rays whose directions have the same largest axis and sign, as arrays
- * that are read LANES at a time, and the query in progress. */
+ * for LANES rays at a time, and the query in progress. */
 #ifndef PEN_ACCEL_INTERNAL_RAY_GROUP_H
 #define PEN_ACCEL_INTERNAL_RAY_GROUP_H
 
@@ -10,7 +10,7 @@
 #include "math/lanes.h"
 #include "math/scale.h"
 
-/* A group has parts of so many rays, each with a beam of its own. */
+/* A group has parts of GROUP_PART rays, each with its own beam. */
 enum {
     GROUP_PART = 8,
     GROUP_PARTS = PEN_RAY_PACKET_MAX / GROUP_PART,
@@ -18,30 +18,30 @@ enum {
 };
 _Static_assert((int)GROUP_PARTS == (int)BEAMS, "as many parts as beams are tested at once");
 
-/* The four corners of a range of slopes, again and again where there are more lanes. */
+/* The four corners of a range of slopes, repeated to fill the lanes. */
 enum { GROUP_CORNERS = LANES > 4 ? LANES : 4 };
 
-/* Arrays and bits are by ray of the packet; rays that are not the group's have any numbers. Axes of
- * vectors are in the rays' own order, pen_permuted. */
+/* Arrays and bits are by ray of the packet. Entries of rays outside the group are undefined. Axes
+ * of vectors are in the rays' own order, pen_permuted. */
 struct ray_group {
     struct pen_ray_packet *packet;
     const struct pen_ray_array *rays; /* the packet's */
     const struct pen_accel *accel;
     uint64_t all;  /* the group's rays */
-    uint64_t live; /* those that are not decided */
+    uint64_t live; /* the rays that are not decided */
     uint64_t blocked;
-    int ray_count, end; /* how many rays there are; one more than the last one's number */
+    int ray_count, end; /* number of rays; one more than the last ray's number */
     int axis[3];        /* kx, ky, kz */
     bool any;           /* shadow rays; else nearest intersections */
     bool from_surface;  /* some ray starts on a surface */
     bool to_point;
-    struct pen_vec3 light; /* where rays to a point end */
-    double extent;         /* no coordinate of origins, the light and finite boxes is larger */
-    double light_bound;    /* what is farther from the light does not contain it */
-    double grow;           /* the self-intersection rule reaches no farther than this */
+    struct pen_vec3 light; /* the end of rays to a point */
+    double extent;         /* the largest coordinate of origins, the light and finite boxes */
+    double light_bound;    /* a primitive farther from the light does not contain it */
+    double grow;           /* the reach of the self-intersection rule */
     struct pen_box origins;
-    /* For tests of outlines, see ray_group_outline.h: the point C, r x S, whether that vanishes,
-     * and the corners of the range of slopes. edge_distance is 0 if numbers may underflow. */
+    /* For tests of outlines, see ray_group_outline.h: the point C, whether r x S vanishes, the
+     * corners of the range of slopes, and r x S. edge_distance is 0 if numbers may underflow. */
     struct pen_vec3 middle;
     bool concurrent;
     double edge_distance, most_slack;
@@ -52,9 +52,10 @@ struct ray_group {
     unsigned part_bits;                             /* the parts that have rays */
     lane_mask in_group[PEN_RAY_PACKET_MAX / LANES]; /* `all` */
     double after_t[PEN_RAY_PACKET_MAX], tmax[PEN_RAY_PACKET_MAX];
-    double met[PEN_RAY_PACKET_MAX]; /* nearest: what is met at tmax, as group_part_number */
-    /* Of the ray's origin surface: pen_origin_surface.bound, struct trace's slack and near_sq; 0
-     * and -1 for rays that start in free space. */
+    /* Nearest: the part that is met at tmax, as group_part_number. */
+    double met[PEN_RAY_PACKET_MAX];
+    /* By the ray's origin surface: pen_origin_surface.bound, struct trace's slack and near_sq. They
+     * are 0, 0 and -1 for rays that start in free space. */
     double bound[PEN_RAY_PACKET_MAX], slack[PEN_RAY_PACKET_MAX], near_sq[PEN_RAY_PACKET_MAX];
 };
 
@@ -85,7 +86,7 @@ static inline struct lanes3 group_splat(const struct ray_group *g, struct pen_ve
     return lanes3_splat(group_permuted(g, &v));
 }
 
-/* Of the rays from i on, a bit for each that is live. */
+/* A bit for each live ray, from ray i on. */
 static inline unsigned group_live(const struct ray_group *g, int i)
 {
     return (unsigned)(g->live >> i) & LANES_ALL;
@@ -101,37 +102,37 @@ static inline uint64_t group_own(const struct ray_group *g, uint32_t prim)
     return 0;
 }
 
-/* What a test knows of its primitive. */
+/* A primitive for a test. */
 struct group_prim {
     uint32_t prim;
-    uint64_t rays;    /* the others surely miss it */
-    uint64_t own;     /* those that start on it */
+    uint64_t rays;    /* the other rays certainly miss it */
+    uint64_t own;     /* the rays that start on it */
     bool near;        /* the origin of some ray may be on it, or on its border */
     bool see_through; /* a shadow ray passes through it */
-    float depth;      /* no ray meets it at a smaller depth: beam_enters */
+    float depth;      /* a lower bound of the depth at which a ray meets it: beam_near */
 };
 
-/* Of the rays from i on, those that start on the primitive. */
+/* A bit for each ray that starts on the primitive, from ray i on. */
 static inline unsigned group_starts_on(int i, const struct group_prim *q)
 {
     return (unsigned)(q->own >> i) & LANES_ALL;
 }
 
-/* Of the rays from i on, whether some may still meet what lies at this depth or beyond. */
+/* Whether some of the rays from i on may still meet a primitive at this depth or beyond. */
 static inline bool group_reaches(const struct ray_group *g, int i, double depth)
 {
     const lanes most = lanes_load(g->tmax + i) * lanes_abs(lanes_load(g->rays->d[2] + i));
     return lane_mask_bits(lanes_at_most(lanes_splat(depth), lanes_splat(1.0000001) * most));
 }
 
-/* Of the rays from i on, those that are to be tested against the primitive. */
+/* A bit for each ray to be tested against the primitive, from ray i on. */
 static inline unsigned group_waits(const struct ray_group *g, int i, const struct group_prim *q)
 {
     const unsigned live = (unsigned)((g->live & q->rays) >> i) & LANES_ALL;
     return live && q->depth > 0 && !group_reaches(g, i, (double)q->depth) ? 0 : live;
 }
 
-/* A part of a primitive as one number, which a lane can hold. */
+/* A part of a primitive as one number, for a lane. */
 static inline double group_part_number(uint32_t prim, uint8_t part)
 {
     return prim + 0x1p32 * part;
@@ -150,7 +151,7 @@ static inline void group_set_hit(struct ray_group *g, int i, struct pen_hit hit)
     g->met[i] = group_part_number(hit.prim, hit.part);
 }
 
-/* The query of shadow ray i of a packet, begun if it is its first use. */
+/* The query of shadow ray i of a packet. Its first use begins it. */
 static inline struct pen_shadow *packet_query(struct pen_ray_packet *packet, int i)
 {
     struct pen_shadow *query = &packet->queries[i];
@@ -166,7 +167,7 @@ static inline struct pen_shadow *packet_query(struct pen_ray_packet *packet, int
     return query;
 }
 
-/* The scalar test of one ray. `near`: its origin may be on the primitive's border. */
+/* The scalar test of one ray. `near`: the ray's origin may be on the primitive's border. */
 static __attribute__((noinline)) void group_fall_back(struct ray_group *g, int i, uint32_t prim,
                                                       bool near)
 {
@@ -194,7 +195,7 @@ static __attribute__((noinline)) void group_fall_back(struct ray_group *g, int i
         group_set_hit(g, i, trace.best);
 }
 
-/* The scalar tests of a group's lanes, a bit each. */
+/* The scalar tests of a group's lanes, given as bits. */
 static inline void group_fall_back_all(struct ray_group *g, int i, unsigned fallback, uint32_t prim,
                                        bool near)
 {
@@ -217,7 +218,7 @@ static inline struct pen_hit group_met_hit(const struct group_met *met, int lane
                                                    : PEN_PART_SIDE};
 }
 
-/* Records what shadow rays pass through. */
+/* Records intersections through which shadow rays pass. */
 static __attribute__((noinline)) void group_record_shadow(struct ray_group *g, int i,
                                                           const struct group_met *met)
 {
@@ -229,7 +230,8 @@ static __attribute__((noinline)) void group_record_shadow(struct ray_group *g, i
     }
 }
 
-/* Records intersections at the t of others, whose order the primitive and the part decide. */
+/* Records intersections whose t equals that of another one; the primitive and the part decide their
+ * order. */
 static __attribute__((noinline)) void group_record_ties(struct ray_group *g, int i,
                                                         const struct group_met *met)
 {
@@ -241,7 +243,7 @@ static __attribute__((noinline)) void group_record_ties(struct ray_group *g, int
     }
 }
 
-/* Records intersections of the query's intervals, where they are before the best. */
+/* Records intersections in the queries' intervals that are before the best. */
 static inline void group_record_nearest(struct ray_group *g, int i, struct group_met *met)
 {
     const lanes best = lanes_load(g->tmax + i), after = lanes_load(g->after_t + i);
@@ -262,7 +264,7 @@ static inline void group_record_nearest(struct ray_group *g, int i, struct group
         group_record_ties(g, i, met);
 }
 
-/* The lanes in which a shadow ray passes t. */
+/* The lanes in which t blocks a shadow ray. */
 static inline unsigned group_stops(const struct ray_group *g, int i, lanes t)
 {
     return lane_mask_bits(lanes_less(lanes_splat(0), t) & lanes_less(t, lanes_load(g->tmax + i)));
@@ -275,7 +277,7 @@ static inline unsigned group_sought(const struct ray_group *g, int i, lanes t)
                           lanes_at_most(lanes_load(g->after_t + i), t));
 }
 
-/* Records intersections, of those lanes in which t may be in the query's interval. */
+/* Records intersections in the lanes in which t may be in the query's interval. */
 static inline void group_record(struct ray_group *g, int i, struct group_met *met)
 {
     met->at &= group_sought(g, i, met->t);
@@ -297,8 +299,8 @@ static inline void group_offer(struct ray_group *g, int i, unsigned at, lanes t,
     group_record(g, i, &met);
 }
 
-/* Where lines enter and leave a solid: lanes with such an end, t, and the lanes in which it is on a
- * cap. */
+/* Where lines enter and leave a solid: the lanes that have such an end, t, and the lanes in which
+ * the end is on a cap. */
 struct group_ends {
     unsigned at[2], base[2], top[2];
     lanes t[2];

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* How a group of rays is filled, and what is prepared of it: beams, and what tests of outlines
- * need. */
+/* Fills a group of rays, and prepares its beams and its tests of outlines. */
 #ifndef PEN_ACCEL_INTERNAL_RAY_GROUP_BEGIN_H
 #define PEN_ACCEL_INTERNAL_RAY_GROUP_BEGIN_H
 
 #include "accel/internal/ray_group.h"
 
-/* The group of those rays of a packet, whose directions have the same largest axis and sign. */
+/* Begins the group of rays of a packet whose directions have the same largest axis and sign. */
 static inline void group_init(struct ray_group *g, const struct pen_accel *accel,
                               struct pen_ray_packet *packet, uint64_t rays)
 {
@@ -54,8 +53,8 @@ static inline void group_init_nearest(struct ray_group *g)
     }
 }
 
-/* Of rays that start on a surface, how far the self-intersection rule reaches: as trace_begin.
- * Others have 0 and -1. */
+/* Sets the reach of the self-intersection rule for rays that start on a surface, as trace_begin.
+ * Other rays have 0 and -1. */
 static inline void group_begin_slack(struct ray_group *g)
 {
     const lanes own = lanes_splat(8 * PEN_U * g->accel->scale), zero = lanes_splat(0);
@@ -76,8 +75,7 @@ static inline void group_begin_slack(struct ray_group *g)
     g->grow = 2 * PEN_NEARBY * g->most_slack;
 }
 
-/* The least and the largest of the numbers of each part; INFINITY and -INFINITY of one without
- * rays. */
+/* The least and the largest number of each part; INFINITY and -INFINITY for a part without rays. */
 struct group_range {
     double lo[GROUP_PARTS], hi[GROUP_PARTS];
 };
@@ -118,7 +116,7 @@ static inline double largest_of(const double x[GROUP_PARTS])
     return lanes_largest(most);
 }
 
-/* The ranges of a group's origins and slopes, of each part and of all. */
+/* The ranges of a group's origins and slopes, for each part and for all. */
 struct group_ranges {
     struct group_range o[3], s[2];
     double o_lo[3], o_hi[3], s_lo[2], s_hi[2];
@@ -236,7 +234,7 @@ static inline void group_begin_edges(struct ray_group *g, const struct group_ran
             g->corner[k][i] = i >> k & 1 ? r->s_hi[k] : r->s_lo[k];
 }
 
-/* Prepares the group. False if lengths are out of the range of binary32. */
+/* Prepares the group. Returns false if lengths are out of the range of binary32. */
 static inline bool group_begin(struct ray_group *g)
 {
     struct group_ranges r;

@@ -2,39 +2,40 @@
 /* Tests of triangles and polygons against the rays of a group: whether a ray's line passes inside
  * the outline, and where it meets the facet.
  *
- * Inside or outside is decided by the winding of geom/triangle.h, but most rays pass the outline at
- * a distance and need less. Let C be a point near the rays, r a ray's origin relative to C, and
- * S = (sx, sy, 1) its direction as the shear has it. For an edge from C + A to C + A + U,
+ * The winding of geom/triangle.h decides inside or outside, but most rays pass the outline at a
+ * distance and need less. Let C be a point near the rays, r a ray's origin relative to C, and S =
+ * (sx, sy, 1) its direction as in the shear. For an edge from C + A to C + A + U,
  *
  *   E = S.(A x U) + U.(r x S)
  *
- * is the product pen_edge of its ends in ray space. A x U is the same for all rays, and r x S
- * vanishes for rays that begin in C, or end there. The test computes E for each edge, and
+ * is the product pen_edge of its ends in ray space. A x U is the same for all rays. r x S vanishes
+ * for rays that begin or end in C. The test computes E for each edge:
  *
- *   - if E > margin for all edges, or E < -margin for all, the ray passes inside: the angles at
- *     which it sees the edges all have one sign, so their sum is not 0;
- *   - if E > margin for one edge and E < -margin for another, and the outline is convex, the ray
- *     passes outside: one of the two is an edge that the ray and the outline are on either side of;
- *   - otherwise the winding decides, as in the scalar test.
+ *   - If E > margin for all edges, or E < -margin for all, the ray passes inside: the angles at
+ *     which it sees the edges all have one sign, so their sum is not 0.
+ *   - If E > margin for one edge and E < -margin for another, and the outline is convex, the ray
+ *     passes outside: one of the two edges separates the ray from the outline.
+ *   - Otherwise the winding decides, as in the scalar test.
  *
- * Edges without length have E = 0, and are left out. The margin is a distance times the largest
- * component of U, for which |U| stands. X is the largest size of a coordinate (group_extent) and
- * u = 2^-53. The distance is the sum of
+ * Edges without length have E = 0 and are left out. The margin is a distance times the largest
+ * component of U, written |U| below. X is the largest size of a coordinate (group_extent) and u =
+ * 2^-53. The distance is the sum of
  *
  *   1. the rounding of E: A and r are below 2 X and off by u 2 X, U by u |U|. So A x U is off by
  *      16 u X |U| in each component, which are below 4 X |U|, and r x S, below 4 X, by 16 u X. With
- *      the sums, E is off by less than 220 u X |U|. Rays whose r x S is taken for 0 add 3 times
- *      its largest component |U|, and 48 u X |U| for how well that is known.
- *   2. the rounding of the scalar test: it computes corners in ray space to 10 u X, and with these
- *      the winding is exact. So they are moved by at most d = 14 u X, and that changes the winding
- *      only if the ray passes within d of the outline. It passes an edge's line at |E| over the
- *      edge's length in ray space, which is at most 2^1.5 |U|: more than d if |E| > 40 u X |U|.
- *   3. how far a corner is from being to the left of an edge and in its plane, 2^-36 of the extent
+ *      the sums, E is off by less than 220 u X |U|. Rays whose r x S is replaced by 0 add 3 times
+ *      its largest component |U|, and 48 u X |U| for the error of that component.
+ *   2. the rounding of the scalar test: it computes corners in ray space to 10 u X, and from these
+ *      the winding is exact. So it moves corners by at most d = 14 u X, which changes the winding
+ *      only if the ray passes within d of the outline. The ray passes an edge's line at |E| over
+ * the edge's length in ray space, which is at most 2^1.5 |U|: more than d if |E| > 40 u X |U|.
+ *   3. the distance of a corner from the left of an edge or from its plane, 2^-36 of the extent
  *      (pack_boxes.c).
- *   4. where a ray may start on the primitive, what the self-intersection rule reaches (slack): at
+ *   4. for rays that may start on the primitive, the reach of the self-intersection rule (slack):
+ *      at
  *      most doubled by the shear, 2^1.5 of it for the edge's length.
  *
- * 1 and 2 are below 2^-44 X, and twice 3 and 32 slack are taken. */
+ * 1 and 2 are below 2^-44 X. The margin contains twice 3, and 32 slack. */
 #ifndef PEN_ACCEL_INTERNAL_RAY_GROUP_OUTLINE_H
 #define PEN_ACCEL_INTERNAL_RAY_GROUP_OUTLINE_H
 
@@ -53,8 +54,8 @@ struct group_edge {
     double w[3], u[3], margin;
 };
 
-/* The edges that not all rays surely pass on the same side. `positive`: all rays have E > margin at
- * some other edge. */
+/* The edges that some rays may pass on either side. `positive`: all rays have E > margin at some
+ * other edge; `negative`: all have E < -margin at one. */
 struct group_edges {
     int count;
     bool known; /* the outline has few corners, and numbers do not underflow */
@@ -74,14 +75,14 @@ static inline struct group_edge group_edge_of(const struct ray_group *g,
         .margin = distance * pen_larger(pen_larger(fabs(u.x), fabs(u.y)), fabs(u.z))};
 }
 
-/* S.w */
+/* S.(A x U) */
 static inline lanes edge_seen(const struct group_edge *e, lanes sx, lanes sy)
 {
     return lanes_fma(lanes_splat(e->w[0]), sx,
                      lanes_fma(lanes_splat(e->w[1]), sy, lanes_splat(e->w[2])));
 }
 
-/* Adds U.m to that. */
+/* Adds U.(r x S) to that. */
 static inline lanes edge_moved(const struct ray_group *g, int i, const struct group_edge *e,
                                lanes x)
 {
@@ -90,8 +91,8 @@ static inline lanes edge_moved(const struct ray_group *g, int i, const struct gr
     return lanes_fma(lanes_splat(e->u[2]), lanes_load(g->moment[2] + i), x);
 }
 
-/* The side on which all rays surely pass the edge: 1, -1 or 0. E has its least and its largest
- * value at corners of the range of slopes. */
+/* The side on which all rays certainly pass the edge: 1 or -1; 0 if it is not certain. E has its
+ * least and its largest value at corners of the range of slopes. */
 static inline int group_side_of(const struct ray_group *g, const struct group_edge *e)
 {
     const lanes margin = lanes_splat(e->margin);
@@ -106,7 +107,7 @@ static inline int group_side_of(const struct ray_group *g, const struct group_ed
     return (positive == LANES_ALL) - (negative == LANES_ALL);
 }
 
-/* Prepares the edges. False if all rays surely pass outside. */
+/* Prepares the edges. Returns false if all rays certainly pass outside. */
 static inline bool group_edges_of(const struct ray_group *g, const struct group_outline *outline,
                                   bool near, struct group_edges *out)
 {
@@ -134,7 +135,7 @@ static inline bool group_edges_of(const struct ray_group *g, const struct group_
     return true;
 }
 
-/* Finds the lanes that surely pass inside and those that surely pass outside. */
+/* Finds the lanes that certainly pass inside and those that certainly pass outside. */
 static inline void group_sides(const struct ray_group *g, int i, const struct group_edges *edges,
                                unsigned *inside, unsigned *outside)
 {
@@ -160,7 +161,7 @@ static inline void group_sides(const struct ray_group *g, int i, const struct gr
     *outside = edges->convex ? some_positive & some_negative : 0;
 }
 
-/* pen_shear: its x, k = 0, or its y, k = 1. */
+/* pen_shear: x if k = 0, y if k = 1. */
 static inline lanes group_shear(const struct ray_group *g, int i, const struct pen_vec3 *v, int k)
 {
     const struct pen_ray_array *r = g->rays;
@@ -170,7 +171,7 @@ static inline lanes group_shear(const struct ray_group *g, int i, const struct p
            lanes_load((k ? r->sy : r->sx) + i) * z;
 }
 
-/* What a line is to an outline. */
+/* The lines of lanes and an outline. */
 struct lanes_winding {
     unsigned inside; /* right except in `ties` */
     unsigned ties;   /* two products round to the same number: their order is not known */
@@ -179,7 +180,7 @@ struct lanes_winding {
 
 /* A superset of the lanes whose edge from a to b passes within `slack` of the ray's origin. In ray
  * space the shear at most doubles distances across the ray. An edge that is a single point there
- * has a neighbour that is not, and that passes as near. */
+ * has a neighbour that is longer and passes as near. */
 static inline unsigned edge_passes_origins(const struct ray_group *g, int i, const lanes a[2],
                                            const lanes b[2])
 {
@@ -188,9 +189,9 @@ static inline unsigned edge_passes_origins(const struct ray_group *g, int i, con
     return lane_mask_bits(lanes_less(lanes_abs(a[0] * b[1] - a[1] * b[0]), slack * size));
 }
 
-/* pen_polygon_entered, pen_triangle_entered. Two products that round to different numbers are in
- * that order too before rounding. x is computed of the ends of edges that pass y = 0, the fewest.
- */
+/* pen_polygon_entered, pen_triangle_entered. If two products round to different numbers, these have
+ * the order of the exact products. x is computed only for ends of edges that pass y = 0, which are
+ * few. */
 static inline struct lanes_winding
 group_winding(const struct ray_group *g, int i, const struct pen_vec3 *v, uint32_t count, bool near)
 {
@@ -224,7 +225,7 @@ group_winding(const struct ray_group *g, int i, const struct pen_vec3 *v, uint32
     return w;
 }
 
-/* pen_facet_root, where it is not grazing. */
+/* pen_facet_root, if it is not grazing. */
 static inline lanes group_facet_root(const struct ray_group *g, int i,
                                      const struct pen_facet *facet)
 {
@@ -249,7 +250,7 @@ static inline void group_offer_facet(struct ray_group *g, int i, unsigned inside
     const lanes bound = lanes_load(g->bound + i), near_sq = lanes_load(g->near_sq + i);
     const lanes slack = lanes_splat(2) * bound + lanes_splat(16 * PEN_U * g->accel->scale);
     const lanes more = lanes_splat(1.0000001), dn = lanes3_dot(d, group_splat(g, facet->n));
-    /* pen_facet_root_roughly is sure, starts_off, and beyond the rule's reach. */
+    /* pen_facet_root_roughly is certain, starts_off is true, and t is beyond the rule's reach. */
     unsigned sure = lane_mask_bits(
         lanes_at_most(lanes_splat(0x1p-16) * size, lanes_abs(above)) &
         lanes_at_most(lanes_splat(2 * facet->grazing) * lanes_abs(d.z), lanes_abs(along)));
@@ -269,8 +270,8 @@ static inline void group_offer_facet(struct ray_group *g, int i, unsigned inside
     group_fall_back_all(g, i, fallback, q->prim, q->near);
 }
 
-/* Of the rays from i on, those that pass inside. Those fall back to the scalar test for which the
- * winding does not tell. */
+/* The rays from i on that pass inside. Rays whose winding is not certain fall back to the scalar
+ * test. */
 static inline unsigned group_inside(struct ray_group *g, int i, const struct group_outline *outline,
                                     const struct group_edges *edges, unsigned live,
                                     const struct group_prim *q)

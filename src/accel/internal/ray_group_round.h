@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /* Tests of spheres and cylinders against the rays of a group.
  *
- * Most lanes in which the scalar test refines its roots need no fallback, because their answer is
- * the same wherever the refined roots are within the rounding of those at hand: the ray surely
- * misses, meets the surface only behind its origin or beyond what it has met, or is surely blocked.
- * Let n be the vector from the centre to the ray's origin, or for cylinders that across the axis,
- * times |a|; m the direction or its part across the axis, likewise; R the radius times |a|; u =
- * 2^-53. The quadratic equation's middle and half chord are
+ * Most lanes in which the scalar test refines its roots need no fallback, because refinement does
+ * not change their answer. The ray certainly misses, meets the surface only behind its origin or
+ * beyond its best intersection, or is certainly blocked. Let n be the vector from the centre to the
+ * ray's origin; for a cylinder, its component across the axis, times |a|. m is the direction, or
+ * its component across the axis times |a|. R is the radius, times |a|; u = 2^-53. The middle and
+ * the half chord of the quadratic equation are
  *
  *   tp = -m.n / m.m,  h = sqrt(D / m.m),  D = R^2 - |l|^2,  l = n + tp m
  *
- * n and m are known to 4 u of themselves in each component, so l is off by at most 20 u |n| + u |l|
+ * n and m are known to 4 u of themselves in each component. So l is off by at most 20 u |n| + u |l|
  * across m, D by 2^-44 (|n|^2 + R^2), and tp with its correction by 2^-47 (|n| + R) / |m|. Refined
- * roots are within 4 u of the true ones. So where h is larger than
+ * roots are within 4 u of the true ones. So if h is larger than
  *
  *   e = 2^-42 (|n|^2 + R^2) / (|m|^2 h)
  *
- * there are two roots, and each is off by less than e: the error of D moves h by half as much over
- * |m|^2 h, and |n| + R and |m| h are below 1.5 sqrt(|n|^2 + R^2). Elsewhere the true h^2 is below
- * 2^-41 (|n|^2 + R^2) / |m|^2: roots, if there are any, are within 2^-20 times the root of that
+ * there are two roots, each off by less than e. Proof: the error of D moves h by half as much over
+ * |m|^2 h, and |n| + R and |m| h are below 1.5 sqrt(|n|^2 + R^2). Otherwise the true h^2 is below
+ * 2^-41 (|n|^2 + R^2) / |m|^2. Then the roots, if any, are within 2^-20 times the root of that
  * quotient of tp. */
 #ifndef PEN_ACCEL_INTERNAL_RAY_GROUP_ROUND_H
 #define PEN_ACCEL_INTERNAL_RAY_GROUP_ROUND_H
@@ -29,12 +29,12 @@
 struct lanes_roots {
     lanes t0, t1;
     unsigned refined;                           /* lanes that the scalar function refines */
-    lanes t0_least, t0_most, t1_least, t1_most; /* of those */
-    unsigned two;                               /* there surely are two roots */
+    lanes t0_least, t0_most, t1_least, t1_most; /* bounds, in these lanes */
+    unsigned two;                               /* lanes that certainly have two roots */
 };
 
-/* Lanes that surely go outward from a round side that they start on, so that they do not meet it
- * again: f is what the side has outward at the origin, not normalised. */
+/* Lanes that certainly go outward from a round side that they start on, so that they do not meet it
+ * again. f is the outward normal at the origin, not normalised. */
 static inline unsigned lanes_outward(lanes outward, struct lanes3 f, struct lanes3 d)
 {
     return lane_mask_bits(
@@ -68,8 +68,8 @@ struct lanes_inside {
     lanes in_least, in_most, out_least, out_most;
 };
 
-/* Lanes whose ends surely make no difference: there are none, or both are behind or beyond what is
- * sought. */
+/* Lanes whose ends certainly do not matter: there are none, or both are behind the origin or beyond
+ * the end of the query. */
 static inline unsigned group_useless(const struct ray_group *g, int i, const struct lanes_inside *x)
 {
     const lanes tmax = lanes_load(g->tmax + i), after = lanes_load(g->after_t + i);
@@ -78,14 +78,14 @@ static inline unsigned group_useless(const struct ray_group *g, int i, const str
                           (lanes_less(x->in_most, after) & lanes_less(tmax, x->out_least)));
 }
 
-/* Lanes whose shadow ray is surely between its ends there. */
+/* Lanes in which a t between these bounds is certainly between the ends of the shadow ray. */
 static inline unsigned group_between(const struct ray_group *g, int i, lanes least, lanes most)
 {
     return lane_mask_bits(lanes_less(lanes_splat(0), least) &
                           lanes_less(most, lanes_load(g->tmax + i)));
 }
 
-/* Decides what it can of lanes that the scalar test refines; returns the others. */
+/* Decides as many as possible of the lanes that the scalar test refines; returns the others. */
 static inline unsigned group_decide_sphere(struct ray_group *g, int i, unsigned lanes_refined,
                                            const struct lanes_roots *x, const struct group_prim *q)
 {
@@ -107,8 +107,8 @@ struct group_sphere {
     lanes rr, rr_low, r;
 };
 
-/* Of the lanes, those that start on the sphere or may touch it where they start, so that the
- * self-intersection rule decides; those that surely leave it are taken away. */
+/* Of the lanes, those that start on the sphere or may touch it at their start, so that the
+ * self-intersection rule decides. Lanes that certainly leave it are removed from *live. */
 static inline unsigned group_at_sphere(const struct ray_group *g, int i,
                                        const struct group_sphere *s, struct lanes3 f,
                                        unsigned *live, const struct group_prim *q)
@@ -159,7 +159,7 @@ static inline void group_test_sphere(struct ray_group *g, const struct pen_spher
     }
 }
 
-/* A cylinder in all lanes. */
+/* A cylinder, in all lanes. */
 struct group_cylinder {
     const struct pen_cylinder *c;
     struct lanes3 q, a;
@@ -167,22 +167,24 @@ struct group_cylinder {
     lanes beyond, rounding; /* see group_passes: r^2 (1 + 1/16) and 2^-42 X */
 };
 
-/* The intersections of lines with a cylinder, continued without end, and with its slab. */
+/* The intersections of lines with the slab of a cylinder, and with its side continued without end.
+ */
 struct lanes_cylinder {
     struct lanes_roots side; /* pen_cylinder_side_roots */
     lanes lo, hi;            /* pen_cylinder_slab */
     lanes nn, fa;            /* squared distance from the axis times |a|^2; height times |a| */
     unsigned up;             /* from the base to the top */
     unsigned special;        /* parallel to the side or the caps, or pen_dot_guarded compensates */
-    unsigned loses;          /* lanes whose slab it refines */
-    lanes pad;               /* more than the rounding of lo and hi */
+    unsigned loses;          /* lanes in which pen_cylinder_slab is refined */
+    lanes pad;               /* exceeds the rounding of lo and hi */
 };
 
-/* Lanes whose line surely passes the side, by a thirty-second of its radius r or so: it passes the
- * axis at |f.m| / |m|, with m = d x a. X bounds coordinates, |d.z| and 1 the components of d and a,
- * so that f.m is off by less than 72 u X |d.z|, and r |m| by 14 u X |d.z|, since r is below 2 X.
- * The scalar test's l is off by some 60 u X |a|, over |a| as m is here. Four times the sum is
- * taken. So the scalar test too finds D < -R^2 / 32: it does not refine, and has no roots. */
+/* Lanes whose line certainly misses the side, by about a thirty-second of its radius r. The line
+ * passes the axis at distance |f.m| / |m|, with m = d x a. X bounds coordinates; |d.z| and 1 bound
+ * the components of d and a. So f.m is off by less than 72 u X |d.z|, and r |m| by 14 u X |d.z|,
+ * since r is below 2 X. The scalar test's l is off by some 60 u X |a|, over |a| as m is here. The
+ * code uses four times the sum. So the scalar test too finds D < -R^2 / 32: it does not refine, and
+ * has no roots. */
 static inline unsigned group_passes(const struct ray_group *g, int i,
                                     const struct group_cylinder *c, struct lanes3 f)
 {
@@ -195,7 +197,7 @@ static inline unsigned group_passes(const struct ray_group *g, int i,
     return lane_mask_bits(lanes_less(c->beyond * mm, off * off));
 }
 
-/* Finds the side's roots, and returns the lanes that may have some. */
+/* Finds the side's roots. Returns the lanes that may have some. */
 static inline unsigned group_cylinder_side(const struct ray_group *g, int i,
                                            const struct group_cylinder *c, struct lanes3 f,
                                            struct lanes_cylinder *out)
@@ -247,8 +249,9 @@ static inline void group_cylinder_slab(const struct ray_group *g, int i,
     out->pad = lanes_splat(0x1p-40) * (f_size + c->top) * lanes_abs(inv);
 }
 
-/* A superset of the lanes whose origin is on the cylinder, or that may pass its open rim near
- * their origin: pen_cylinder_touches, with |a| < 2; may_pass_rim where the line may miss it. */
+/* A superset of the lanes whose origin is on the cylinder, or that may pass its open rim near their
+ * origin: pen_cylinder_touches, with |a| < 2, and may_pass_rim if the line may miss the cylinder.
+ */
 static inline unsigned group_at_cylinder(const struct ray_group *g, int i,
                                          const struct pen_cylinder *c,
                                          const struct lanes_cylinder *x)
@@ -266,7 +269,7 @@ static inline unsigned group_at_cylinder(const struct ray_group *g, int i,
     return at;
 }
 
-/* Of the lanes that start on the cylinder, those that surely leave it: outward from the side, as
+/* Of the lanes that start on the cylinder, those that certainly leave it: outward from the side, as
  * pen_cylinder_side_outward, or from a cap. */
 static inline unsigned group_leaves_cylinder(const struct ray_group *g, int i,
                                              const struct pen_cylinder *c, unsigned own)
@@ -287,7 +290,7 @@ static inline unsigned group_leaves_cylinder(const struct ray_group *g, int i,
     return out;
 }
 
-/* The ends of the rays' intervals inside: pen_interval_clip. */
+/* Offers the ends of the rays' intervals inside: pen_interval_clip. */
 static inline void group_offer_inside(struct ray_group *g, int i, unsigned at,
                                       const struct group_cylinder *c,
                                       const struct lanes_cylinder *x, const struct group_prim *q)
@@ -304,17 +307,17 @@ static inline void group_offer_inside(struct ray_group *g, int i, unsigned at,
     group_offer_ends(g, i, &e, q);
 }
 
-/* Lanes that leave the inside, at t or later, farther from their origin than the self-intersection
- * rule reaches: see may_pass_rim. */
+/* Lanes that leave the inside, at t or later, beyond the reach of the self-intersection rule: see
+ * may_pass_rim. */
 static inline unsigned group_leaves_far(const struct ray_group *g, int i, lanes t)
 {
     return lane_mask_bits(lanes_less(lanes_splat(0), t) &
                           lanes_less(lanes_load(g->near_sq + i), t * t));
 }
 
-/* Decides what it can of lanes in which the scalar test refines the side's roots, `refined`, or the
- * slab's; returns the others. Where rays may pass a rim near their origin, bounds of two refined
- * roots are not used: the self-intersection rule may decide otherwise. */
+/* Decides as many as possible of the lanes in which the scalar test refines the roots of the side,
+ * `refined`, or of the slab; returns the others. If rays may pass a rim near their origin, bounds
+ * of two refined roots are not used, because the self-intersection rule may decide otherwise. */
 static inline unsigned group_decide_cylinder(struct ray_group *g, int i, unsigned rays,
                                              const struct group_cylinder *c,
                                              const struct lanes_cylinder *x,
@@ -342,8 +345,8 @@ static inline unsigned group_decide_cylinder(struct ray_group *g, int i, unsigne
     return rays & ~blocked;
 }
 
-/* Lanes whose ends are surely on the side, wherever within x->pad the refined slab begins and ends.
- * `first`: only the first end matters, if it is ahead. */
+/* Lanes whose ends are certainly on the side, if the ends of the refined slab are within x->pad of
+ * these. `first`: only the first end matters, if it is ahead. */
 static inline unsigned group_ends_on_side(const struct ray_group *g, int i,
                                           const struct lanes_cylinder *x, bool first)
 {
@@ -354,7 +357,7 @@ static inline unsigned group_ends_on_side(const struct ray_group *g, int i,
     return lane_mask_bits(lanes_less(x->lo + x->pad, x->side.t0) & last);
 }
 
-/* The rays from i on that may meet the cylinder and do not start on it. */
+/* Tests the rays from i on that may meet the cylinder and do not start on it. */
 static inline void group_test_cylinder_at(struct ray_group *g, int i,
                                           const struct group_cylinder *c, struct lanes3 f,
                                           unsigned live, const struct group_prim *q)

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* Tests of one primitive against the rays of a group, LANES at a time, in binary64. Every lane does
- * the operations of the primitive's header in geom in the same order, so t has the same bits; the
- * comment of a small function names the scalar function that it computes. A lane in which the
- * quick operations may not be those that the scalar test ends with (it refines, the
- * self-intersection rule decides, the light may be on the primitive, two products tie) is left to
- * the scalar test instead, its *fallback*. One lane too many costs time and changes nothing. */
+ * the operations of the primitive's header in geom in the same order, so t has the same bits. The
+ * comment of a small function names the scalar function that it computes. A lane falls back to the
+ * scalar test if that may use other operations: it refines, the self-intersection rule decides, the
+ * light may be on the primitive, or two products tie. One fallback too many costs time and changes
+ * nothing. */
 #ifndef PEN_ACCEL_INTERNAL_RAY_GROUP_TEST_H
 #define PEN_ACCEL_INTERNAL_RAY_GROUP_TEST_H
 
 #include "accel/internal/ray_group_outline.h"
 #include "accel/internal/ray_group_round.h"
 
-/* pen_plane_root with pen_dot_guarded, where that keeps its digits. */
+/* pen_plane_root with pen_dot_guarded, if the latter keeps its digits. */
 static inline void group_test_plane_at(struct ray_group *g, int i, const struct pen_plane *p,
                                        unsigned live, const struct group_prim *q)
 {
@@ -42,7 +42,7 @@ static inline void group_test_plane(struct ray_group *g, const struct pen_plane 
     }
 }
 
-/* The scalar test of all live rays. */
+/* Tests all live rays one by one with the scalar test. */
 static inline void group_test_one_by_one(struct ray_group *g, const struct group_prim *q)
 {
     for (int i = 0; i < g->end; i += LANES)

@@ -7,15 +7,15 @@
 #include "accel/internal/ray_group_begin.h"
 #include "accel/internal/ray_group_test.h"
 
-/* Smaller groups are traced ray by ray, and so are groups with more candidates than rays, as in
- * fine meshes: single rays need not look at most of these. Both were measured. */
+/* Smaller groups are traced ray by ray, which is faster by measurement. So are groups with more
+ * candidates than rays, as in fine meshes, because a single ray skips most of these. */
 enum { GROUP_RAYS_MIN = 12 };
 
 /* A primitive that some ray may meet. */
 struct group_candidate {
-    float near; /* no ray meets it at a smaller depth: see beam.h */
+    float near; /* a lower bound of the depth at which a ray meets it: see beam.h */
     uint32_t prim;
-    uint64_t rays; /* the others surely miss it */
+    uint64_t rays; /* the other rays certainly miss it */
 };
 
 /* Whether the origin of some ray may be on a primitive in this box, or on its border. */
@@ -27,7 +27,7 @@ static inline bool group_starts_in(const struct ray_group *g, const struct pen_f
 }
 
 /* Whether the light and the origins of all shadow rays are on one side of a flat primitive, by more
- * than all roundings: the beam's margin. */
+ * than all roundings (the beam's margin). */
 static inline bool group_on_one_side(const struct ray_group *g, struct pen_vec3 n,
                                      struct pen_vec3 v)
 {
@@ -40,8 +40,8 @@ static inline bool group_on_one_side(const struct ray_group *g, struct pen_vec3 
            (light < -margin && middle + half < -margin);
 }
 
-/* Whether shadow rays to a point surely do not meet a primitive, because it is flat and they are on
- * one side of it. */
+/* Whether shadow rays to a point certainly miss a flat primitive, because they are on one side of
+ * it. */
 static inline bool group_misses(const struct ray_group *g, uint32_t prim)
 {
     const struct pen_prims *prims = g->accel->prims;
@@ -59,7 +59,7 @@ static inline bool group_misses(const struct ray_group *g, uint32_t prim)
            group_on_one_side(g, prims->plane[ref.index].n, prims->plane[ref.index].q);
 }
 
-/* The rays of those parts of the group whose beam enters a box. */
+/* The rays of the parts of the group whose beams enter a box. */
 static inline uint64_t group_rays_in(const struct ray_group *g, const struct pen_float_box *box)
 {
     uint64_t rays = 0;
@@ -76,8 +76,9 @@ static inline uint64_t group_rays_at(const struct ray_group *g, uint32_t prim)
     return infinite ? UINT64_MAX : group_rays_in(g, &g->accel->prim_box[prim]);
 }
 
-/* Whether a primitive is tested in lanes. What has no such test is left to the scalar test for
- * every ray of a part, of which most miss its box: groups that meet it are faster ray by ray. */
+/* Whether a primitive is tested in lanes. A primitive without such a test needs the scalar test for
+ * every ray of a part, although most of these miss its box. So groups that meet it are faster ray
+ * by ray. */
 static inline bool group_has_test(const struct ray_group *g, uint32_t prim)
 {
     switch (pen_block_of(g->accel->prims->ref[prim].kind)) {
@@ -98,7 +99,8 @@ static inline bool group_has_test(const struct ray_group *g, uint32_t prim)
     return false;
 }
 
-/* The candidates among the primitives of a list of items. False if there are too many. */
+/* Collects the candidates among the primitives of a list of items. Returns false if there are too
+ * many. */
 static inline bool group_collect_leaf(const struct ray_group *g, uint32_t first, bool boxes,
                                       struct group_candidate *out, int *count)
 {
@@ -124,9 +126,9 @@ static inline bool group_collect_leaf(const struct ray_group *g, uint32_t first,
     }
 }
 
-/* The leaves that the beam enters, as numbers of their first items. False if there are more than
- * three to four rays: in nine of ten such groups their primitives would make too many candidates,
- * which is dearer to find out. */
+/* Finds the leaves that the beam enters, as numbers of their first items. Returns false if there
+ * are more than three leaves for four rays. In nine of ten such groups their primitives would make
+ * too many candidates, and to find that out later costs more. */
 static inline bool group_leaves(const struct ray_group *g, uint32_t *leaves, int *count)
 {
     uint32_t stack[STACK];
@@ -148,7 +150,7 @@ static inline bool group_leaves(const struct ray_group *g, uint32_t *leaves, int
     return true;
 }
 
-/* All candidates. False if there are too many. */
+/* Collects all candidates. Returns false if there are too many. */
 static inline bool group_collect(const struct ray_group *g, struct group_candidate *out, int *count)
 {
     uint32_t leaves[PEN_RAY_PACKET_MAX];
@@ -163,7 +165,7 @@ static inline bool group_collect(const struct ray_group *g, struct group_candida
     return true;
 }
 
-/* What a test needs to know of a primitive that only `rays` may meet. */
+/* A primitive that only `rays` may meet, for a test. */
 static inline struct group_prim group_prim_of(const struct ray_group *g, uint32_t prim,
                                               uint64_t rays, bool see_through)
 {
@@ -179,7 +181,7 @@ static inline struct group_prim group_prim_of(const struct ray_group *g, uint32_
     };
 }
 
-/* Nearest first, so that later ones can be left out. */
+/* Sorts candidates, the nearest first, so that later ones can be skipped. */
 static inline void sort_candidates(struct group_candidate *c, int count)
 {
     for (int i = 1; i < count; i++) {
@@ -191,7 +193,7 @@ static inline void sort_candidates(struct group_candidate *c, int count)
     }
 }
 
-/* The largest depth at which a ray may still meet something nearer than it has. */
+/* The largest depth at which a ray may still meet a primitive nearer than its best intersection. */
 static inline double group_depth(const struct ray_group *g)
 {
     lanes most = lanes_splat(0);
@@ -224,15 +226,15 @@ static inline bool group_nearest(struct ray_group *g)
 }
 
 /* Whether a point may be within b of a facet's plane. The sums are off by less than 2^-48 of the
- * coordinates, of which b is 2^-30; the normal's length is below 2. */
+ * coordinates, and b is 2^-30 of them; the normal's length is below 2. */
 static inline bool may_be_on_facet(const struct pen_facet *facet, struct pen_vec3 p, double b)
 {
     return fabs(facet->c - pen_dot(facet->g, p)) <= 2 * b;
 }
 
-/* Whether a primitive may contain the light, so that rays that end there do not count it. What is
- * farther than light_bound away surely does not: pen_ray_end_bound and the roundings of t and of
- * the primitive are below 2^-40 of the coordinates. */
+/* Whether a primitive may contain the light, so that rays that end there do not count it. A
+ * primitive farther away than light_bound certainly does not: pen_ray_end_bound and the roundings
+ * of t and of the primitive are below 2^-40 of the coordinates. */
 static inline bool group_light_on(const struct ray_group *g, uint32_t prim)
 {
     const struct pen_prims *prims = g->accel->prims;
@@ -281,7 +283,7 @@ static inline void group_test_shadow(struct ray_group *g, uint32_t prim, uint64_
     g->live &= ~g->blocked;
 }
 
-/* The group's blocked rays. The last occluder is tried first, then what is opaque. */
+/* Finds the group's blocked rays. The last occluder is tested first, then opaque candidates. */
 static inline bool group_shadow(struct ray_group *g)
 {
     struct group_candidate c[PEN_RAY_PACKET_MAX];

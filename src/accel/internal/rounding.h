@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* The next float in direction of +inf (step = 1) or -inf (step = -1); f is not NaN. */
+/* The next float towards +inf (step = 1) or -inf (step = -1); f is not NaN. */
 static inline float pen_float_next(float f, int32_t step)
 {
     int32_t bits;
@@ -20,7 +20,8 @@ static inline float pen_float_next(float f, int32_t step)
     return f;
 }
 
-/* The nearest float, kept finite: casts that overflow are not defined in C without Annex F. */
+/* The nearest float, limited to finite ones. A cast that overflows is undefined in C without Annex
+ * F. */
 static inline float pen_float_near(double x)
 {
     return (float)(x > (double)FLT_MAX    ? (double)FLT_MAX

@@ -2,23 +2,23 @@
 /* The frozen acceleration structure, which builders fill and traversals read. src/accel/README.md
  * describes it as a whole.
  *
- * A structure has nodes whose children each have a box in binary32, rounded outward, and leaves
- * that are short lists of items. An item is a block of up to four primitives of one kind, which
- * holds a copy of what their test reads, lane by lane; or a single primitive, which is read where
- * the scene keeps it. Infinite primitives are in a list beside the nodes; with PEN_ACCEL_NONE so
- * are all others. What a node is depends on the structure's shape:
+ * A structure has nodes and leaves. Each child of a node has a box in binary32, rounded outward. A
+ * leaf is a short list of items. An item is a block of up to four primitives of one kind, with a
+ * copy of the data for their test, lane by lane. Or it is a single primitive, which is read from
+ * the scene. Infinite primitives are in a list beside the nodes; with PEN_ACCEL_NONE all other
+ * primitives are in such a list too. The form of a node depends on the structure's shape:
  *
- *   wide   (auto, where it chooses a tree) up to eight children, entered nearest first;
+ *   wide   (auto, if it chooses a tree) up to eight children, entered nearest first;
  *   pairs  (median) two children, entered nearest first; a leaf is a block of triangles, or a
  *          single primitive;
  *   lists  (cbr, manual) any number of children, eight to a node in consecutive nodes, entered in
  *          document order; cbr is one list, manual has one for each group. A leaf is a single
  *          primitive.
  *
- * Why boxes never hide an intersection: the point of an intersection is a mean of vertices with
- * weights in [0, 1] (flat primitives) or lies within the box's own margin (quadrics), up to errors
- * of a few 2^-53 of t and of the vertices' distance from the box's faces; the box test leaves a
- * margin of at least 2^-24 of t. */
+ * Why boxes never hide an intersection: for a flat primitive, the point of an intersection is a
+ * mean of vertices with weights in [0, 1]. For a quadric, it is within the box's own margin. Both
+ * are off by a few 2^-53 of t and of the vertices' distance from the box's faces. The box test
+ * leaves a margin of at least 2^-24 of t. */
 #ifndef PEN_ACCEL_INTERNAL_STRUCTURE_H
 #define PEN_ACCEL_INTERNAL_STRUCTURE_H
 
@@ -26,18 +26,17 @@
 
 enum { PEN_WIDE = 8, PEN_LANES = 4, PEN_MAX_DEPTH = 64 };
 
-/* Outlines of more corners count as not convex. */
+/* Outlines with more corners count as not convex. */
 enum { PEN_CONVEX_CORNERS = 8 };
 
-/* A child is the number of a node, or with this bit set the number of a leaf's first item. */
+/* A child is the number of a node. With this bit set, it is the number of a leaf's first item. */
 #define PEN_CHILD_LEAF 0x80000000u
-/* In lists, the first child of a node has this bit set too if the next node continues the list. */
+/* In lists, the first child of a node also has this bit set if the next node continues the list. */
 #define PEN_CHILD_MORE 0x40000000u
 
-/* What an item of a leaf is: a block, or a single primitive. Leaves hold their blocks in this
- * order. A kind of primitive has a block of its own if it is tested several at once; every other
- * kind is packed in generic blocks, whose primitives are tested one by one with pen_prim_intersect.
- */
+/* The kind of an item: a block, or a single primitive. Leaves hold their blocks in this order. A
+ * kind of primitive that is tested several at once has its own kind of block. Every other kind is
+ * packed in generic blocks, whose primitives are tested one by one with pen_prim_intersect. */
 enum pen_block_kind {
     PEN_BLOCK_GENERIC,
     PEN_BLOCK_TRIANGLES,
@@ -51,7 +50,7 @@ enum pen_block_kind {
     PEN_BLOCK_KIND_COUNT
 };
 
-/* An item: its index in the lowest bits, its kind above, and the top bit set in the last item of a
+/* An item: its index in the lowest bits, then its kind. The top bit is set in the last item of a
  * leaf. */
 #define PEN_ITEM_LAST 0x80000000u
 #define PEN_ITEM_INDEX_BITS 26
@@ -67,7 +66,7 @@ _Static_assert(PEN_PRIM_KINDS_MAX + PEN_BLOCK_KIND_COUNT - PEN_BLOCK_NOTHING <
                "room for a block of each of 16 kinds of primitives, a generic one and the others");
 _Static_assert(PEN_BLOCK_KIND_COUNT <= 1 << PEN_ITEM_KIND_BITS, "an item's tag holds its kind");
 
-/* The block that primitives of a kind are packed in: generic for kinds that are not listed here. */
+/* The kind of block for a kind of primitive; generic if the kind is not listed here. */
 static inline enum pen_block_kind pen_block_of(uint32_t prim_kind)
 {
     static const uint8_t block[PEN_PRIM_KIND_COUNT] = {
@@ -81,8 +80,8 @@ static inline enum pen_block_kind pen_block_of(uint32_t prim_kind)
     return (enum pen_block_kind)block[prim_kind];
 }
 
-/* An empty lane holds a box that no ray enters, and the empty leaf as its child: PEN_CHILD_LEAF,
- * item 0. */
+/* A node of up to eight children. An empty lane has a box that no ray enters, and the empty leaf as
+ * its child: PEN_CHILD_LEAF, item 0. */
 struct pen_node {
     float plane[6][PEN_WIDE]; /* the boxes: low ends by axis, then high ends by axis */
     uint32_t child[PEN_WIDE];
@@ -109,7 +108,7 @@ struct pen_triangles4 {
 
 struct pen_polygons4 {
     struct pen_boxes4 boxes;
-    uint32_t first, count; /* in `corners`; polygons with fewer vertices repeat their last one */
+    uint32_t first, count; /* in `corners`; a polygon with fewer vertices repeats its last one */
     uint32_t prim[PEN_LANES];
 };
 
@@ -128,7 +127,7 @@ struct pen_planes4 {
     uint32_t prim[PEN_LANES];
 };
 
-/* Primitives that are tested one by one, read where the scene keeps them. */
+/* Primitives that are tested one by one and read from the scene. */
 struct pen_generic4 {
     uint32_t prim[PEN_LANES];
 };
@@ -138,7 +137,7 @@ struct pen_cylinders4 {
     double q[3][PEN_LANES], a[3][PEN_LANES];
     double rr[PEN_LANES], rr_low[PEN_LANES];
     double base[PEN_LANES], top[PEN_LANES]; /* slab_base, slab_top */
-    double size[PEN_LANES]; /* radius + height; of open ones, also the rim over 8u */
+    double size[PEN_LANES];                 /* radius + height; open ones: plus the rim over 8u */
     uint32_t prim[PEN_LANES];
     uint32_t open; /* bit per lane: no caps */
 };
@@ -150,8 +149,8 @@ struct pen_float_box {
 struct pen_accel {
     const struct pen_prims *prims;
     enum pen_shape shape;
-    const struct pen_node *nodes; /* wide, lists; the root, or its list, is the first */
-    const struct pen_pair *pairs; /* pairs; the root is the first */
+    const struct pen_node *nodes; /* for wide and lists; the root, or its list, is the first */
+    const struct pen_pair *pairs; /* for pairs; the root is the first */
     uint32_t infinite;            /* first item of the list of infinite primitives */
     uint32_t list; /* first item of the list of finite primitives; 0 if they are in nodes */
     const uint32_t *items;
@@ -163,13 +162,14 @@ struct pen_accel {
     const struct pen_planes4 *planes;
     const struct pen_generic4 *infinite_cylinders;
     const struct pen_generic4 *generic;
-    double scale;                         /* the largest pen_prim_scale of a finite primitive */
-    double extent;                        /* the largest size of a coordinate of their boxes */
-    const struct pen_float_box *prim_box; /* by primitive; wide trees only. Infinite ones: zero */
-    const bool *convex;                   /* by primitive; wide trees only. See pack_boxes.c */
-    bool packets;                         /* rays of a packet are traced in groups */
+    double scale;  /* the largest pen_prim_scale of a finite primitive */
+    double extent; /* the largest size of a coordinate of their boxes */
+    /* By primitive, wide trees only; zero for infinite ones. */
+    const struct pen_float_box *prim_box;
+    const bool *convex; /* by primitive, wide trees only: see pack_boxes.c */
+    bool packets;       /* rays of a packet are traced in groups */
     struct pen_accel_stats stats;
-    struct pen_test_counts *counts; /* of a view that counts; else NULL */
+    struct pen_test_counts *counts; /* for a view that counts; else NULL */
 };
 
 #endif

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* What all traversals share: testing a leaf, and counting tests if COUNTING is 1; see
+/* Common to all traversals: testing a leaf, and counting tests if COUNTING is 1; see
  * traverse_query.h. */
 #ifndef PEN_ACCEL_INTERNAL_TRAVERSE_LEAF_H
 #define PEN_ACCEL_INTERNAL_TRAVERSE_LEAF_H
 
 #include "accel/internal/prim_test.h"
 
-/* Counts the boxes of a node: all at once, as they are tested. */
+/* Counts all boxes of a node, because they are tested at once. */
 static inline void count_boxes(const struct trace *trace, const uint32_t *child, int count)
 {
     for (int i = 0; i < count; i++)
         trace->accel->counts->boxes += child[i] != PEN_CHILD_LEAF;
 }
 
-/* Counts the primitives of an item: all of a block, whichever of them ends the query. */
+/* Counts the primitives of an item. All of a block count, even if one of them ends the query. */
 static inline void count_prims(const struct trace *trace, uint32_t item)
 {
     const uint32_t *prim = block_prims(trace->accel, item);
@@ -22,9 +22,9 @@ static inline void count_prims(const struct trace *trace, uint32_t item)
         trace->accel->counts->primitives += prim[lane] != PEN_NO_PRIM;
 }
 
-/* Tests the items of a leaf, or of a list beside the nodes; true if an intersection ended the
- * query. `starts_inside` tells whether the ray enters the leaf's box no later than the query
- * begins, so that the box contains the origin. */
+/* Tests the items of a leaf, or of a list beside the nodes; returns true if an intersection ended
+ * the query. `starts_inside`: the ray enters the leaf's box no later than the query begins, so the
+ * box contains the origin. */
 static inline bool test_leaf(struct trace *trace, uint32_t first, bool starts_inside, bool any)
 {
     trace->reaches_origin = trace->from_surface && starts_inside;
@@ -38,7 +38,7 @@ static inline bool test_leaf(struct trace *trace, uint32_t first, bool starts_in
     }
 }
 
-/* The box t beyond which intersections do not count. */
+/* The largest t, as a box's t, at which intersections count. */
 static inline float traverse_limit(const struct trace *trace, const struct box_ray *box, bool any)
 {
     return pen_float_up((any ? trace->shadow->tmax : trace->best.t) * box->scale);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Traversal of lists. Every box of a list is tested, and the children whose boxes the ray enters
- * are visited in document order, a group with all its contents before the next child. Boxes are
- * tested eight at a time. A box that lies beyond an intersection found since its test is skipped,
- * so that the result is as if boxes were tested one by one. */
+/* Traversal of lists. Every box of a list is tested, eight at a time. The children whose boxes the
+ * ray enters are visited in document order, a group with all its contents before the next child. A
+ * box that is beyond an intersection found since its test is skipped. So the result is as if boxes
+ * were tested one by one. */
 #ifndef PEN_ACCEL_INTERNAL_TRAVERSE_LISTS_H
 #define PEN_ACCEL_INTERNAL_TRAVERSE_LISTS_H
 

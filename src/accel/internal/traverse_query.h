@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The two queries, nearest intersection and shadow ray: how they begin, and which traversal they
- * use. The including file first includes an instruction set's header (see isa_base.h) and states
- * whether tests are counted: `enum { COUNTING = 0 };` or 1. */
+/* The two queries, nearest intersection and shadow ray: their begin, and the choice of the
+ * traversal. The including file first includes an instruction set's header (see isa_base.h). It
+ * states whether tests are counted: `enum { COUNTING = 0 };` or 1. */
 #ifndef PEN_ACCEL_INTERNAL_TRAVERSE_QUERY_H
 #define PEN_ACCEL_INTERNAL_TRAVERSE_QUERY_H
 
@@ -9,8 +9,7 @@
 #include "accel/internal/traverse_pairs.h"
 #include "accel/internal/traverse_wide.h"
 
-/* The shapes that rays seldom traverse; not inlined, so that the code for wide trees stays small.
- */
+/* Traverses the rarer shapes. It is not inlined, so that the code for wide trees stays small. */
 static __attribute__((noinline)) bool traverse_other(struct trace *trace, const struct box_ray *box,
                                                      bool any)
 {
@@ -83,7 +82,7 @@ static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
 {
     struct trace trace = trace_begin_shadow(accel, ray, origin, query);
     uint32_t last = query->last_occluder;
-    /* Counts must not depend on the rays before this one, so the hint is not tried. */
+    /* Counts must not depend on earlier rays, so the hint is not tried. */
     if (!COUNTING && last < accel->prims->count &&
         !(query->see_through && query->see_through[last]) && test_prim(&trace, last, true))
         return true;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Traversal of a tree of wide nodes: nearest boxes first for the nearest intersection, in any order
+/* Traversal of a tree of wide nodes: nearest boxes first for the nearest intersection, any order
  * for a shadow ray. */
 #ifndef PEN_ACCEL_INTERNAL_TRAVERSE_WIDE_H
 #define PEN_ACCEL_INTERNAL_TRAVERSE_WIDE_H
@@ -31,7 +31,7 @@ static inline int push_children(struct pending *stack, int top, const struct pen
 }
 
 /* Visits the boxes that the ray enters, nearest first. A box is entered if its near distance is <=
- * the best t, so that of intersections at equal t the one with the lowest number wins. */
+ * the best t. So among intersections at equal t, the one with the lowest number wins. */
 static inline void traverse_nearest(struct trace *trace, const struct box_ray *box)
 {
     struct pending stack[STACK];
@@ -65,7 +65,8 @@ static inline void traverse_nearest(struct trace *trace, const struct box_ray *b
     }
 }
 
-/* Visits the boxes that the ray enters, in any order; true if an intersection ended the query. */
+/* Visits the boxes that the ray enters, in any order; returns true if an intersection ended the
+ * query. */
 static inline bool traverse_any(struct trace *trace, const struct box_ray *box)
 {
     uint32_t stack[STACK];

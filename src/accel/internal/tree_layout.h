@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Tree layouts: what a builder decides. A layout is an order of the finite primitives, leaves as
- * ranges of that order, and nodes over the leaves. pen_accel_pack turns it into the frozen
+/* Tree layouts: the decisions of a builder. A layout is an order of the finite primitives, leaves
+ * as ranges of that order, and nodes over the leaves. pen_accel_pack turns it into the frozen
  * structure. */
 #ifndef PEN_ACCEL_INTERNAL_TREE_LAYOUT_H
 #define PEN_ACCEL_INTERNAL_TREE_LAYOUT_H
@@ -24,7 +24,7 @@ struct pen_leaf {
     uint32_t begin, count; /* in ref[] */
 };
 
-/* What a builder needs to know of a primitive. */
+/* A primitive, as builders read it. */
 struct pen_ref {
     float lo[3];
     uint32_t prim;
@@ -36,26 +36,25 @@ struct pen_ref {
 struct pen_tree_layout {
     const struct pen_prims *prims;
     unsigned generic_kinds; /* bit 1 << enum pen_prim_kind: packed in generic blocks although the
-                             * kind has a block of its own; 0 but in tests */
+                               kind has its own block; 0 except in tests */
     struct pen_ref *ref; /* the finite primitives, which builders reorder, then the infinite ones */
     uint32_t count;      /* of finite primitives */
     uint32_t infinite;   /* count of infinite primitives */
-    enum pen_shape shape;    /* PEN_SHAPE_NONE as long as there are no nodes */
-    struct pen_array nodes;  /* struct pen_node, or pen_pair where the shape is pairs; leaf children
-                              * hold PEN_CHILD_LEAF | leaf number */
-    struct pen_array leaves; /* struct pen_leaf; of one primitive each where the shape is lists */
-    uint32_t lists;          /* number of lists, where the shape is lists */
+    enum pen_shape shape;    /* PEN_SHAPE_NONE while there are no nodes */
+    struct pen_array nodes;  /* struct pen_node, or pen_pair for pairs; leaf children hold
+                                PEN_CHILD_LEAF | leaf number */
+    struct pen_array leaves; /* struct pen_leaf; of one primitive each for lists */
+    uint32_t lists;          /* number of lists, for lists */
     uint32_t depth;          /* boxes around the innermost primitive */
 };
 
-/* Begins a layout with the primitives in document order, finite ones with boxes rounded outward.
+/* Begins a layout with the primitives in document order; finite ones get boxes rounded outward.
  * Fails: returns false when out of memory. */
 bool pen_tree_layout_init(struct pen_tree_layout *layout, const struct pen_prims *prims,
                           unsigned generic_kinds);
 void pen_tree_layout_release(struct pen_tree_layout *layout);
 
-/* Adds a leaf that is a range of ref[]; returns it as a child, or PEN_NO_CHILD when out of memory.
- */
+/* Adds a leaf, a range of ref[]. Returns it as a child, or PEN_NO_CHILD when out of memory. */
 uint32_t pen_tree_layout_add_leaf(struct pen_tree_layout *layout, uint32_t begin, uint32_t count);
 #define PEN_NO_CHILD UINT32_MAX
 
@@ -82,7 +81,7 @@ void pen_child_box_grow(struct pen_child_box *sum, const struct pen_child_box *i
 void pen_node_put(struct pen_node *node, int lane, const struct pen_child_box *in);
 void pen_pair_put(struct pen_pair *pair, int lane, const struct pen_child_box *in);
 
-/* The number of lanes that nodes of the layout's shape have. */
+/* The number of lanes of the layout's nodes. */
 int pen_tree_layout_width(const struct pen_tree_layout *layout);
 
 /* Reads a lane of a node; false if it is empty. */
@@ -92,10 +91,10 @@ bool pen_tree_layout_child(const struct pen_tree_layout *layout, uint32_t node, 
 /* Whether the node after this one continues its list. */
 bool pen_tree_layout_list_continues(const struct pen_tree_layout *layout, uint32_t node);
 
-/* Costs are in units of one test of a block of triangles. A block costs the same however many of
- * its lanes are filled, so builders count filled lanes, by class of cost. A primitive of a generic
- * block is tested alone: it counts as full blocks of triangles, as many as its kind costs
- * (pen_kinds). */
+/* Costs are in units of one test of a block of triangles. A block costs the same for any number of
+ * filled lanes, so builders count filled lanes, by class of cost. A primitive of a generic block is
+ * tested alone: it counts as several full blocks of triangles, by the cost of its kind (pen_kinds).
+ */
 enum pen_cost_class {
     PEN_COST_TRIANGLES,
     PEN_COST_POLYGONS,
@@ -104,7 +103,7 @@ enum pen_cost_class {
     PEN_COST_CLASS_COUNT
 };
 
-/* The expected cost of the tests in a leaf with so many filled lanes of each class. */
+/* The expected cost of the tests in a leaf with these numbers of filled lanes by class. */
 float pen_leaf_cost(const uint32_t lanes[PEN_COST_CLASS_COUNT]);
 
 /* The cost of the box tests of one wide node. */
@@ -114,38 +113,43 @@ extern const float pen_node_cost;
  * of eight boxes in tests of four triangles, and 0.3 / 8 * 4 = 0.15. */
 #define PEN_BOX_TEST_COST 0.15
 
-/* Builds by the surface-area heuristic. Fails: returns false when out of memory. */
+/* Builds by the surface-area heuristic.
+ * Fails: returns false when out of memory. */
 bool pen_build_sah(struct pen_tree_layout *layout);
 
-/* Builds by median split. Fails: returns false when out of memory. */
+/* Builds by median split.
+ * Fails: returns false when out of memory. */
 bool pen_build_median(struct pen_tree_layout *layout);
 
-/* Builds one list for each group; without groups (NULL) one list of all. Fails: returns false when
- * out of memory. */
+/* Builds one list for each group; without groups (NULL), one list of all primitives.
+ * Fails: returns false when out of memory. */
 bool pen_build_lists(struct pen_tree_layout *layout, const struct pen_groups *groups);
 
 /* The expected cost of a ray, as pen_accel_stats defines it. */
 double pen_tree_layout_cost(const struct pen_tree_layout *layout);
 
-/* The surface of the box around all children of the first node or list, halved: lines that meet it
- * meet a box inside with a probability that is the ratio of their surfaces. */
+/* Half the surface of the box around all children of the first node or list. A line that meets this
+ * box meets a box inside it with a probability that is the ratio of their surfaces. */
 double pen_tree_layout_half_area(const struct pen_tree_layout *layout);
 double pen_child_box_half_area(const struct pen_child_box *box);
 
 /* The expected times that pen_accel_stats defines. `layout` is the tree of pen_build_sah, or has no
- * finite primitive. Cost: linear. */
+ * finite primitive.
+ * Cost: linear. */
 void pen_auto_expect(const struct pen_tree_layout *layout, double expected[PEN_AUTO_COUNT]);
 
-/* The least expected time; the first of equals. */
+/* The choice with the least expected time; the first of equals. */
 enum pen_auto_choice pen_auto_choose(const double expected[PEN_AUTO_COUNT]);
 
-/* Fills in *accel, except stats.kind, stats.sah_cost and stats.build_ms. Owns: all in the arena.
+/* Fills in *accel, except stats.kind, stats.sah_cost and stats.build_ms.
+ * Owns: the arena owns everything.
  * Fails: returns false when out of memory. */
 bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *arena,
                     struct pen_accel *accel);
 
-/* Fills in what ray packets need of wide trees: extent, prim_box, convex. Owns and fails: as
- * pen_accel_pack. */
+/* Fills in the members of wide trees for ray packets: extent, prim_box, convex.
+ * Owns: the arena owns everything.
+ * Fails: returns false when out of memory. */
 bool pen_accel_pack_boxes(const struct pen_tree_layout *layout, struct pen_arena *arena,
                           struct pen_accel *accel);
 

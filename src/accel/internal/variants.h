@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The tables of traversals, two for each instruction set of PEN_ISA_LIST (base/cpu.h). Names made
- * by token pasting: pen_trace_<instruction set> and pen_trace_count_<instruction set>, defined by
- * traverse_isa.c and traverse_count_isa.c, which are compiled once for each. */
+/* The tables of traversals, two for each instruction set of PEN_ISA_LIST (base/cpu.h). Token
+ * pasting makes the names pen_trace_<instruction set> and pen_trace_count_<instruction set>.
+ * traverse_isa.c and traverse_count_isa.c define them; each is compiled once for each instruction
+ * set. */
 #ifndef PEN_ACCEL_INTERNAL_VARIANTS_H
 #define PEN_ACCEL_INTERNAL_VARIANTS_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What `penumbra render --audit` and `penumbra audit` share. */
+/* The part that `penumbra render --audit` and `penumbra audit` share. */
 #ifndef PEN_CMD_CLIENT_AUDIT_OPTIONS_H
 #define PEN_CMD_CLIENT_AUDIT_OPTIONS_H
 
@@ -8,21 +8,23 @@
 #include "cmd/options.h"
 #include "render/audit.h"
 
-/* The threshold, whose option has the member's name, and the number of pixels in audit_pixels. */
+/* The options of an audit: the threshold, whose option has the name of the member, and the number
+ * of pixels in audit_pixels. */
 #define PEN_AUDIT_OPTIONS(values, member)                                                          \
     {.name = #member,                                                                              \
      .kind = PEN_OPTION_NUMBER,                                                                    \
      .offset = offsetof(values, member),                                                           \
      .value = "D",                                                                                 \
      .max = 1,                                                                                     \
-     .help = "audit: how many pixels are off by more than D, of values from 0 to 1 as displayed"}, \
+     .help = "audit: count the pixels that are wrong by more than D, in displayed values from 0 "  \
+             "to 1"},                                                                              \
     {                                                                                              \
         .name = "audit-pixels", .kind = PEN_OPTION_INT, .offset = offsetof(values, audit_pixels),  \
         .value = "N", .min = 1, .max = PEN_AUDIT_PIXELS_MAX,                                       \
         .help = "how many pixels an audit renders again, 600 by default"                           \
     }
 
-/* Prints what an audit has found: a line, and one for each cluster of wrong pixels. */
+/* Prints the result of an audit: a line, and a line for each cluster of wrong pixels. */
 void pen_audit_print(const struct pen_audit *audit, const char *label, FILE *out);
 
 #endif

@@ -14,7 +14,7 @@
 #include "cmd/report.h"
 #include "study/history.h"
 
-/* The reports that were read. */
+/* The reports, as read. */
 struct reports {
     json_t **item;
     int count;
@@ -38,7 +38,7 @@ static bool add_report(struct reports *reports, json_t *report, struct pen_statu
     return true;
 }
 
-/* Whether a report is of a benchmark: an accuracy study has no history. */
+/* Fails unless a report is of a benchmark: an accuracy study has no history. */
 static bool check_kind(const json_t *report, struct pen_errors *errors)
 {
     struct pen_status st;
@@ -51,7 +51,7 @@ static bool check_kind(const json_t *report, struct pen_errors *errors)
     return false;
 }
 
-/* Reads a file of the folder. One that is no report is named and left out. */
+/* Reads a file of the folder. A file that is no report is named and left out. */
 static bool read_file(const struct pen_bench_history *h, const char *name, struct reports *reports,
                       struct pen_status *st)
 {

@@ -9,14 +9,14 @@
 
 struct pen_bench_history {
     const char *folder;
-    const char *scene; /* only reports of the scene of this name; NULL: all must be of one */
+    const char *scene; /* only reports of this scene; NULL: all must be of one scene */
     const struct pen_option_list *output; /* files, .html or .json */
     double least_effect;
     bool json, quiet;
 };
 
-/* Reads all files of the folder that end in .json and are reports of benchmarks, names those on
- * standard error that are not, and writes their history. Returns the exit code. */
+/* Reads the files of the folder that end in .json, and writes the history of the reports of
+ * benchmarks among them. Names the other files on standard error. Returns the exit code. */
 int pen_bench_history(const struct pen_bench_history *history);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A benchmark that a daemon runs: makes its job, follows it to its end and fetches its report. */
+/* A benchmark that a daemon runs. Makes its job, follows it to its end and fetches its report. */
 #ifndef PEN_CMD_CLIENT_BENCH_REMOTE_H
 #define PEN_CMD_CLIENT_BENCH_REMOTE_H
 
@@ -9,13 +9,14 @@
 struct pen_bench_remote {
     struct pen_client *client;
     const struct pen_source *source; /* a scene, checked */
-    const json_t *members;           /* of the job, but for the scene */
-    bool quiet, json;                /* as the options */
+    const json_t *members;           /* of the job, without the scene */
+    bool quiet, json;                /* values of these options */
 };
 
-/* Runs the benchmark; prints the job's id on standard error unless quiet, and errors. A job that
- * failed ends in the exit code of the same failure in this process. If this process is ended, the
- * job goes on. Owns: the caller json_decref()s *report. Returns the exit code. */
+/* Runs the benchmark. Prints errors and, unless quiet, the job's id on standard error. If the job
+ * fails, the exit code is that of the same failure in this process. If this process is ended, the
+ * job continues. Returns the exit code.
+ * Owns: the caller calls json_decref() for *report. */
 int pen_bench_remote_run(const struct pen_bench_remote *remote, json_t **report);
 
 #endif

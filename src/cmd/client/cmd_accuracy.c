@@ -49,7 +49,7 @@ static const struct pen_option options[] = {
     PEN_JSON_OPTION(struct values, "print the report as a line of JSON instead of a table"),
     {0}};
 
-/* Everything one study holds. run() frees what has been allocated, at any stage. */
+/* All state of a study. run() frees what has been allocated, at any stage. */
 struct study {
     const struct values *values;
     struct pen_scene_input input;
@@ -86,7 +86,7 @@ static void show_progress(void *user, int done, int total)
     pen_progress_show(&s->progress, (double)done / total, -1);
 }
 
-/* What the study will take, before it begins. */
+/* Shows the forecast before the study begins. */
 static void show_forecast(void *user, const struct pen_accuracy_forecast *forecast)
 {
     const struct study *s = user;

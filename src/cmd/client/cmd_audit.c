@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra audit`: how many pixels of a picture are wrong, wherever it was made. */
+/* `penumbra audit`: how many pixels of a picture are wrong, whatever program made it. */
 #include <inttypes.h>
 #include <stdlib.h>
 
@@ -30,8 +30,8 @@ static const struct pen_option options[] = {
      .value = "N",
      .min = 8,
      .max = 1 << 30,
-     .help = "how many samples each of these pixels is rendered again with, 4096 by default; take "
-             "64 times as many as the picture was made with"},
+     .help = "samples of each pixel that is rendered again, 4096 by default; take 64 times the "
+             "samples of the picture"},
     {.name = "max-wrong",
      .kind = PEN_OPTION_NUMBER,
      .offset = offsetof(struct values, max_wrong),
@@ -44,7 +44,7 @@ static const struct pen_option options[] = {
     PEN_JSON_OPTION(struct values, "print what is found as a line of JSON"),
     {0}};
 
-/* Everything one audit holds. run() frees what has been allocated, at any stage. */
+/* All state of an audit. run() frees what has been allocated, at any stage. */
 struct audit {
     const struct values *values;
     struct pen_scene_input input;
@@ -54,7 +54,7 @@ struct audit {
     int view;
 };
 
-/* The errors name the file. */
+/* Its errors name the file. */
 static struct pen_picture *read_picture(const char *path, struct pen_status *st)
 {
     struct pen_source source; /* a path or - */
@@ -68,7 +68,7 @@ static struct pen_picture *read_picture(const char *path, struct pen_status *st)
     return picture;
 }
 
-/* Reads the picture as the film from which it may have been made. */
+/* Reads the picture as the film that it may have been made from. */
 static bool read_film(struct audit *a, const char *path, struct pen_status *st)
 {
     const struct pen_settings *s = &a->input.desc.settings;
@@ -177,11 +177,11 @@ const struct pen_command pen_command_audit = {
     .summary = "Says how many pixels of a picture can be wrong, by rendering some of them again.",
     .details =
         "SCENE is a file, - for standard input, or builtin:NAME. PICTURE is a PNG or PFM file of "
-        "it, "
-        "made by whatever program. A pixel is wrong if a channel is off by more than --threshold, "
-        "0.01 unless told, from its converged value at the scene's max_depth and min_contribution. "
-        "The pixels are drawn by a hash of the picture. One whose value stays too uncertain counts "
-        "as wrong. The rounding of an 8-bit PNG, up to 0.002, counts as an error of the picture.",
+        "it, made by any program. A pixel is wrong if a channel is off by more than --threshold, "
+        "0.01 by default, from its converged value at the scene's max_depth and min_contribution. "
+        "The pixels are drawn by a hash of the picture. A pixel whose value stays too uncertain "
+        "counts as wrong. The rounding of an 8-bit PNG, up to 0.002, counts as an error of the "
+        "picture.",
     .options = options,
     .min_args = 2,
     .max_args = 2,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* `penumbra bench`: a benchmark in this process or, with --server, as a job of a daemon. Runs and
- * report are the same: the command line is checked here, the table and all formats are made here.
- */
+ * report are the same. In both cases this process checks the command line and makes the table and
+ * all formats. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,7 +81,7 @@ static const struct pen_option options[] = {
     PEN_ACCESS_OPTIONS(struct values),
     {0}};
 
-/* Everything one benchmark holds. release() frees what has been allocated, at any stage. */
+/* All state of a benchmark. release() frees what has been allocated, at any stage. */
 struct benchmark {
     const struct values *values;
     struct pen_remote remote;
@@ -120,8 +120,8 @@ static bool check_values(const struct values *v, struct pen_status *st)
     return !v->csv || pen_file_check(v->csv, st);
 }
 
-/* Opens the client of the daemon that runs the benchmark, if one does. A warning that it prints is
- * not printed again for the baseline. */
+/* Opens the client if a daemon runs the benchmark. A warning that it prints is not printed again
+ * for the baseline. */
 static int open_daemon(struct benchmark *b)
 {
     struct pen_status st;
@@ -232,7 +232,7 @@ static bool run_here(struct benchmark *b, struct pen_status *st)
     return ok;
 }
 
-/* The members of the job, but for the scene. NULL after a failure. */
+/* Makes the members of the job, without the scene. NULL after a failure. */
 static json_t *job_members(const struct values *v, struct pen_status *st)
 {
     json_t *job = json_pack("{s:s}", "kind", "benchmark"), *views = json_array();
@@ -270,7 +270,7 @@ static int measure(struct benchmark *b)
     return code;
 }
 
-/* Puts the comparison with the earlier report into the report. */
+/* Adds the comparison with the earlier report to the report. */
 static bool compare(struct benchmark *b, struct pen_status *st)
 {
     if (!b->earlier)
@@ -280,7 +280,7 @@ static bool compare(struct benchmark *b, struct pen_status *st)
                           pen_fail(st, PEN_NO_MEMORY, "out of memory"));
 }
 
-/* Whether the comparison is as --compare wants it. */
+/* Checks that the comparison is as --compare asks for. */
 static bool judge(const struct benchmark *b, struct pen_status *st)
 {
     const char *compare = b->values->compare ? b->values->compare : "counters";

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbra compare`: measures the difference of two picture files, and draws where it is. Two
- * reports of benchmarks are compared by report_source.c. */
+/* `penumbra compare`: measures the difference of two picture files, and draws a map of it.
+ * report_source.c compares two reports of benchmarks. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -134,8 +134,8 @@ static bool check_values(const struct values *v, struct pen_status *st)
     return pen_output_format(v->output, v->format, st) && pen_file_check(v->output, st);
 }
 
-/* Measures what will be printed or judged; of the rest ssim and flip stay 0. `errors` may be NULL.
- */
+/* Measures what will be printed or checked; ssim and flip otherwise stay 0. `errors` may be
+ * NULL. */
 static bool measure(const struct pen_picture *a, const struct pen_picture *b,
                     const struct values *values, struct pen_comparison *f, float *errors,
                     struct pen_status *st)
@@ -227,19 +227,18 @@ const struct pen_command pen_command_compare = {
     .arguments = "A B",
     .summary = "Measures the difference of two pictures, or compares two reports.",
     .details =
-        "A and B are PNG or PFM files of the same size. All figures but one are about "
-        "sRGB-encoded values from 0 to 1: the root mean square error and its PSNR, SSIM of luma "
-        "(1: equal), FLIP at 67 pixels per degree (0: looks equal), and the largest difference of "
-        "a value. The relative mean square error is about linear values; B is its reference. Of "
-        "two PFM files the largest difference counts values beyond 0 and 1, too. A "
-        "picture with transfer display has values for a screen, and so has the PFM beside it. "
-        "Files that have equal values are equal; the command tells if their tags differ. "
+        "A and B are PNG or PFM files of the same size. These figures are about sRGB-encoded "
+        "values from 0 to 1: the root mean square error and its PSNR, SSIM of luma (1: equal), "
+        "FLIP at 67 pixels per degree (0: looks equal), and the largest difference of a value. For "
+        "two PFM files, the largest difference also counts values beyond 0 and 1. The relative "
+        "mean square error is about linear values; B is its reference. A picture with transfer "
+        "display has values for a screen, and so has the PFM beside it. Files with equal values "
+        "are equal; the command reports if their tags differ. "
         "Without a bound (--max-rmse, --max-flip, --min-ssim, --max-error) the command accepts "
-        "any difference of colours. Pictures whose alpha differs are different, and the command "
-        "ends with code 7; a file without alpha is opaque. Two reports of benchmarks or accuracy "
-        "studies, as JSON, are compared row "
-        "by row: what the runs counted and their pictures must be equal, or the command ends with "
-        "code 7; times advise, and have a verdict if both reports are of one host.",
+        "any difference of colours. If their alpha differs, the pictures differ, and the exit code "
+        "is 7; a file without alpha is opaque. Two reports of benchmarks or accuracy studies, as "
+        "JSON, are compared row by row. If counts or pictures differ, the exit code is 7. Times "
+        "are shown, with a verdict if both reports are of one host.",
     .options = options,
     .min_args = 2,
     .max_args = 2,

@@ -43,7 +43,7 @@ static const struct pen_option options[] = {
     PEN_JSON_OPTION(struct values, "print the report as a line of JSON instead of a table"),
     {0}};
 
-/* Everything one bill holds. run() frees what has been allocated, at any stage. */
+/* All state of a bill. run() frees what has been allocated, at any stage. */
 struct effects {
     const struct values *values;
     struct pen_scene_input input;

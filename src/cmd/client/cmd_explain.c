@@ -22,14 +22,14 @@ static const struct pen_option options[] = {
     {.name = "analyze",
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct values, analyze),
-     .help = "render the scene, and put what it took beside what was expected"},
+     .help = "render the scene too, and show its figures beside the estimates"},
     PEN_SET_OPTION(struct values),
     PEN_VIEW_OPTION(struct values),
     PEN_RENDER_THREADS_OPTION(struct values),
     PEN_JSON_OPTION(struct values, "print the explanation as a line of JSON"),
     {0}};
 
-/* Everything one explanation holds. run() frees what has been allocated, at any stage. */
+/* All state of an explanation. run() frees what has been allocated, at any stage. */
 struct explain {
     const struct values *values;
     struct pen_scene_input input;
@@ -134,11 +134,10 @@ const struct pen_command pen_command_explain = {
     .name = "explain",
     .arguments = "SCENE",
     .summary = "Says which effects a scene calls for and why, and what it will take.",
-    .details =
-        "SCENE is a file, - for standard input, or builtin:NAME. Rays, time and memory are "
-        "expected from a pre-render of one pixel in a hundred, at least 4096, with intervals "
-        "of 95 %. The processor time is that of all threads. The time by the clock is told for the "
-        "load of now, and for a machine that does nothing else.",
+    .details = "SCENE is a file, - for standard input, or builtin:NAME. Rays, time and memory are "
+               "estimated by a pre-render of one pixel in a hundred, at least 4096, with 95 % "
+               "intervals. The processor time is that of all threads. The time by the clock is "
+               "given for the present load, and for an idle machine.",
     .options = options,
     .min_args = 1,
     .max_args = 1,

@@ -17,7 +17,7 @@ struct values {
     bool quiet, json, report, stats;
 };
 
-/* Carries a subcommand out for one job and reports errors. Returns the exit code. */
+/* Runs a subcommand for one job and reports errors. Returns the exit code. */
 typedef int job_fn(struct pen_client *client, const char *id, const struct values *values);
 
 /* Calls `each` for every argument. Returns the exit code of the first that failed. */
@@ -58,7 +58,7 @@ static int wait_one(struct pen_client *client, const char *id, const struct valu
     bool ok = pen_remote_wait(client, id, values->quiet, &job, &errors);
     if (job)
         print_state(job, values);
-    bool printed = job != NULL; /* and with it the job's own error */
+    bool printed = job != NULL; /* and with it the error of the job */
     json_decref(job);
     return ok ? 0 : pen_report_errors_json(NULL, values->json && !printed, &errors);
 }
@@ -137,7 +137,8 @@ static const struct pen_option delete_options[] = {
     {.name = "stats",
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct values, stats),
-     .help = "remove also the statistics, which stay for five years otherwise; later, too"},
+     .help = "remove the statistics too, which otherwise stay for five years; also of a job that "
+             "was deleted before"},
     PEN_QUIET_OPTION(struct values, "print nothing"),
     PEN_JSON_OPTION(struct values, "print each job as a line of JSON"),
     PEN_REMOTE_OPTIONS(struct values),

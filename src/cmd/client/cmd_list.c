@@ -74,8 +74,8 @@ static bool make_path(struct pen_client *client, const struct values *values, in
     return ok;
 }
 
-/* Gets one page: appends its jobs, and sets the cursor of the next page, "" if this was the last.
- */
+/* Gets one page: appends its jobs, and sets the cursor of the next page, "" if this was the
+ * last. */
 static bool get_page(struct pen_client *client, const struct values *values, json_t *jobs,
                      char cursor[512], struct pen_errors *errors)
 {
@@ -99,7 +99,7 @@ static bool get_page(struct pen_client *client, const struct values *values, jso
     return ok;
 }
 
-/* Writes how long the job has been running, or ran. */
+/* Writes how long the job has been running, or how long it ran. */
 static void format_time(const json_t *job, char out[16])
 {
     double from = pen_remote_time(job, "started_at");
@@ -114,7 +114,8 @@ static void format_time(const json_t *job, char out[16])
         pen_progress_time(to - from, out);
 }
 
-/* The widths of the table: a terminal of 80 columns has space for all but the time of creation. */
+/* The widths of the table. A terminal of 80 columns has space for all columns but the time of
+ * creation. */
 struct table {
     bool created;
     int name_columns;
@@ -133,7 +134,7 @@ static struct table table_for_output(void)
     return table;
 }
 
-/* The number of bytes of the characters that fit into so many columns. */
+/* Returns the number of bytes of the characters that fit into some columns. */
 static int bytes_of(const char *text, int columns)
 {
     const size_t all = strlen(text);

@@ -48,9 +48,8 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct values, layer),
      .value = "NAME",
      .choices = pen_layer_names,
-     .help =
-         "what to write: the picture (beauty), what each pixel cost, its number of samples, "
-         "or depth, normal or albedo of what it shows; numbers as PFM, a picture of them as PNG"},
+     .help = "what to write: beauty (the picture), cost or samples of each pixel, or depth, normal "
+             "or albedo of the surface in it. PFM has numbers, PNG a picture of them"},
     {.name = "cost",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, cost),
@@ -71,12 +70,12 @@ static const struct pen_option options[] = {
      .value = "X,Y",
      .help = "print that pixel in full precision; without -o and --stats only that pixel is "
              "rendered"},
-    PEN_QUIET_OPTION(struct values, "no progress bar and no closing line, which only a terminal "
-                                    "gets"),
+    PEN_QUIET_OPTION(struct values,
+                     "no progress bar and no closing line, which only a terminal shows"),
     PEN_JSON_OPTION(struct values, "print the result as a line of JSON"),
     {0}};
 
-/* Everything one render holds. release() frees what has been allocated, at any stage. */
+/* All state of a render. release() frees what has been allocated, at any stage. */
 struct render {
     const struct values *values;
     const char *format; /* of the output */
@@ -134,7 +133,8 @@ static bool check_values(struct render *r, struct pen_status *st)
     if (v->output && !(r->format = pen_output_format(v->output, v->format, st)))
         return false;
     if (v->repeat && (v->budget >= 0 || v->set.count > 0))
-        return pen_fail(st, PEN_USAGE, "--%s: does not go with --repeat, whose statistics say all",
+        return pen_fail(st, PEN_USAGE,
+                        "--%s: does not go with --repeat, whose statistics have all settings",
                         v->budget >= 0 ? "budget" : "set");
     if ((v->budget >= 0 || v->repeat) && v->layer)
         return pen_fail(st, PEN_USAGE, "--layer: does not go with --%s",
@@ -146,7 +146,7 @@ static bool check_values(struct render *r, struct pen_status *st)
     return check_layer(r, st);
 }
 
-/* Checks before the work that its results can be written. */
+/* Checks before the work that the results can be written. */
 static bool check_files(const struct render *r, struct pen_status *st)
 {
     const struct values *v = r->values;
@@ -202,7 +202,7 @@ static void check_precision(struct render *r)
                        (unsigned)r->precision.thin_prim, text);
 }
 
-/* Warns of samples that the picture does not hold. */
+/* Warns of samples that are missing in the picture. */
 static void check_dropped(const struct render *r, const struct pen_ray_counts *rays)
 {
     char text[PEN_MSG_BYTES];
@@ -219,7 +219,7 @@ static void tile_done(void *user, struct pen_rect rect)
     pen_progress_show(&r->progress, (double)r->tiles_done / r->tiles, -1);
 }
 
-/* Samples lower the error as their number to the power of -0.625 (render/adaptive.c). */
+/* The error falls as the number of samples to the power of -0.625 (render/adaptive.c). */
 static void round_done(void *user, const struct pen_round *round)
 {
     struct render *r = user;
@@ -259,7 +259,7 @@ static bool render_view(struct render *r, struct pen_status *st)
     return ok;
 }
 
-/* Renders some pixels of the picture again, and says how many can be wrong. */
+/* Renders some pixels of the picture again, and prints how many pixels can be wrong. */
 static bool audit_view(struct render *r, struct pen_status *st)
 {
     if (r->values->audit < 0)
@@ -279,7 +279,7 @@ static bool audit_view(struct render *r, struct pen_status *st)
     return true;
 }
 
-/* Says that a part of the picture is missing. */
+/* Warns that a part of the picture is missing. */
 static void warn_truncated(const struct render *r)
 {
     const struct pen_settings sampling = pen_settings_sampling(&r->input.desc.settings);
@@ -293,16 +293,16 @@ static void warn_truncated(const struct render *r)
             pen_tree_surfaces_max(&sampling, pen_effects_blur(r->stats.effects)));
 }
 
-/* Says that some surfaces of solids are missing, or that the eye is on one. */
+/* Warns that some surfaces of solids are missing, or that the eye is on a surface. */
 static void warn_unmatched(const struct render *r)
 {
     if (r->stats.rays.unmatched_exits)
-        pen_report_say(
-            stderr,
-            "penumbra: %s: view \"%s\": warning: %" PRIu64
-            " paths leave a solid that they have not entered; penumbra validate tells which "
-            "solids do not close",
-            r->input.source.label, r->scene->views[r->view].name, r->stats.rays.unmatched_exits);
+        pen_report_say(stderr,
+                       "penumbra: %s: view \"%s\": warning: %" PRIu64
+                       " paths leave a solid that they have not entered; penumbra validate names "
+                       "the solids that do not close",
+                       r->input.source.label, r->scene->views[r->view].name,
+                       r->stats.rays.unmatched_exits);
 }
 
 static enum pen_cost cost_of(const struct render *r)
@@ -312,7 +312,7 @@ static enum pen_cost cost_of(const struct render *r)
                                                                      : PEN_COST_TIME;
 }
 
-/* Says what white stands for in a layer of numbers; the file says it in words. */
+/* Prints the value that white has in a layer of numbers; the file has it as text. */
 static void print_layer(const struct render *r, double white)
 {
     const char *name = pen_layer_name(r->layer);
@@ -414,7 +414,8 @@ static void print_result(const struct render *r)
                               s->width, "height", s->height, "stats", make_stats(r)));
 }
 
-/* Renders one pixel: with a target error, after the picture, on which its samples depend. */
+/* Renders one pixel. With a target error this follows the picture, on which the pixel's samples
+ * depend. */
 static bool show_pixel(struct render *r, struct pen_status *st)
 {
     const struct pen_settings *s = &r->input.desc.settings;
@@ -436,7 +437,7 @@ static bool show_pixel(struct render *r, struct pen_status *st)
     return true;
 }
 
-/* Renders and writes what the options ask for: a pixel, a picture, statistics. */
+/* Renders and writes the results that the options ask for: a pixel, a picture, statistics. */
 static bool make_results(struct render *r, int64_t start_ns, struct pen_status *st)
 {
     const struct values *v = r->values;

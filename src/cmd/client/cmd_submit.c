@@ -48,8 +48,9 @@ static const struct pen_option options[] = {
      .value = "render|benchmark|accuracy|effects",
      .choices = kinds,
      .help = "what the job does with the scene, render by default"},
-    PEN_BENCH_OPTIONS(struct values, "of a study: ", "",
-                      "of a render: make the best picture of one view in so long; of a benchmark "),
+    PEN_BENCH_OPTIONS(
+        struct values, "of a study: ", "",
+        "of a render: make the best picture of one view in this time; of a benchmark "),
     PEN_ACCURACY_OPTIONS(struct values, "of an accuracy study: "),
     PEN_AUDIT_OPTIONS(struct values, audit),
     {.name = "name",
@@ -73,8 +74,8 @@ static const struct pen_option options[] = {
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, idempotency_key),
      .value = "KEY",
-     .help = "submitting the same job with the same key again within 24 hours gives the first job; "
-             "random by default, so that a request sent twice makes no second job"},
+     .help = "a second submit of the same job with the same key within 24 hours gives the first "
+             "job. By default the key is random, so a repeated request makes no second job"},
     {.name = "wait",
      .letter = 'w',
      .kind = PEN_OPTION_FLAG,
@@ -141,7 +142,8 @@ static bool add_options(json_t *job, const struct values *values, struct pen_sta
            pen_set_options_add(job, &values->set, st) && add_labels(job, &values->label, st);
 }
 
-/* The request for a document that is a job, or for a built-in scene, which has no text here. */
+/* Makes the request for a document that is a job, or for a built-in scene, which has no text
+ * here. */
 static bool compose_job(const struct pen_source *source, json_t *job, const struct values *values,
                         struct pen_job_request *request, struct pen_status *st)
 {
@@ -171,8 +173,8 @@ static bool compose_scene(const struct pen_source *source, const json_t *documen
     return ok;
 }
 
-/* Parses the document. A scene in XML is also checked as a whole here: once it is converted to
- * JSON, errors can no longer be placed by line and column. */
+/* Parses the document. A scene in XML is also checked as a whole here. After its conversion to
+ * JSON, errors have no line and column. */
 static json_t *read_document(const char *scene, struct pen_source *source,
                              struct pen_errors *errors)
 {
@@ -192,7 +194,7 @@ static json_t *read_document(const char *scene, struct pen_source *source,
     return document;
 }
 
-/* Checks that the output has a format of what a job of that kind (NULL: a render) makes. */
+/* Checks that jobs of this kind (NULL: a render) have results in the output's format. */
 static bool check_format(const struct values *values, const char *kind, struct pen_status *st)
 {
     const bool study = kind && strcmp(kind, "render") != 0;
@@ -224,7 +226,7 @@ static bool to_standard_output(const struct values *values)
     return values->output && strcmp(values->output, "-") == 0;
 }
 
-/* Prints the job's id; then waits and fetches the result if the options ask for it. */
+/* Prints the job's id. If the options ask for it, waits and fetches the result. */
 static int follow(struct pen_client *client, const struct values *values, json_t *job)
 {
     struct pen_errors errors = {0};
@@ -262,8 +264,8 @@ static int submit(struct pen_client *client, const struct values *values,
     return code;
 }
 
-/* Checks what can be told before the document is read: that a render or, if the document may ask
- * for one, a study such as an explanation can have that output; and that it can be written. */
+/* Checks before the document is read that the output is possible and can be written. The output may
+ * be of a render or, if the document may ask for one, of a study such as an explanation. */
 static bool check_output(const struct values *values, struct pen_status *st)
 {
     if (!values->output)
@@ -276,7 +278,7 @@ static bool check_output(const struct values *values, struct pen_status *st)
     return pen_file_check(values->output, st);
 }
 
-/* A daemon compares rows alone. */
+/* A daemon compares only rows. */
 static bool check_baseline(const struct values *values, struct pen_status *st)
 {
     const char *report;

@@ -17,7 +17,7 @@
 enum {
     COLUMNS = 126,     /* if the width of the terminal is not known */
     NAME_COLUMNS = 26, /* of a job, behind its bar */
-    BAR_COLUMNS = 100  /* so many have space for a bar */
+    BAR_COLUMNS = 100  /* from this width on, a bar has space */
 };
 
 struct values {
@@ -37,7 +37,7 @@ static const struct pen_option options[] = {
     {.name = "once",
      .kind = PEN_OPTION_FLAG,
      .offset = offsetof(struct values, once),
-     .help = "print once and end, as always if standard output is not a terminal"},
+     .help = "print once and end; always so if standard output is not a terminal"},
     PEN_JSON_OPTION(struct values,
                     "print once, as {\"workers\": […], \"running\": […], \"queued\": […]}"),
     PEN_REMOTE_OPTIONS(struct values),
@@ -56,8 +56,7 @@ static void state_release(struct state *state)
     json_decref(state->queued);
 }
 
-/* GETs a page: returns its array `key`, NULL after an error; sets *more if there is a further page.
- */
+/* GETs a page and returns its array `key`; NULL after an error. *more: there is a further page. */
 static json_t *get_list(struct pen_client *client, const char *path, const char *key, bool *more,
                         struct pen_errors *errors)
 {
@@ -110,7 +109,7 @@ static void write_worker(const json_t *worker, struct pen_buf *out)
     pen_buf_puts(out, json_array_size(batches) ? "\n" : "nothing\n");
 }
 
-/* A job's line. Where there is no space for a bar, it has the percentage alone. */
+/* Writes a job's line. If there is no space for a bar, it has only the percentage. */
 static void write_job(const json_t *job, int columns, struct pen_buf *out)
 {
     char name[25], id[41], label[64], bar[256], left[16];
@@ -149,7 +148,7 @@ static void write_state(const struct state *state, int columns, struct pen_buf *
     json_array_foreach(state->running, i, item) write_job(item, columns, out);
 }
 
-/* Cuts each line at the width, and ends it with `end`. */
+/* Cuts each line to the width, and ends it with `end`. */
 static void cut_lines(const struct pen_buf *text, int columns, const char *end, struct pen_buf *out)
 {
     const char *c = (const char *)text->data;
@@ -168,7 +167,7 @@ static void cut_lines(const struct pen_buf *text, int columns, const char *end, 
     }
 }
 
-/* Draws over the last text, and clears what is behind the end of a line, and the lines below. */
+/* Draws over the last text, and clears the rest of each line and the lines below. */
 static void draw(const struct pen_buf *text, int columns)
 {
     struct pen_buf lines = {0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The subcommands of `penumbra`. Each is defined in the file that carries it out: cmd_NAME.c, and
- * cmd_jobs.c for wait, fetch, stats, cancel and delete. */
+/* The subcommands of `penumbra`. Each is defined in its file cmd_NAME.c; wait, fetch, stats, cancel
+ * and delete are in cmd_jobs.c. */
 #ifndef PEN_CMD_CLIENT_COMMANDS_H
 #define PEN_CMD_CLIENT_COMMANDS_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Rows of the option tables that several subcommands share. Each macro takes the type of the
- * command's values; the member has the option's name. */
+ * command's values; the member has the name of the option. */
 #ifndef PEN_CMD_CLIENT_COMMON_OPTIONS_H
 #define PEN_CMD_CLIENT_COMMON_OPTIONS_H
 
@@ -27,7 +27,7 @@
         .offset = offsetof(values, output), .value = word, .help = text                            \
     }
 
-/* `names` is how help lists the formats, `list` the array of them. */
+/* `names` is the list of formats for help, `list` the array of formats. */
 #define PEN_FORMAT_OPTION(values, names, list)                                                     \
     {                                                                                              \
         .name = "format", .kind = PEN_OPTION_CHOICE, .offset = offsetof(values, format),           \
@@ -55,7 +55,7 @@
 #define PEN_RENDER_THREADS_OPTION(values)                                                          \
     PEN_THREADS_OPTION(values, "how many render threads; 0, the default, is one per core")
 
-/* What the options of a benchmark leave. Numbers below 0 were not given. */
+/* The values of a benchmark's options. A number below 0 was not given. */
 struct pen_bench_values {
     struct pen_option_list matrix, baseline;
     int repeats, warmup, order_seed;
@@ -68,9 +68,9 @@ struct pen_bench_values {
         .least_effect = -1                                                                         \
     }
 
-/* The options of a benchmark; `values` has them in a member `bench`. `prefix` begins their help
- * texts, `budget_text` that of --budget; `baseline_text` is what that of --baseline says besides.
- */
+/* The options of a benchmark; `values` has them in a member `bench`. Their help texts begin with
+ * `prefix`, and that of --budget with `budget_text`. `baseline_text` is added to the help of
+ * --baseline. */
 #define PEN_BENCH_OPTIONS(values, prefix, baseline_text, budget_text)                              \
     {.name = "matrix",                                                                             \
      .letter = 'm',                                                                                \
@@ -97,8 +97,8 @@ struct pen_bench_values {
          .offset = offsetof(values, bench.interval),                                               \
          .value = "W",                                                                             \
          .max = 1,                                                                                 \
-         .help = prefix "instead of --repeats: run on until the 95 % interval of every row's "     \
-                        "ratio to the baseline is no wider than W (0.02 with --budget alone)"},    \
+         .help = prefix "instead of --repeats: run until the 95 % interval of each row's ratio "   \
+                        "to the baseline is at most W wide (0.02 with --budget alone)"},           \
         {.name = "budget",                                                                         \
          .kind = PEN_OPTION_NUMBER,                                                                \
          .offset = offsetof(values, bench.budget),                                                 \
@@ -117,14 +117,14 @@ struct pen_bench_values {
          .offset = offsetof(values, bench.order_seed),                                             \
          .value = "N",                                                                             \
          .max = INT_MAX,                                                                           \
-         .help = prefix "seed of the random order of runs, another one each time by default"},     \
+         .help = prefix "seed of the random order of runs; by default a new seed each time"},      \
     {                                                                                              \
         .name = "baseline", .kind = PEN_OPTION_LIST, .offset = offsetof(values, bench.baseline),   \
         .value = "KEY=VALUE,…",                                                                    \
         .help = prefix "the row that speed-ups refer to, the first by default" baseline_text       \
     }
 
-/* What the options of an accuracy study leave. */
+/* The values of an accuracy study's options. */
 struct pen_accuracy_values {
     struct pen_option_list ladder, reference;
     const char *target;
@@ -132,14 +132,14 @@ struct pen_accuracy_values {
     bool product;
 };
 
-/* The options of an accuracy study but for the budget; `values` has them in a member `accuracy`.
- * `prefix` begins their help texts. */
+/* The options of an accuracy study, without the budget; `values` has them in a member `accuracy`.
+ * Their help texts begin with `prefix`. */
 #define PEN_ACCURACY_OPTIONS(values, prefix)                                                       \
     {.name = "ladder",                                                                             \
      .kind = PEN_OPTION_LIST,                                                                      \
      .offset = offsetof(values, accuracy.ladder),                                                  \
      .value = "KEY=VALUE,…",                                                                       \
-     .help = prefix "values of a setting to try one at a time; may be repeated. By default those " \
+     .help = prefix "values of a setting to try one at a time; may be repeated. By default the "   \
                     "kinds of samples that the scene calls for"},                                  \
         {.name = "product",                                                                        \
          .kind = PEN_OPTION_FLAG,                                                                  \
@@ -155,8 +155,9 @@ struct pen_accuracy_values {
          .kind = PEN_OPTION_TEXT,                                                                  \
          .offset = offsetof(values, accuracy.target),                                              \
          .value = "METRIC=VALUE",                                                                  \
-         .help = prefix "what the cheapest row is to meet, flip=0.02 by default; metrics are "     \
-                        "rmse, relative_mse, psnr, ssim, flip, max_error"},                        \
+         .help = prefix                                                                            \
+         "the error that the cheapest row must meet, flip=0.02 by default; metrics are "           \
+         "rmse, relative_mse, psnr, ssim, flip, max_error"},                                       \
     {                                                                                              \
         .name = "seeds", .kind = PEN_OPTION_INT, .offset = offsetof(values, accuracy.seeds),       \
         .value = "N", .min = 1, .max = PEN_ACCURACY_SEEDS_MAX,                                     \

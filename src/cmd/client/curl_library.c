@@ -4,7 +4,7 @@
 #include <dlfcn.h>
 #include <string.h>
 
-/* The name has the version of the binary interface, which has been 4 since 2006. */
+/* The name contains the version of the binary interface, which has been 4 since 2006. */
 static const char library[] = "libcurl.so.4";
 
 /* Finds a function. ISO C has no cast from the object pointer that dlsym returns to a function

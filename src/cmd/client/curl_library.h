@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* libcurl, loaded only by commands that talk to a daemon. Linked to the program, it would be loaded
- * together with some thirty libraries that it needs before anything else runs: that takes longer
- * than reading a scene and preparing it for rendering.
+/* libcurl, loaded only by commands that talk to a daemon. If it were linked to the program, some
+ * thirty libraries would be loaded before anything else runs. That takes longer than reading a
+ * scene and preparing it for rendering.
  *
- * PEN_CURL_FUNCTIONS lists the functions used; struct pen_curl has a member for each, without the
+ * PEN_CURL_FUNCTIONS lists the functions used. struct pen_curl has a member for each, without the
  * prefix: curl_easy_init is easy_init. */
 #ifndef PEN_CMD_CLIENT_CURL_LIBRARY_H
 #define PEN_CMD_CLIENT_CURL_LIBRARY_H
@@ -36,8 +36,8 @@ struct pen_curl {
 };
 #undef PEN_CURL_MEMBER
 
-/* Loads the library and finds its functions. It stays loaded until the program ends. Fails:
- * PEN_NETWORK (there is no libcurl, or one of its functions is missing). */
+/* Loads the library and finds its functions. It stays loaded until the program ends.
+ * Fails: PEN_NETWORK (no libcurl, or one of its functions is missing). */
 bool pen_curl_load(struct pen_curl *curl, struct pen_status *st);
 
 #endif

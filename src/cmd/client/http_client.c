@@ -15,7 +15,7 @@
 #include "cmd/client/transport.h"
 #include "cmd/report.h"
 
-/* No answer of a daemon is larger: a PFM of 64 Mpixel is 768 MiB. */
+/* Larger than any answer of a daemon: a PFM of 64 Mpixel is 768 MiB. */
 static const size_t answer_max_bytes = (size_t)1 << 30;
 
 struct pen_client {
@@ -37,7 +37,7 @@ static bool is_loopback(const char *host)
            (inet_pton(AF_INET, host, &address) == 1 && ntohl(address.s_addr) >> 24 == 127);
 }
 
-/* Checks the URL. *direct: it names this machine, so a proxy set in the environment is ignored. */
+/* Checks the URL. *direct: it names this machine, so a proxy in the environment is ignored. */
 static bool check_url(const struct pen_curl *lib, const char *url, bool *direct, bool *tls,
                       struct pen_status *st)
 {
@@ -56,7 +56,7 @@ static bool check_url(const struct pen_curl *lib, const char *url, bool *direct,
                           "--server: found \"%s\", allowed is http://HOST:PORT or https://…", url);
 }
 
-/* What every request has in common. */
+/* Sets the options that all requests share. */
 static void set_options(const struct pen_client *client, bool direct)
 {
     const struct pen_curl *lib = &client->lib;
@@ -166,7 +166,7 @@ static size_t on_body(char *data, size_t size, size_t count, void *user)
     return bytes;
 }
 
-/* Copies the value of a header line if it is the one named. */
+/* Copies the value of a header line if the line has this name. */
 static bool header_value(const char *line, size_t bytes, const char *name, char *out,
                          size_t out_bytes)
 {
@@ -213,7 +213,7 @@ static bool make_headers(const struct pen_client *client, const struct pen_reque
                          struct curl_slist **list)
 {
     bool ok = add_header(client, list, "%s",
-                         "Expect:"); /* none: the daemon answers 413 early without it */
+                         "Expect:"); /* none: without it the daemon can answer 413 early */
     if (request->body)
         ok = ok && add_header(client, list, "Content-Type: %s", request->type);
     if (request->idempotency_key)
@@ -247,7 +247,7 @@ static void set_request(struct pen_client *client, const struct pen_request *req
         lib->easy_setopt(curl, CURLOPT_HTTPGET, 1L);
         lib->easy_setopt(curl, CURLOPT_CUSTOMREQUEST, request->method);
     }
-    /* Gives up after timeout_s without a byte; a long poll is silent for as long as it waits. */
+    /* Gives up after timeout_s without a byte. A long poll is silent while it waits. */
     lib->easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
     lib->easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, (long)request->timeout_s);
     lib->easy_setopt(curl, CURLOPT_WRITEFUNCTION, on_body);
@@ -256,7 +256,7 @@ static void set_request(struct pen_client *client, const struct pen_request *req
     lib->easy_setopt(curl, CURLOPT_HEADERDATA, reply);
 }
 
-/* One attempt. CURLE_OK: *reply holds an answer, with any status. */
+/* Makes one attempt. CURLE_OK: *reply has an answer, with any status. */
 static CURLcode attempt(struct pen_client *client, const struct pen_request *request,
                         struct pen_reply *reply)
 {
@@ -281,7 +281,7 @@ static CURLcode attempt(struct pen_client *client, const struct pen_request *req
     return code;
 }
 
-/* Whether another attempt may succeed and does no harm. */
+/* Returns true if another attempt may succeed and does no harm. */
 static bool worth_repeating(const struct pen_client *client, CURLcode code,
                             const struct pen_request *request, const struct pen_reply *reply)
 {
@@ -326,8 +326,8 @@ struct stream {
     struct pen_sse *sse;
 };
 
-/* Passes the bytes on to the reader of events. Returning less than size * count makes libcurl stop:
- * so ends every answer that is no stream of events. */
+/* Passes the bytes to the reader of events. Returning less than size * count makes libcurl stop.
+ * This ends every answer that is no stream of events. */
 static size_t on_stream(char *data, size_t size, size_t count, void *user)
 {
     struct stream *stream = user;
@@ -380,7 +380,7 @@ static void add_error(struct pen_errors *errors, enum pen_code code, const json_
     pen_errors_add(errors, &st);
 }
 
-/* The error code of an HTTP status, for answers whose body names none. */
+/* Returns the error code of an HTTP status, for answers whose body has none. */
 static enum pen_code code_of_http(long status)
 {
     for (int code = PEN_USAGE; code < PEN_CODE_COUNT; code++) {
@@ -427,7 +427,7 @@ static void read_problem(const struct pen_reply *reply, struct pen_errors *error
     json_decref(problem);
 }
 
-/* Makes *errors of an answer that is no success. */
+/* Makes *errors from an answer that is no success. */
 static void read_refusal(const struct pen_client *client, const struct pen_reply *reply,
                          struct pen_errors *errors)
 {

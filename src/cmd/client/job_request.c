@@ -23,7 +23,7 @@ bool pen_job_request_whole(struct pen_job_request *request, const json_t *job,
     return dump(job, &request->text) || pen_fail(st, PEN_NO_MEMORY, "out of memory");
 }
 
-/* Writes {"scene":⏎DOCUMENT⏎,MEMBERS}: the document begins on line 2. */
+/* Writes {"scene":⏎DOCUMENT⏎,MEMBERS}. The document begins on line 2. */
 static bool write_job(const struct pen_source *source, const json_t *scene, const json_t *members,
                       struct pen_buf *out)
 {

@@ -10,7 +10,7 @@
 #include "base/clock.h"
 
 static const int signals[PEN_KEYS_SIGNALS] = {SIGINT, SIGTERM, SIGHUP};
-static atomic_int stop_signal; /* set by a signal handler; 0: none has come */
+static atomic_int stop_signal; /* set by a signal handler; 0: no signal */
 
 static void note_signal(int signal)
 {
@@ -37,8 +37,7 @@ void pen_keys_begin(struct pen_keys *keys)
     tcsetattr(STDIN_FILENO, TCSANOW, &single);
 }
 
-/* Reads the keys that are waiting. Returns false if q is among them, or if there is no terminal any
- * more. */
+/* Reads the waiting keys. Returns false if q is among them, or if the terminal is gone. */
 static bool read_keys(void)
 {
     char keys[64];
@@ -52,9 +51,8 @@ static bool read_keys(void)
     return got > 0;
 }
 
-/* The signals are blocked except while this waits: one that comes between two waits ends the next
- * one at once. With handlers alone it would be noted just before a wait that then takes its whole
- * time. */
+/* The signals are blocked except during the wait. So a signal between two waits ends the next wait
+ * at once. With handlers alone, a signal just before a wait would be noticed only at its end. */
 bool pen_keys_wait(const struct pen_keys *keys, int milliseconds)
 {
     struct pollfd fd = {.fd = keys->on ? STDIN_FILENO : -1, .events = POLLIN};
@@ -78,7 +76,7 @@ void pen_keys_end(struct pen_keys *keys)
         return;
     keys->on = false;
     tcsetattr(STDIN_FILENO, TCSANOW, &keys->before);
-    sigprocmask(SIG_SETMASK, &keys->mask_before, NULL); /* one that waits is noted here */
+    sigprocmask(SIG_SETMASK, &keys->mask_before, NULL); /* a pending signal is noted here */
     for (int i = 0; i < PEN_KEYS_SIGNALS; i++)
         sigaction(signals[i], &keys->actions_before[i], NULL);
     int stopped_by = atomic_load(&stop_signal);

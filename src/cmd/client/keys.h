@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Single keys of a terminal, for a display that is redrawn until somebody ends it. */
+/* Single keys of a terminal, for a display that is redrawn until the user ends it. */
 #ifndef PEN_CMD_CLIENT_KEYS_H
 #define PEN_CMD_CLIENT_KEYS_H
 
@@ -16,14 +16,14 @@ struct pen_keys {
     sigset_t mask_before;
 };
 
-/* Begins to read keys without waiting for a line and without showing them. Signals of the terminal
- * (Ctrl-C) and SIGTERM end pen_keys_wait from now on, instead of the process. */
+/* Begins to read keys without waiting for a line and without showing them. From now on, signals of
+ * the terminal (Ctrl-C) and SIGTERM end pen_keys_wait instead of the process. */
 void pen_keys_begin(struct pen_keys *keys);
 
-/* Waits so many milliseconds. Returns false as soon as q is pressed or such a signal has come. */
+/* Waits for some milliseconds. Returns false as soon as q is pressed or such a signal arrives. */
 bool pen_keys_wait(const struct pen_keys *keys, int milliseconds);
 
-/* Sets the terminal back. Ends the process if a signal has come, as the signal would have. */
+/* Restores the terminal. If a signal has arrived, ends the process as the signal would have. */
 void pen_keys_end(struct pen_keys *keys);
 
 #endif

@@ -13,8 +13,8 @@ const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
 const char *const pen_output_all_formats[] = {"png", "png16", "pfm",  "json",
                                               "csv", "md",    "html", NULL};
 
-/* The name in names[] that equals `format`, or if that is NULL the one that `path` ends in. Returns
- * NULL if there is none. */
+/* Finds the name in names[] that equals `format`; if that is NULL, the name that `path` ends in.
+ * Returns NULL if there is none. */
 static const char *find_format(const char *path, const char *format, const char *const *names)
 {
     for (int i = 0; names[i]; i++) {

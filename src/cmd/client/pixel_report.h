@@ -11,17 +11,20 @@
 struct pen_pixel {
     int x, y;
     const char *view;
-    double rgb[3]; /* linear, before it is rounded to the film's binary32 */
+    double rgb[3]; /* linear, before rounding to the film's binary32 */
     struct pen_ray_counts rays;
 };
 
-/* Reads "X,Y", both ≥ 0. Fails: PEN_USAGE. */
+/* Reads "X,Y", both ≥ 0.
+ * Fails: PEN_USAGE. */
 bool pen_pixel_parse(const char *text, int *x, int *y, struct pen_status *st);
 
 /* Prints the pixel as text, in full precision and as hexadecimal floats. */
 void pen_pixel_print(const struct pen_pixel *pixel, const struct pen_settings *settings);
 
-/* The same as JSON. Owns: the caller json_decref()s. Fails: NULL when out of memory. */
+/* Makes the same as JSON.
+ * Owns: the caller calls json_decref().
+ * Fails: NULL when out of memory. */
 json_t *pen_pixel_json(const struct pen_pixel *pixel, const struct pen_settings *settings);
 
 #endif

@@ -65,7 +65,8 @@ static void draw(const char *text)
     fflush(stderr);
 }
 
-/* Whether to draw now: `always`, or redraw_ns after the last time. Notes the time if so. */
+/* Returns true if it is time to draw: `always`, or redraw_ns after the last time. Notes the time if
+ * so. */
 static bool due(struct pen_progress *progress, bool always)
 {
     int64_t now = pen_clock_ns();

@@ -14,7 +14,7 @@
 enum {
     ANSWER_S = 30,
     LONG_POLL_S = 30,
-    SILENCE_S = 35 /* of a stream of events; three heartbeats are missing then */
+    SILENCE_S = 35 /* of a stream of events: three missing heartbeats */
 };
 
 const char *pen_remote_text(const json_t *object, const char *key)
@@ -84,8 +84,8 @@ bool pen_remote_job(struct pen_client *client, const char *method, const char *i
     return ok;
 }
 
-/* Updates *job and etag, unless the daemon answers that the job's revision is still that of etag
- * ("": none). `path` says how long the daemon waits for another revision. */
+/* Updates *job and etag, unless the job's revision is still that of etag ("": none). `path`
+ * contains the time that the daemon waits for another revision. */
 static bool poll_job(struct pen_client *client, const char *path, char etag[128], json_t **job,
                      struct pen_errors *errors)
 {
@@ -131,7 +131,8 @@ static void on_pause(void *user, const char *reason)
     pen_progress_note(user, note);
 }
 
-/* Whether the job succeeded. If not, adds the reason from its problem document to *errors. */
+/* Returns true if the job succeeded. If not, adds the reason from its problem document to
+ * *errors. */
 static bool check_end(const json_t *job, struct pen_errors *errors)
 {
     struct pen_status st;
@@ -148,7 +149,7 @@ static bool check_end(const json_t *job, struct pen_errors *errors)
     return false;
 }
 
-/* A job that is being followed. */
+/* State of following a job. */
 struct following {
     struct pen_client *client;
     struct pen_progress *progress;
@@ -171,16 +172,17 @@ static void on_event(void *user, const char *type, const char *data)
 }
 
 /* Reads the stream of events until it ends or breaks; the next call resumes it. *usable becomes
- * false if no event came: the daemon serves no further stream, or a proxy holds the events back. */
+ * false if no event came. Then the daemon serves no further stream, or a proxy holds the events
+ * back. */
 static void read_events(struct following *following, struct pen_sse *sse, bool *usable)
 {
     int before = sse->events;
     pen_client_events(following->client, (const char *)following->events.data, sse, SILENCE_S);
     *usable = sse->events > before;
-    following->etag[0] = '\0'; /* events may have brought a newer state than the tag's */
+    following->etag[0] = '\0'; /* events may have brought a newer state than the tag */
 }
 
-/* Follows the job by events, or by long polls where there are none. The first request waits for a
+/* Follows the job by events, or by long polls if there are none. The first request waits for a
  * second, so a job that ends within it costs one request. */
 static bool follow(struct following *following, struct pen_errors *errors)
 {
@@ -262,7 +264,8 @@ static bool image_path(struct pen_client *client, const char *id, const struct p
            add_query(client, path, "layer", fetch->layer, '&');
 }
 
-/* The path of the picture or report, and its media type; *accept NULL: the path has the format. */
+/* Makes the path of the picture or report, and its media type. *accept NULL: the path contains the
+ * format. */
 static bool result_path(struct pen_client *client, const char *id, const struct pen_fetch *fetch,
                         struct pen_buf *path, const char **accept, struct pen_errors *errors)
 {

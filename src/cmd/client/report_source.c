@@ -49,7 +49,7 @@ static bool fetch(const struct pen_remote *remote, const char *id, json_t **repo
     return ok;
 }
 
-/* Whether two URLs of daemons are the same but for slashes at the end. */
+/* Returns true if two URLs of daemons differ at most in slashes at the end. */
 static bool same_server(const char *a, const char *b)
 {
     while (*a && *a == *b)
@@ -57,8 +57,8 @@ static bool same_server(const char *a, const char *b)
     return !a[strspn(a, "/")] && !b[strspn(b, "/")];
 }
 
-/* Splits http://HOST/v1/jobs/ID, which may go on, into daemon and job. Another daemon than that of
- * --server gets no token. */
+/* Splits http://HOST/v1/jobs/ID, which may continue, into daemon and job. A daemon other than that
+ * of --server gets no token. */
 static bool fetch_url(const char *url, const struct pen_remote *remote, json_t **report,
                       struct pen_errors *errors)
 {

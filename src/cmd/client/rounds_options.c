@@ -31,8 +31,7 @@ bool pen_rounds_begin(struct pen_rounds_wanted *rounds, struct pen_scene_input *
                       double budget, const char *repeat, int64_t start_ns, struct pen_status *st)
 {
     struct pen_settings *s = &input->desc.settings;
-    /* Encoding and writing, which are a part of the budget, take some 0.3 microseconds for each
-     * pixel. */
+    /* Encoding and writing are a part of the budget. They take some 0.3 microseconds a pixel. */
     const double after_ns = 300.0 * s->width * s->height;
     pen_hash_text(input->source.text.data, input->source.text.bytes, rounds->scene_sha256);
     if (repeat)

@@ -7,7 +7,7 @@
 #include "cmd/report.h"
 #include "io/message.h"
 
-/* Where the document is a job, says that instead of what it lacks to be a scene. */
+/* If the document is a job, reports that, instead of what it lacks to be a scene. */
 static void explain_job(const struct pen_source *source, struct pen_errors *errors)
 {
     bool job = false;
@@ -46,7 +46,7 @@ bool pen_scene_input_read(struct pen_scene_input *input, const char *name,
 int pen_scene_input_view(const struct pen_scene_input *input, const char *name,
                          struct pen_status *st)
 {
-    enum { NAMES_MAX = 64 }; /* of those that are compared with a misspelt one */
+    enum { NAMES_MAX = 64 }; /* names that a misspelt name is compared with */
     const char *names[NAMES_MAX + 1] = {NULL};
     for (uint32_t i = 0; i < input->desc.view_count; i++) {
         if (strcmp(input->desc.views[i].name, name) == 0)

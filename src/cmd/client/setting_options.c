@@ -80,7 +80,7 @@ static bool add_list(json_t *lists, const char *name, const char *text, struct p
     return json_object_setn_new(lists, text, length, list) == 0 || fail_form(name, text, st);
 }
 
-/* Adds the lists of an option to a job, as the member of that name. */
+/* Adds the lists of an option to a job, as the member of this name. */
 static bool add_lists(json_t *job, const char *name, const struct pen_option_list *options,
                       struct pen_status *st)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A reader of server-sent events (WHATWG HTML, section 9.2) that takes bytes as they come. It
+/* A reader of server-sent events (WHATWG HTML, section 9.2) that takes bytes as they arrive. It
  * ignores unknown fields, as the standard requires. */
 #ifndef PEN_CMD_CLIENT_SSE_H
 #define PEN_CMD_CLIENT_SSE_H
@@ -12,7 +12,8 @@
 /* Called for each whole event. */
 typedef void pen_sse_fn(void *user, const char *type, const char *data);
 
-/* Initialise `each` and `user`, and last_id to resume an earlier stream; the rest is zero. */
+/* Set `each` and `user`, and last_id to resume an earlier stream; all other members begin as
+ * zero. */
 struct pen_sse {
     pen_sse_fn *each;
     void *user;
@@ -25,7 +26,7 @@ struct pen_sse {
 
 void pen_sse_release(struct pen_sse *sse);
 
-/* Takes the next bytes. Returns false when out of memory. */
+/* Reads the next bytes. Returns false when out of memory. */
 bool pen_sse_feed(struct pen_sse *sse, const char *bytes, size_t count);
 
 #endif

@@ -16,7 +16,7 @@ static const char *text_of(const struct pen_buf *buf)
 }
 
 /* Sets the path of the user's file. A relative XDG_CONFIG_HOME is ignored, as its specification
- * says. */
+ * requires. */
 static bool find_file(struct pen_client_token *token, struct pen_status *st)
 {
     const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
@@ -63,7 +63,7 @@ static bool read_file(struct pen_client_token *token, struct pen_status *st)
     return bytes > 0 || pen_fail(st, PEN_USAGE, "%s: is empty, must have a line, the token", path);
 }
 
-/* A token is sent in a header line: a line feed in it would begin another one. */
+/* A token is sent in a header line, so a line feed in it would begin another header line. */
 static bool check_text(const struct pen_client_token *token, struct pen_status *st)
 {
     for (size_t i = 0; i < token->text.bytes; i++) {

@@ -12,8 +12,8 @@ bool pen_transport_may_pass(const struct pen_transport *transport, CURLcode code
            code != CURLE_SSL_CACERT_BADFILE;
 }
 
-/* What to do about a certificate that libcurl refuses. It has one code for all reasons, so its text
- * decides. */
+/* Returns what to do about a certificate that libcurl refuses. It has one code for all reasons, so
+ * its text decides. */
 static const char *certificate_advice(const struct pen_transport *transport, const char *text)
 {
     if (strstr(text, "subject name"))
@@ -35,7 +35,7 @@ static const char *advice(const struct pen_transport *transport, CURLcode code, 
         return "";
     if (transport->tls && code == CURLE_SSL_CONNECT_ERROR)
         return "; if the daemon has no TLS, give --server http://…";
-    /* A server that expects a handshake closes the connection or answers in bytes of TLS. */
+    /* A server that expects a handshake closes the connection or answers with bytes of TLS. */
     const bool odd = code == CURLE_GOT_NOTHING || code == CURLE_RECV_ERROR ||
                      code == CURLE_UNSUPPORTED_PROTOCOL || code == CURLE_WEIRD_SERVER_REPLY;
     return !transport->tls && odd ? "; if the daemon has TLS, give --server https://…" : "";

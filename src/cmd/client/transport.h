@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Faults between client and daemon: what libcurl's codes mean to the user, and which of them may
+/* Faults between client and daemon: what libcurl's codes mean to the user, and which faults may
  * pass. */
 #ifndef PEN_CMD_CLIENT_TRANSPORT_H
 #define PEN_CMD_CLIENT_TRANSPORT_H
@@ -16,11 +16,11 @@ struct pen_transport {
     bool answered; /* the server has answered this client before */
 };
 
-/* Whether the same request may succeed later. A wrong certificate stays wrong, and so does a server
- * that has never completed a handshake. */
+/* Returns true if the same request may succeed later. A wrong certificate stays wrong, and so does
+ * a server that has never completed a handshake. */
 bool pen_transport_may_pass(const struct pen_transport *transport, CURLcode code);
 
-/* Fills *st with what was found, which is libcurl's `text`, and what to do. */
+/* Fills *st with the fault, which is libcurl's `text`, and with what to do about it. */
 void pen_transport_fail(const struct pen_transport *transport, CURLcode code, const char *text,
                         struct pen_status *st);
 

@@ -9,7 +9,7 @@
 #include "base/buf.h"
 #include "http/server.h"
 
-/* The length of a host at the start of a text: a name, or an IPv6 address in brackets. */
+/* Returns the length of a host at the start of a text: a name, or an IPv6 address in brackets. */
 static size_t host_length(const char *text)
 {
     if (text[0] != '[')

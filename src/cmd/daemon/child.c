@@ -20,10 +20,11 @@
 #include "cmd/daemon/worker_exit.h"
 #include "cmd/option_values.h"
 
-/* A process that lived this long did not crash at its start; and one that has taken the place of
- * one that ended for an I/O error works, if it could open the store. */
+/* Life times from which on a process counts as stable. stable_ns: it did not crash at its start.
+ * stable_fault_ns: a successor of a process with an I/O error works, because it could open the
+ * store. */
 static const int64_t stable_ns = INT64_C(10) * 1000000000, stable_fault_ns = 2000000000;
-/* How often a worker is asked whether it has done enough. */
+/* How often the supervisor checks whether a worker has done enough. */
 static const int64_t check_ns = INT64_C(250) * 1000000;
 static const int64_t first_pause_ns = INT64_C(100) * 1000000;
 static const int64_t longest_pause_ns = INT64_C(5) * 1000000000, longest_fault_ns = 2000000000;
@@ -52,7 +53,7 @@ static void close_fd(int *fd)
     *fd = -1;
 }
 
-/* The child's command line: its role, and what it gets from its supervisor alone. */
+/* The child's command line: its role, and what only its supervisor knows. */
 struct arguments {
     int count;
     char *list[ARGUMENTS_MAX + 1];
@@ -67,7 +68,7 @@ static void add(struct arguments *arguments, const char *option, const char *val
     arguments->list[arguments->count++] = (char *)(uintptr_t)value;
 }
 
-/* A descriptor or a slot; below 0: none. */
+/* Adds a descriptor or a slot; a number below 0 is left out. */
 static void add_number(struct arguments *arguments, const char *option, int number, char text[16])
 {
     snprintf(text, 16, "%d", number);
@@ -95,9 +96,9 @@ static void make_arguments(struct arguments *arguments, const struct pen_child *
     add_number(arguments, "--internal-dead-trace-fd", child->dead.trace_fd, arguments->dead_trace);
 }
 
-/* Puts the configuration into the environment, which other users cannot read as they can a command
- * line: the address of a store may have a password. Without the file, from which it is made in
- * part; and a worker does not need to know how the api serves. */
+/* Puts the configuration into the environment. Other users can read a command line but not the
+ * environment, and the address of a store may have a password. The configuration file is left out,
+ * because its values are in the environment. A worker does not get the options of serving. */
 static bool set_environment(const struct pen_child *child, const struct pen_config *config)
 {
     struct pen_config own = *config;
@@ -111,10 +112,10 @@ static bool set_environment(const struct pen_child *child, const struct pen_conf
 }
 
 /* Runs in the new process.
- *  - Standard output becomes /dev/null: a program that reads the supervisor's first line there must
- *    not have to wait for a child that lives longer.
- *  - If the supervisor dies while this process is stopped, the kernel continues it (SIGCONT), so
- *    that it sees the closed control channel and ends. */
+ *   - Standard output becomes /dev/null. So a program that reads the supervisor's first line there
+ *     need not wait for a child that lives longer.
+ *   - If the supervisor dies while this process is stopped, the kernel continues this process
+ *     (SIGCONT). It then sees the closed control channel and ends. */
 static _Noreturn void exec_child(const struct pen_child *child, const struct pen_config *config,
                                  int control_fd, int listen_fd)
 {
@@ -137,7 +138,7 @@ static _Noreturn void exec_child(const struct pen_child *child, const struct pen
     _exit(PEN_EXEC_FAILED);
 }
 
-/* From when on the child counts as stable. */
+/* Returns the time from which on the child counts as stable. */
 static int64_t stable_at(const struct pen_child *child)
 {
     const bool works = child->fault[0] && !child->has_fault && child->ready;
@@ -169,7 +170,7 @@ void pen_child_fault(struct pen_child *child, const char *why)
     child->has_fault = true;
 }
 
-/* Counts the crash over a job. Returns false if one over this job was counted before. */
+/* Counts the crash over a job. Returns false if a crash over this job was counted before. */
 static bool blame(struct pen_child *child, const char *job)
 {
     for (int i = 0; i < child->blamed_count && i < PEN_CHILD_BLAMED; i++)
@@ -179,7 +180,7 @@ static bool blame(struct pen_child *child, const char *job)
     return true;
 }
 
-/* Whether the end of a process counts, see child.h. Comes after keep_death_report. */
+/* Returns true if the end of a process counts, see child.h. Call it after keep_death_report. */
 static bool end_counts(struct pen_child *child, int wait_status)
 {
     char job[PEN_ID_BYTES] = "";
@@ -192,7 +193,7 @@ static bool end_counts(struct pen_child *child, int wait_status)
     return child->dead.end != PEN_WORKER_CRASHED || blame(child, job);
 }
 
-/* Sets the time of the next start, and counts the failure if it counts. Returns the pause until
+/* Sets the time of the next start, and adds the failure if it counts. Returns the pause until
  * then. */
 static int64_t schedule_restart(struct pen_child *child, bool counts)
 {
@@ -207,7 +208,8 @@ static int64_t schedule_restart(struct pen_child *child, bool counts)
     return pause;
 }
 
-/* Makes what each worker process has of its own: its id in the store, its crash record. */
+/* Makes the parts that each worker process has for itself: its id in the store, its crash
+ * record. */
 static void prepare_worker(struct pen_child *child)
 {
     close_fd(&child->trace_fd);
@@ -295,5 +297,5 @@ void pen_child_ended(struct pen_child *child, int wait_status)
         PEN_LOG_WARN,
         "the %s process %d ended: %s, after %.1f s; starting it again in %.1f s (%d in a row%s)",
         child->role, pid, child->last_end, (double)lived_ns * 1e-9, (double)pause_ns * 1e-9,
-        child->failures, counts ? "" : "; this one is held against its job");
+        child->failures, counts ? "" : "; this one is charged to its job");
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbrad backup FILE`: copies the store, even while a daemon uses it. The daemon's own
+/* `penumbrad backup FILE`: copies the store, which a daemon may use meanwhile. The daemon's own
  * configuration names the store.
  *
- * A process that is killed cannot remove its unfinished copy. So a child makes the copy. If the
- * child is killed, its parent removes the copy; if the parent is killed, the kernel sends the child
- * SIGTERM, and it removes the copy itself. Where both are killed at once, the next backup to that
- * name removes it. */
+ * A killed process cannot remove its unfinished copy. So a child makes the copy. If the child is
+ * killed, its parent removes the copy. If the parent is killed, the kernel sends SIGTERM to the
+ * child, which removes the copy itself. If both are killed at once, the next backup to that name
+ * removes it. */
 #include "cmd/daemon/cmd_backup.h"
 
 #include <errno.h>
@@ -64,7 +64,7 @@ static const struct pen_command command = {
 static const int stopping[] = {SIGTERM, SIGINT, SIGHUP};
 enum { STOPPING = sizeof stopping / sizeof stopping[0] };
 
-static atomic_bool stop;       /* set by a signal handler, which it is lock-free for */
+static atomic_bool stop;       /* set by a signal handler, for which it is lock-free */
 static atomic_int stop_signal; /* the signal */
 
 static void note_signal(int signal)
@@ -79,7 +79,7 @@ static bool is_ignored(int signal)
     return sigaction(signal, NULL, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
-/* Lets the signals that end a program stop the backup, which then removes its unfinished file. */
+/* Makes the signals that end a program stop the backup, which then removes its unfinished file. */
 static void catch_signals(void)
 {
     const struct sigaction action = {.sa_handler = note_signal, .sa_flags = SA_RESTART};
@@ -134,13 +134,13 @@ static int back_up_for(pid_t parent, const sigset_t *mask, const char *store, co
 {
     catch_signals();
     prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) /* it was killed before that */
+    if (getppid() != parent) /* the parent was killed before that */
         note_signal(SIGTERM);
     sigprocmask(SIG_SETMASK, mask, NULL);
     return back_up(store, file, replace);
 }
 
-/* Passes signals on to the child until it has ended, and ends as it did. */
+/* Passes signals on to the child until it has ended, and ends in the same way. */
 static int attend(pid_t child, const sigset_t *held, const char *file)
 {
     int status = 0, number;
@@ -160,7 +160,7 @@ static int attend(pid_t child, const sigset_t *held, const char *file)
     return 128 + number;
 }
 
-/* The child leaves by the same way as the caller, so that its output is flushed. */
+/* The child returns like the caller, so that its output is flushed. */
 static int back_up_attended(const char *store, const char *file, bool replace)
 {
     sigset_t held, before;

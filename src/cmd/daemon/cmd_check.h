@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbrad check`: looks for damage in the whole store, even while a daemon uses it. */
+/* `penumbrad check`: looks for damage in the whole store, which a daemon may use meanwhile. */
 #ifndef PEN_CMD_DAEMON_CMD_CHECK_H
 #define PEN_CMD_DAEMON_CMD_CHECK_H
 

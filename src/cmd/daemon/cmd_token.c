@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* `penumbrad token add|list|remove`: changes the token file, which a running daemon reads again.
- * Changes exclude each other by a lock on FILE.lock, which stays: a file that was removed while
- * another process waits for its lock would exclude nobody. */
+/* `penumbrad token add|list|remove`: changes the token file, which a running daemon reads again. A
+ * lock on FILE.lock allows one change at a time. This file stays: if it were removed while another
+ * process waits for its lock, it would exclude nobody. */
 #include "cmd/daemon/cmd_token.h"
 
 #include <errno.h>
@@ -38,15 +38,16 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct settings, scope),
      .value = "SCOPE",
      .choices = pen_scope_names,
-     .help = "for add: read allows to look at everything, submit also to submit jobs and to cancel "
-             "or delete the client's own, admin also those of others"},
+     .help = "for add: read may look at everything; submit may also submit jobs, and cancel or "
+             "delete its own; admin may also cancel and delete jobs of others"},
     {.name = "expires",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct settings, days),
      .value = "DAYS",
      .min = 1,
      .max = 36500,
-     .help = "for add: the token is valid for so many days; without this option it has no end"},
+     .help = "for add: the number of days for which the token is valid; without this option it "
+             "never expires"},
     {0}};
 
 static const struct pen_command command = {
@@ -54,17 +55,19 @@ static const struct pen_command command = {
     .name = "token",
     .arguments = "add|list|remove [NAME]",
     .summary = "Makes, lists and removes the tokens by which the daemon knows its clients.",
-    .details = "`penumbrad token add NAME --scope SCOPE` prints a new token on standard output, "
-               "once: the file has only its hash. A client sends it as `Authorization: Bearer "
-               "TOKEN`. `penumbrad token list` prints names, scopes and ends. `penumbrad token "
-               "remove NAME` removes a token. A running daemon knows of each change within "
-               "seconds, and needs no restart.",
+    .details =
+        "`penumbrad token add NAME --scope SCOPE` prints a new token on standard output, "
+        "once: the file has only its hash. A client sends it as `Authorization: Bearer "
+        "TOKEN`. `penumbrad token list` prints names, scopes and expiry times. `penumbrad token "
+        "remove NAME` removes a token. A running daemon notices each change within seconds, "
+        "without a restart.",
     .options = options,
     .min_args = 1,
     .max_args = 2,
 };
 
-/* Whose file it may be, besides root's: the user's. Root may change the file of a daemon's user. */
+/* Returns the user who may own the file besides root. For root this is the file's owner, because
+ * root may change the file of a daemon's user. */
 static uid_t owner_of(const char *path)
 {
     struct stat info;
@@ -109,7 +112,7 @@ static bool remove_from(struct pen_token_list *list, const char *name, struct pe
                     name);
 }
 
-/* Adds a token, or if that is NULL removes the token of that name. */
+/* Adds a token; if it is NULL, removes the token of this name. */
 static bool change_locked(const char *path, const struct pen_token *token, const char *name,
                           struct pen_status *st)
 {

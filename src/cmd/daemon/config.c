@@ -35,28 +35,26 @@ static const struct pen_option options[] = {
      .value = "FILE",
      .env = "PENUMBRA_STORE",
      .help = "the database of jobs and pictures; $XDG_STATE_HOME/penumbra/penumbra.db by default, "
-             "/var/lib/penumbra/penumbra.db under systemd. If there is none, it is made with its "
-             "folder, but not by --role api or worker. Or the address of a PostgreSQL database "
-             "that several machines share, postgresql://USER@HOST/DATABASE (deploy/FARM.md); its "
-             "password belongs into ~/.pgpass, PGPASSWORD or PENUMBRA_STORE"},
+             "/var/lib/penumbra/penumbra.db under systemd. A missing one is made with its folder, "
+             "but not by --role api or worker. Or the address of a PostgreSQL database that "
+             "several machines share, postgresql://USER@HOST/DATABASE (deploy/FARM.md). Its "
+             "password belongs in ~/.pgpass, PGPASSWORD or PENUMBRA_STORE"},
     {.name = "role",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct pen_config, role),
      .value = "all|api|worker",
      .choices = roles,
      .env = "PENUMBRA_ROLE",
-     .help =
-         "which processes to run and supervise: an api process, which serves and never renders, "
-         "a worker process, which renders and serves nothing, or, by default, one of each"},
+     .help = "which processes to run and supervise: an api process, which serves HTTP, a worker "
+             "process, which renders, or, by default, one of each"},
     {.name = "until-idle",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, until_idle),
      .value = "SECONDS",
      .max = 1000000000,
      .env = "PENUMBRA_UNTIL_IDLE",
-     .help =
-         "with --role worker: end, with exit code 0, once the worker has found nothing to render "
-         "for so long; 0, the default, never"},
+     .help = "with --role worker: end, with exit code 0, after this time without work; 0, the "
+             "default: never"},
     {.name = "threads",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, threads),
@@ -86,10 +84,9 @@ static const struct pen_option options[] = {
      .value = "SECONDS",
      .max = 1000000000,
      .env = "PENUMBRA_MAX_SECONDS",
-     .help =
-         "the time that a job may be expected to take, a day (86400) by default. What its counts "
-         "of pixels, samples and lights tell is refused at once; what the first batches tell "
-         "fails the job. 0 allows any"},
+     .help = "the longest expected time of a job, a day (86400) by default. A job whose pixels, "
+             "samples and lights exceed it is refused at once; a job whose first batches show that "
+             "it will take longer fails. 0 allows any"},
     {.name = "max-pixels",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, max.pixels),
@@ -120,56 +117,51 @@ static const struct pen_option options[] = {
      .value = "N",
      .max = 1000000000,
      .env = "PENUMBRA_MAX_QUEUE",
-     .help =
-         "the most jobs that wait or run, 100000 by default; one more is answered 429. 0 allows "
-         "any number"},
+     .help = "the most jobs that wait or run, 100000 by default; further submits are answered 429. "
+             "0 allows any number"},
     {.name = "max-client-queue",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, max.client_queue),
      .value = "N",
      .max = 1000000000,
      .env = "PENUMBRA_MAX_CLIENT_QUEUE",
-     .help = "the same for the jobs of one client's address; 0, the default, stands for half of "
-             "--max-queue, and for all of it on the loopback interface and for requests of "
-             "--trusted-proxy that have no X-Forwarded-For"},
+     .help = "the same for the jobs of one client's address. 0, the default, is half of "
+             "--max-queue, but all of it on the loopback interface and for requests of "
+             "--trusted-proxy without X-Forwarded-For"},
     {.name = "keep-days",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, keep_days),
      .value = "N",
      .max = 36500,
      .env = "PENUMBRA_KEEP_DAYS",
-     .help = "remove jobs that ended more than N days ago; 0, the default, keeps them. Of every "
-             "job that is removed the statistics stay for five years, within an eighth of "
-             "--keep-bytes"},
+     .help = "remove jobs that ended more than N days ago; 0, the default, keeps them. The "
+             "statistics of a removed job stay for five years, within an eighth of --keep-bytes"},
     {.name = "keep-bytes",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, keep_bytes),
      .value = "SIZE",
      .env = "PENUMBRA_KEEP_BYTES",
-     .help =
-         "the most that jobs and their pictures may take in the database file, in bytes, or "
-         "with K, M, G or T (powers of 1024): jobs that ended first are removed first, and a "
-         "submit is refused whose results, with those of the jobs that wait or run, are expected "
-         "to be too much: 10 bytes for a pixel and 12 more for each further layer, together at "
-         "most half of SIZE, or one job alone. The files beside it come on top: its log, 8 MiB "
-         "and for a time more, and a reserve of 16 MiB"},
+     .help = "the most that jobs and their pictures may take in the database file, in bytes, or "
+             "with K, M, G or T (powers of 1024). Jobs that ended first are removed first. A "
+             "submit is refused if its expected results, with those of the jobs that wait or run, "
+             "are too large: at most half of SIZE, or one job alone. A pixel counts 10 bytes, and "
+             "12 for each further layer. Two files beside it come on top: its log, 8 MiB and for a "
+             "time more, and a reserve of 16 MiB"},
     {.name = "keep-jobs",
      .kind = PEN_OPTION_INT,
      .offset = offsetof(struct pen_config, keep_jobs),
      .value = "N",
      .max = 1000000000,
      .env = "PENUMBRA_KEEP_JOBS",
-     .help =
-         "keep the N jobs that ended last; 0, the default, keeps all. These three are limits of "
-         "the store: every start sets them, except that of a --role worker, or of a --role api "
-         "with a file"},
+     .help = "keep the N jobs that ended last; 0, the default, keeps all. These three limits are "
+             "stored: every start sets them, except with --role worker, or --role api with a file"},
     {.name = "tokens",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, access.tokens),
      .value = "FILE",
      .env = "PENUMBRA_TOKENS",
      .help = "who may do what: the file that penumbrad token writes. It is read again when it "
-             "changes. Without it everybody who reaches the port may do everything"},
+             "changes. Without it, any client that reaches the port may do everything"},
     {.name = "tls-cert",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, access.tls_cert),
@@ -199,15 +191,16 @@ static const struct pen_option options[] = {
      .offset = offsetof(struct pen_config, access.trusted_proxy),
      .value = "ADDRESS",
      .env = "PENUMBRA_TRUSTED_PROXY",
-     .help = "the numeric address of a proxy: of requests that come through it the last address in "
-             "X-Forwarded-For, which the proxy must set or append to, is the client's, for shares "
-             "and --max-client-queue, and X-Forwarded-Host is the Host that an Origin must equal"},
+     .help =
+         "the numeric address of a proxy. For requests through it, the last address in "
+         "X-Forwarded-For is the client's, for shares and --max-client-queue; the proxy must set "
+         "or extend this field. X-Forwarded-Host is then the Host that an Origin must equal"},
     {.name = "log-file",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct pen_config, log_file),
      .value = "FILE",
      .env = "PENUMBRA_LOG_FILE",
-     .help = "write the log to FILE instead of standard error; opened anew on SIGHUP"},
+     .help = "write the log to FILE instead of standard error; opened again on SIGHUP"},
     {.name = "log-format",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct pen_config, log_format),
@@ -288,17 +281,17 @@ const struct pen_command pen_command_daemon = {
         "The first line on standard output is `listening on http://HOST:PORT`, or https; with "
         "--role worker there is none. "
         "SIGTERM drains the daemon and ends it within 10 s; SIGHUP reads the configuration again "
-        "and opens the log file anew. Every option is also an environment variable and a "
-        "key of the configuration file. The command line overrides the environment, the "
-        "environment the file. `penumbrad backup FILE` copies the store, even while a "
-        "daemon uses it; `penumbrad check` looks for damage in it; `penumbrad token` makes, lists "
-        "and removes tokens. Each has a --help of its own.",
+        "and opens the log file again. Every option is also an environment variable and a "
+        "key of the configuration file. The command line overrides the environment, which "
+        "overrides the file. `penumbrad backup FILE` copies the store, which a daemon may use "
+        "meanwhile; `penumbrad check` looks for damage in it; `penumbrad token` makes, lists and "
+        "removes tokens. Each has its own --help.",
     .options = options,
     .max_args = 0,
 };
 
-/* The store's default path: in the first of systemd's state folders, which $STATE_DIRECTORY lists
- * with colons between them; or in $XDG_STATE_HOME; or in ~/.local/state. */
+/* Makes the store's default path. It is in the first of systemd's state folders, which
+ * $STATE_DIRECTORY lists with colons between them; or in $XDG_STATE_HOME; or in ~/.local/state. */
 static bool make_default_store(struct pen_config *config, struct pen_status *st)
 {
     const char *systemd = getenv("STATE_DIRECTORY"), *state = getenv("XDG_STATE_HOME");
@@ -322,7 +315,8 @@ static bool make_default_store(struct pen_config *config, struct pen_status *st)
     return made >= 0 || pen_fail(st, PEN_NO_MEMORY, "out of memory");
 }
 
-/* Reads a size like 500M; at least a MiB, since a store has some pages of its own. */
+/* Reads a size like 500M. It must be at least a MiB, because an empty store already has some
+ * pages. */
 static bool read_size(const char *text, int64_t *bytes, struct pen_status *st)
 {
     static const char units[] = "KMGT";
@@ -350,8 +344,8 @@ bool pen_config_renders(const struct pen_config *config)
     return strcmp(config->role, "api") != 0;
 }
 
-/* Checks what depends on the role, and sets the address. A worker that was told where to listen, or
- * a service that was told to end, would silently do something else than was asked for. */
+/* Checks options that depend on the role, and sets the address. An option that the role cannot use
+ * is refused: a worker with an address to listen on, or a service with --until-idle. */
 static bool check_role(struct pen_config *config, struct pen_status *st)
 {
     if (!pen_config_serves(config))
@@ -362,11 +356,10 @@ static bool check_role(struct pen_config *config, struct pen_status *st)
                         "serve and render",
                         config->listen);
     if (config->until_idle)
-        return pen_fail(
-            st, PEN_USAGE,
-            "until-idle: found %d with --role %s; only --role worker ends without work, "
-            "since clients may come at any time to one that serves",
-            config->until_idle, config->role);
+        return pen_fail(st, PEN_USAGE,
+                        "until-idle: found %d with --role %s; only --role worker ends without "
+                        "work, because a client may come at any time to a daemon that serves",
+                        config->until_idle, config->role);
     if (!config->listen)
         config->listen = "127.0.0.1:8080";
     return pen_address_parse(config->listen, &config->address, st);
@@ -382,7 +375,7 @@ static bool check(struct pen_config *config, struct pen_status *st)
            ((config->store && *config->store) || make_default_store(config, st));
 }
 
-/* Other users see a command line. */
+/* Refuses secrets on the command line, which other users can see. */
 static bool check_command_line(const struct pen_config *config, struct pen_status *st)
 {
     return !config->store || !pen_store_has_password(config->store) ||

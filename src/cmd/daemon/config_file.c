@@ -7,7 +7,7 @@
 #include "cmd/files.h"
 #include "io/scene_json.h"
 
-/* Copies a name with every `from` replaced by `to`: an option's `-` is `_` in the file's keys. */
+/* Copies a name with every `from` replaced by `to`. An option's `-` is `_` in the file's keys. */
 static void translate(const char *name, char from, char to, char *out, size_t bytes)
 {
     snprintf(out, bytes, "%s", name);
@@ -27,7 +27,7 @@ static bool unknown_key(const char *key, const char *pointer, struct pen_status 
 }
 
 /* Sets an option from a value of the file: a number for an integer option, true or false for a
- * flag, a string for any other. Returns whether the value is allowed. */
+ * flag, a string for any other. Returns true if the value is allowed. */
 static bool set_from_json(const struct pen_option *option, const json_t *value, void *values)
 {
     char number[32];
@@ -69,8 +69,8 @@ static bool read_key(const char *key, const json_t *value, struct pen_config *co
     return false;
 }
 
-/* Adds an error of the configuration file, always as PEN_USAGE: a wrong configuration ends the
- * program with the exit code of a wrong command line. */
+/* Adds an error of the configuration file, always as PEN_USAGE. So a wrong configuration has the
+ * exit code of a wrong command line. */
 static bool fail_config(struct pen_errors *errors, struct pen_status *st)
 {
     st->code = PEN_USAGE;

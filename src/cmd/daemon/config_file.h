@@ -8,8 +8,9 @@
 #include "cmd/report.h"
 
 /* Reads config->file: checks all its values, sets those that `parsed` does not have yet, and marks
- * them there. Owns: the values point into config->document. Fails: false, and all errors, as
- * PEN_USAGE. */
+ * them in `parsed`.
+ * Owns: the values point into config->document.
+ * Fails: false, and all errors, as PEN_USAGE. */
 bool pen_config_read_file(struct pen_config *config, struct pen_parsed *parsed,
                           struct pen_errors *errors);
 

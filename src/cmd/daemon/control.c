@@ -45,10 +45,10 @@ void pen_event_source_work_ended(const struct pen_event_source *source)
 {
     uint64_t one = 1;
     ssize_t put = write(source->end_fd, &one, sizeof one);
-    (void)put; /* it cannot fail: the counter is added to once */
+    (void)put; /* it cannot fail, because the counter is incremented once */
 }
 
-/* If the text is "WORD" or "WORD REST", copies the rest. Returns whether it is. */
+/* If the text is "WORD" or "WORD REST", copies the rest and returns true. */
 static bool take_word(const char *text, const char *word, char rest[PEN_CONTROL_BYTES])
 {
     size_t length = strlen(word);
@@ -105,7 +105,7 @@ void pen_event_source_next(struct pen_event_source *source, int timeout_ms, stru
         if (count < 0 && errno == EINTR)
             continue;
         if (count < 0) {
-            event->kind = PEN_EVENT_STOP; /* poll is broken: there is no way to wait */
+            event->kind = PEN_EVENT_STOP; /* poll is broken, so there is no way to wait */
             return;
         }
         if (fds[END].revents) {

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* The control channel between the supervisor and a child: a socket pair for short texts. When one
- * process ends, the other sees the channel closed. A child takes no signals: SIGTERM, SIGINT and
- * SIGHUP, which a terminal and systemd send to all processes, stay blocked in it, since its
- * supervisor handles them. So the api answers until the worker has ended.
+ * process ends, the other sees the channel closed. A terminal and systemd send SIGTERM, SIGINT and
+ * SIGHUP to all processes. A child has them blocked, because its supervisor handles them. So the
+ * api answers until the worker has ended.
  *
  *   supervisor to child:  "drain"                   take no new jobs, answer all other requests
- *                         "stop"                    finish or give back the batch, and end
- *                         "log LEVEL FORMAT FILE"   open the log anew; FILE may be empty
+ *                         "stop"                    finish the batch or give it back, and end
+ *                         "log LEVEL FORMAT FILE"   open the log again; FILE may be empty
  *                         "state TEXT"              (api) why the daemon is not ready; "": it is
  *                         "ping"                    answer "pong", if events are handled
  *   child to supervisor:  "pong"
  *                         "ready"                   it works; a worker has released the leases of
  *                                                   its predecessor
- *                         "fault TEXT"              it ends, since its store has this I/O error
- *                         "idle"                    (worker) it ends, since it found no work for
+ *                         "fault TEXT"              it ends, because its store has this I/O error
+ *                         "idle"                    (worker) it ends, because it found no work for
  *                                                   the time of --until-idle */
 #ifndef PEN_CMD_DAEMON_CONTROL_H
 #define PEN_CMD_DAEMON_CONTROL_H
@@ -25,7 +25,7 @@
 
 enum { PEN_CONTROL_BYTES = 1024 };
 
-/* Sends one text; does nothing if fd is -1. A full or broken channel loses the text. That does no
+/* Sends one text; does nothing if fd is -1. A full or broken channel loses the text. This does no
  * harm: the channel is full only if the other process hangs, and a drain kills such a child. */
 void pen_control_send(int fd, const char *text);
 
@@ -49,7 +49,9 @@ struct pen_event_source {
     int control_fd, end_fd; /* -1: none */
 };
 
-/* Owns: control_fd. Fails: PEN_IO. */
+/* Opens the descriptors.
+ * Owns: control_fd.
+ * Fails: PEN_IO. */
 bool pen_event_source_open(struct pen_event_source *source, int control_fd, struct pen_status *st);
 void pen_event_source_close(struct pen_event_source *source);
 

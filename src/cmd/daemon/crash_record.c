@@ -32,7 +32,7 @@ void pen_crash_record_unmap(struct pen_trace *trace)
         munmap(trace, sizeof *trace);
 }
 
-/* SA_RESETHAND: the raised signal has its default effect, as if there were no handler. */
+/* SA_RESETHAND: the raised signal has its default effect, as without a handler. */
 static void on_crash(int number)
 {
     pen_trace_crash(crash_trace);

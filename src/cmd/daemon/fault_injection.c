@@ -14,8 +14,8 @@ static const char *const kinds[KIND_COUNT] = {
     [KILL] = "kill", [ALLOC] = "alloc", [HANG] = "hang",
 };
 
-/* Allocates until a limit is reached, then frees all. It touches no page, so the machine's memory
- * does not fill. */
+/* Allocates until a limit is reached, then frees everything. It touches no page, so the machine's
+ * memory does not fill. */
 static void take_all_memory(void)
 {
     enum { PIECES = 1 << 14 };

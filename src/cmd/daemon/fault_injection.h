@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* For tests only: makes rendering fail at one pixel. The environment variable PENUMBRA_TEST_FAULT
- * of the daemon's worker says how: KIND@X,Y, or KIND@X,Y@NAME for jobs of that name alone. Without
- * it nothing here is called.
+ * of the daemon's worker is KIND@X,Y, or KIND@X,Y@NAME for jobs of that name alone. Without it no
+ * function here is called.
  *
  *   segv    writes through a null pointer
  *   abort   calls abort
  *   exit    ends the process with code 1
  *   kill    ends the process by SIGKILL, as the kernel does when memory runs out
- *   alloc   takes memory until there is none
+ *   alloc   takes all memory
  *   hang    never returns */
 #ifndef PEN_CMD_DAEMON_FAULT_INJECTION_H
 #define PEN_CMD_DAEMON_FAULT_INJECTION_H
@@ -20,7 +20,8 @@ struct pen_fault_hook {
     const char *name; /* of the job, within the text; NULL: any job */
 };
 
-/* Fails: PEN_USAGE. */
+/* Reads the text of PENUMBRA_TEST_FAULT.
+ * Fails: PEN_USAGE. */
 bool pen_fault_parse(const char *text, struct pen_fault_hook *hook, struct pen_status *st);
 
 #endif

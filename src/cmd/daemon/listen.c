@@ -96,7 +96,7 @@ static int port_of(int fd)
     return getsockname(fd, (struct sockaddr *)&bound, &bytes) == 0 ? port_in(&bound) : -1;
 }
 
-/* What to do about an error of socket() or bind(). */
+/* Returns what to do about an error of socket() or bind(). */
 static const char *advice(int error)
 {
     switch (error) {

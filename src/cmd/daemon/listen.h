@@ -14,16 +14,17 @@ struct pen_address {
     socklen_t bytes;
 };
 
-/* Reads HOST:PORT. HOST is localhost, an IPv4 address, or an IPv6 address in brackets; PORT is
- * 0…65535, 0: any free port. Fails: PEN_USAGE. */
+/* Reads HOST:PORT. HOST is localhost, an IPv4 address, or an IPv6 address in brackets. PORT is
+ * 0…65535; 0 stands for any free port.
+ * Fails: PEN_USAGE. */
 bool pen_address_parse(const char *text, struct pen_address *address, struct pen_status *st);
 
-/* Whether it is 127.0.0.1 or ::1, the addresses that a server without tokens accepts in the header
- * Host. On any other address of 127/8 it would answer 403 to every request. */
+/* Returns true for 127.0.0.1 and ::1, the addresses that a server without tokens accepts in the
+ * header Host. On any other address of 127/8 it would answer 403 to every request. */
 bool pen_address_is_loopback(const struct pen_address *address);
 
-/* Opens a listening socket, closed on exec; *port is the port it has got. Fails: -1 and
- * PEN_UNAVAILABLE. */
+/* Opens a listening socket, closed on exec; *port becomes its port.
+ * Fails: -1 and PEN_UNAVAILABLE. */
 int pen_address_listen(const struct pen_address *address, int *port, struct pen_status *st);
 
 #endif

@@ -35,7 +35,7 @@ static int connect_to(const char *name)
     return -1;
 }
 
-/* The time of $WATCHDOG_USEC, if it is meant for this process. */
+/* Returns the time of $WATCHDOG_USEC, if it is meant for this process. */
 static int64_t read_watchdog(void)
 {
     const char *usec = getenv("WATCHDOG_USEC"), *pid = getenv("WATCHDOG_PID");

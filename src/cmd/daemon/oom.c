@@ -22,7 +22,7 @@ static int64_t read_counter(const char *path)
 }
 
 /* Reads the counter of the control group. In /proc/self/cgroup the line "0::/PATH" names a group of
- * version 2, "…:memory:/PATH" one of version 1. */
+ * version 2, and "…:memory:/PATH" a group of version 1. */
 static int64_t read_group(void)
 {
     char line[1024], path[1200];

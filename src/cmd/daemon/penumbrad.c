@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The program `penumbrad`: reads the configuration and runs a supervisor or, as its child, an api
- * or a worker process. Or runs `penumbrad backup`, `penumbrad check` or `penumbrad token`. */
+/* The program `penumbrad`. It reads the configuration and runs a supervisor or, as its child, an
+ * api or a worker process. Or it runs `penumbrad backup`, `penumbrad check` or `penumbrad
+ * token`. */
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -17,15 +18,15 @@
 
 static const char program[] = "penumbrad";
 
-/* Whether this supervisor sets what is kept: one that both serves and renders, and each api of a
- * farm. */
+/* Returns true if this supervisor sets the limits of retention. That is a supervisor that serves
+ * and renders, and every supervisor with an api in a farm. */
 static bool sets_retention(const struct pen_config *config)
 {
     return pen_config_serves(config) &&
            (pen_config_renders(config) || pen_store_is_postgres(config->store));
 }
 
-/* How long the start looks for damage. */
+/* How long the check for damage may take at the start. */
 enum { CHECK_MS = 300 };
 
 /* Looks for damage, as far as the time allows. */
@@ -36,8 +37,8 @@ static bool check_store(struct pen_store *store, struct pen_status *st)
         return false;
     if (!finished)
         pen_log(PEN_LOG_INFO,
-                "the look for damage in the store was not finished in %d ms; `penumbrad check` "
-                "looks at all of it",
+                "the check of the store for damage did not finish in %d ms; `penumbrad check` "
+                "checks all of it",
                 CHECK_MS);
     return true;
 }
@@ -69,8 +70,9 @@ static bool set_retention(const struct pen_config *config, struct pen_store *sto
     return true;
 }
 
-/* Opens and checks the store before any child does. So the terminal shows at once that a store is
- * missing, damaged or cannot be opened, instead of a log in which children fail again and again. */
+/* Opens and checks the store before any child does. If the store is missing, damaged or cannot be
+ * opened, the terminal shows it at once. Otherwise it would only be in a log in which children fail
+ * repeatedly. */
 static bool prepare_store(const struct pen_config *config, struct pen_status *st)
 {
     const bool sets = sets_retention(config);
@@ -84,7 +86,7 @@ static bool prepare_store(const struct pen_config *config, struct pen_status *st
     return ok;
 }
 
-/* Opens the listening socket, and says so. */
+/* Opens the listening socket, and prints its address. */
 static int start_listening(const struct pen_config *config, struct pen_status *st)
 {
     char store[PEN_STORE_LABEL_BYTES];

@@ -24,13 +24,13 @@
 /* The names of the processes in the kernel's lists (at most 15 bytes). */
 static const char api_process[] = "penumbrad-api", worker_process[] = "penumbrad-work";
 
-/* How long the api may take for its last answers before SIGALRM ends it. */
+/* How long the api may take for its last answers. Then SIGALRM ends it. */
 enum { STOP_API_S = 3 };
 
-/* The pause before an api process tries again to open a store that could not be opened. */
+/* The pause before an api process tries again to open a store. */
 enum { OPEN_AGAIN_MS = 500 };
 
-/* Opens the log anew. text: "LEVEL FORMAT FILE". */
+/* Opens the log again. text: "LEVEL FORMAT FILE". */
 static void reopen_log(const char *text)
 {
     char level[16] = "", format[16] = "";
@@ -59,7 +59,7 @@ static void end_within(unsigned seconds)
     alarm(seconds);
 }
 
-/* Opens the store, if it is not open yet. Says so when the reason for a failure is another one than
+/* Opens the store, if it is not open yet. Logs the reason of a failure if it differs from
  * `last`. */
 static bool open_store(struct pen_http *http, const struct pen_http_options *options,
                        struct pen_status *last, int control_fd)
@@ -76,10 +76,10 @@ static bool open_store(struct pen_http *http, const struct pen_http_options *opt
     return false;
 }
 
-/* Why the store can no longer be relied on, as its threads have found out. */
+/* The I/O error because of which the store can no longer be relied on. */
 struct fault {
     pthread_mutex_t lock;
-    struct pen_status why; /* guarded by lock; code PEN_OK: it can */
+    struct pen_status why; /* guarded by lock; code PEN_OK: no error */
     const struct pen_event_source *events;
 };
 
@@ -96,8 +96,8 @@ static void note_fault(void *user, const struct pen_status *why)
         pen_event_source_work_ended(fault->events);
 }
 
-/* Tells the supervisor and the log for which I/O error this process ends. Returns the exit code,
- * which is never charged to a job. */
+/* Reports the I/O error for which this process ends to the supervisor and the log. Returns the exit
+ * code, which is never charged to a job. */
 static int end_for_fault(const struct pen_event_source *events, const struct pen_status *why)
 {
     char text[PEN_CONTROL_BYTES];
@@ -107,7 +107,7 @@ static int end_for_fault(const struct pen_event_source *events, const struct pen
     return pen_code_exit(PEN_STORAGE);
 }
 
-/* Opens the store, and handles the api's events until it has to stop. Returns the exit code. */
+/* Opens the store, and handles the api's events until it must stop. Returns the exit code. */
 static int handle_api_events(struct pen_event_source *events, struct pen_http *http,
                              const struct pen_http_options *options, struct fault *fault)
 {
@@ -147,7 +147,8 @@ static int handle_api_events(struct pen_event_source *events, struct pen_http *h
     }
 }
 
-/* Allows as many descriptors as the system grants: each connection needs one. */
+/* Raises the limit of descriptors as far as the system allows: each connection needs a
+ * descriptor. */
 static void raise_descriptor_limit(void)
 {
     struct rlimit limit;
@@ -157,8 +158,8 @@ static void raise_descriptor_limit(void)
     setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-/* Rays that a thread traces in a second in scenes that are quick to render. From what it tells a
- * job takes longer, rather than shorter. */
+/* Rays that a thread traces in a second in scenes that are quick to render. A job usually takes
+ * longer than this implies. */
 static const double thread_rays_per_second = 4e6;
 
 static struct pen_limits limits_of(const struct pen_config *config)
@@ -211,10 +212,10 @@ static int serve(const struct pen_config *config)
 
 static void set_allocator(void)
 {
-    mallopt(M_ARENA_MAX, 2);            /* answers are small: more arenas would only keep memory */
+    mallopt(M_ARENA_MAX, 2); /* answers are small, so more arenas would only keep memory */
     mallopt(M_MMAP_THRESHOLD, 1 << 20); /* large ones go back to the system when they are freed */
-    /* Else the hundreds of thousands of small blocks of a large scene stay apart when it is freed,
-     * until a thread that answers others must merge them all for one block of its own. */
+    /* Otherwise the hundreds of thousands of small blocks of a freed large scene would stay apart.
+     * Later a thread that answers another request would have to merge them all. */
     mallopt(M_MXFAST, 0);
 }
 
@@ -249,8 +250,8 @@ static void *run_worker(void *user)
     return NULL;
 }
 
-/* Releases the leases of the predecessor, whose end the supervisor has reported and which may count
- * against its jobs (src/store/README.md). */
+/* Releases the leases of the predecessor. The supervisor has reported its end, which may be charged
+ * to its jobs (src/store/README.md). */
 static bool release_predecessor(struct pen_store *store, const struct pen_config *config,
                                 struct pen_status *st)
 {
@@ -270,8 +271,8 @@ static bool release_predecessor(struct pen_store *store, const struct pen_config
     return true;
 }
 
-/* Gives up the lease of a batch that takes too long to finish, so that a commit of it would be
- * refused, and ends the process while render threads still run. */
+/* Gives up the lease of a batch that takes too long, so that a later commit of it would be refused.
+ * Then ends the process while render threads still run. */
 static _Noreturn void abandon_batch(struct pen_store *store, const struct worker_thread *worker)
 {
     struct pen_status st;
@@ -284,8 +285,8 @@ static _Noreturn void abandon_batch(struct pen_store *store, const struct worker
     _exit(0);
 }
 
-/* Handles the worker's events until its thread has ended. The thread has to end by a deadline,
- * which "stop" or the end of the supervisor sets; the earlier one counts. */
+/* Handles the worker's events until its thread has ended. "stop" and the end of the supervisor set
+ * a deadline for the thread; the earlier deadline counts. */
 static void handle_worker_events(struct pen_event_source *events, struct worker_thread *worker,
                                  struct pen_store *store)
 {
@@ -319,14 +320,14 @@ static void end_broken(void *user, const struct pen_status *why)
     _exit(end_for_fault(user, why));
 }
 
-/* Of a call that the store has failed before there was work. */
+/* Ends after a store call that failed before there was work. */
 static int fail_store(const struct pen_event_source *events, const struct pen_status *st)
 {
     return st->code == PEN_STORAGE ? end_for_fault(events, st) : fail(st);
 }
 
-/* Ends render threads that do not stop, by ending the process. The worker calls this after it has
- * told the store that their claim is over. */
+/* Ends render threads that do not stop, by ending the process. The worker calls it after it has
+ * stored that their claim has ended. */
 static void end_stuck_threads(void *user)
 {
     (void)user;
@@ -337,9 +338,9 @@ static void end_stuck_threads(void *user)
 #define __has_feature(name) 0 /* clang has it; gcc defines __SANITIZE_… instead */
 #endif
 
-/* Makes allocations fail beyond a limit: `mib`, or if that is 0 three quarters of the machine's
- * memory. Returns the limit in bytes; 0 if there is none, as under sanitizers, which need more
- * address space than a limit leaves. */
+/* Makes allocations fail beyond a limit: `mib`, or if that is 0, three quarters of the machine's
+ * memory. Returns the limit in bytes. It is 0 if there is none, as under sanitizers, which need
+ * more address space than a limit leaves. */
 static size_t limit_memory(int mib)
 {
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__ ||                                 \
@@ -362,8 +363,8 @@ static size_t limit_memory(int mib)
 #endif
 }
 
-/* Reads what tests set in a worker's environment: the length of leases, the time between states
- * that are kept and between rounds of the housekeeping, and a fault. */
+/* Reads the test settings in a worker's environment: the length of leases, the times between kept
+ * states and between rounds of the housekeeping, and a fault. */
 static bool take_test_settings(struct pen_worker_options *options, struct pen_fault_hook *hook,
                                struct pen_status *st)
 {
@@ -408,7 +409,8 @@ static int run_worker_process(const struct pen_config *config, struct pen_event_
         return fail(&st);
     if (!release_predecessor(store, config, &st))
         return fail_store(events, &st);
-    /* Before a job is taken: a crash afterwards is the job's, one before is the worker's. */
+    /* Before a job is taken: a later crash is charged to the job, an earlier crash to the
+     * worker. */
     pen_control_send(events->control_fd, "ready");
     if (pthread_create(&thread, NULL, run_worker, &worker) != 0) {
         pen_fail(&st, PEN_NO_MEMORY, "cannot start a thread");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The processes that do the daemon's work, children of the supervisor: the api process serves HTTP
- * and never renders, the worker process renders and serves nothing. A child ends within PEN_LOST_MS
- * after its supervisor has ended or died. */
+/* The processes that do the daemon's work, children of the supervisor. The api process serves HTTP
+ * and never renders. The worker process renders and never serves. A child ends within PEN_LOST_MS
+ * after the end of its supervisor. */
 #ifndef PEN_CMD_DAEMON_ROLES_H
 #define PEN_CMD_DAEMON_ROLES_H
 
@@ -12,10 +12,11 @@ enum {
     PEN_DRAIN_WORKER_MS = 6000 /* from "stop" until a worker gives its unfinished batch back */
 };
 
-/* Serves until told to stop. Returns the exit code. */
+/* Serves until it is asked to stop. Returns the exit code. */
 int pen_role_api(const struct pen_config *config);
 
-/* Renders until told to stop, or without work for config->until_idle. Returns the exit code. */
+/* Renders until it is asked to stop, or had no work for config->until_idle. Returns the exit
+ * code. */
 int pen_role_worker(const struct pen_config *config);
 
 #endif

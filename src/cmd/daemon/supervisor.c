@@ -25,9 +25,10 @@ enum { KILL_WORKER_S = 7, KILL_API_S = 9, DRAIN_CHECK_MS = 20 };
 _Static_assert(KILL_WORKER_S * 1000 > PEN_DRAIN_WORKER_MS, "a worker gives its batch back first");
 /* When a drain ends without waiting for a process that not even SIGKILL has ended. */
 static const int64_t longest_drain_ns = 9700000000;
-/* The number of ends in a row (child.h) that is a crash loop: the daemon is not ready. */
+/* The number of ends in a row (child.h) from which on it is a crash loop and the daemon is not
+ * ready. */
 enum { CRASH_LOOP = 3 };
-/* The children's places among those that signals of the store reach. */
+/* The children's slots for signals of the store. */
 enum { SLOT_API, SLOT_WORKER, SLOTS };
 
 struct supervisor {
@@ -43,10 +44,10 @@ struct supervisor {
     char state[PEN_CONTROL_BYTES]; /* the last "state" message to the api */
     struct pen_notify notify;
     bool told_ready; /* the service manager */
-    int64_t ping_ns; /* when the children are asked next whether they answer */
+    int64_t ping_ns; /* when the children are next asked whether they answer */
 };
 
-/* If the child has ended for an I/O error, or is in a crash loop, writes that. */
+/* Writes why a child does not work: it has ended because of an I/O error, or is in a crash loop. */
 static void describe_failure(const struct pen_child *child, char *text, size_t size)
 {
     if (child->fault[0])
@@ -60,10 +61,9 @@ static void describe_failure(const struct pen_child *child, char *text, size_t s
                  child->last_end);
 }
 
-/* Sends the api the reason why the daemon is not ready, or none: an I/O error,
- * a worker in a crash loop, or ends of the api's predecessors, of which a new api process knows
- * nothing. Without `always`
- * only if the state has changed. */
+/* Sends the api the reason why the daemon is not ready, or an empty reason. It is an I/O error, a
+ * worker in a crash loop, or ends of the api's predecessors, which a new api process does not know.
+ * Without `always` it is sent only if it has changed. */
 static void send_state(struct supervisor *s, bool always)
 {
     char text[sizeof s->state] = "state ";
@@ -77,13 +77,14 @@ static void send_state(struct supervisor *s, bool always)
     pen_control_send(s->api.control_fd, text);
 }
 
-/* Whether a child handles its events. One that is starting or ending is bounded otherwise. */
+/* Returns true if a child handles its events, or is starting or ending, which other limits
+ * bound. */
 static bool answers(const struct pen_child *child)
 {
     return !child->pid || !child->ready || child->stopping || child->answered;
 }
 
-/* Whether a child that the role has is there and works. */
+/* Returns true if a child that the role has is there and works. */
 static bool is_up(const struct pen_child *child)
 {
     return child->ready || child->start_at_ns == INT64_MAX;
@@ -97,8 +98,9 @@ static void ping(struct pen_child *child)
     pen_control_send(child->control_fd, "ping");
 }
 
-/* Tells the service manager when the daemon is ready, and then three times in its time that the
- * children answer; if one does not, nothing, so that the manager starts the daemon again. */
+/* Notifies the service manager when the daemon is ready. After that it reports three times within
+ * the watchdog's time that the children answer. If a child does not answer it reports nothing, so
+ * that the manager restarts the daemon. */
 static void notify_manager(struct supervisor *s)
 {
     const int64_t now = pen_clock_ns();
@@ -164,7 +166,7 @@ static void advance_drain(struct supervisor *s)
         kill_child(&s->api);
 }
 
-/* Whether the option applies when the configuration is read again. */
+/* Returns true if the option applies when the configuration is read again. */
 static bool is_reloadable(const struct pen_option *option)
 {
     return strcmp(option->name, "threads") == 0 || strncmp(option->name, "log-", 4) == 0;
@@ -245,7 +247,7 @@ static void handle_message(struct supervisor *s, struct pen_child *child, const 
         send_state(s, true);
 }
 
-/* All of them: what a process that ends has sent comes before its end. */
+/* Handles all of them, because the messages of an ending process come before its end. */
 static void handle_messages(struct supervisor *s, struct pen_child *child)
 {
     char text[PEN_CONTROL_BYTES];
@@ -260,8 +262,8 @@ static void handle_messages(struct supervisor *s, struct pen_child *child)
     child->control_fd = -1;
 }
 
-/* The time until the next start, ping or check of a child's failures is due; a short time when
- * draining. */
+/* Returns the time until the next start, ping or check of a child's failures is due. It is short
+ * while draining. */
 static int wait_ms(const struct supervisor *s)
 {
     if (s->draining)

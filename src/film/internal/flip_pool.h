@@ -4,7 +4,8 @@
 
 #include "film/flip.h"
 
-/* Pools width * height errors, none of which is negative. Fails: PEN_NO_MEMORY. */
+/* Pools width * height errors, all >= 0.
+ * Fails: PEN_NO_MEMORY. */
 bool pen_flip_pool(const float *errors, int width, int height, struct pen_flip *out,
                    struct pen_status *st);
 

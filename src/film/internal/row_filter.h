@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Sums of weighted rows, of which separable filters are made. A row is filtered along itself by
- * rows that begin some values further left and right, and across by the rows above and below. Every
- * value is summed in the same order, so the results are the same on every machine. */
+/* Sums of weighted rows, the parts of separable filters. A filter along a row adds the row shifted
+ * left and right. A filter across rows adds the rows above and below. Every value is summed in the
+ * same order, so the results are the same on every machine. */
 #ifndef PEN_FILM_INTERNAL_ROW_FILTER_H
 #define PEN_FILM_INTERNAL_ROW_FILTER_H
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Double-double arithmetic: numbers hi + lo with |lo| <= ulp(hi)/2, for values computed once at
- * load or once per secondary ray, and for refinement. Relative error of each operation: a few
- * 2^-104. Source: Dekker, "A floating-point technique for extending the available precision",
- * Numer. Math. 18, 1971; Joldes, Muller, Popescu, "Tight and rigorous error bounds for basic
- * building blocks of double-word arithmetic", ACM TOMS 44(2), 2017. */
+/* Double-double arithmetic: numbers hi + lo with |lo| <= ulp(hi)/2. It serves values that are
+ * computed once at load or once per secondary ray, and refinement. The relative error of each
+ * operation is a few 2^-104.
+ * Source: Dekker, "A floating-point technique for extending the available precision", Numer. Math.
+ * 18, 1971; Joldes, Muller, Popescu, "Tight and rigorous error bounds for basic building blocks of
+ * double-word arithmetic", ACM TOMS 44(2), 2017. */
 #ifndef PEN_GEOM_INTERNAL_DOUBLE_DOUBLE_H
 #define PEN_GEOM_INTERNAL_DOUBLE_DOUBLE_H
 
@@ -31,7 +32,7 @@ static inline struct dd two_sum_fast(double a, double b)
     return (struct dd){s, b - (s - a)};
 }
 
-/* a b exactly, in the absence of underflow. */
+/* a b exactly, unless it underflows. */
 static inline struct dd two_prod(double a, double b)
 {
     double p = a * b;
@@ -84,7 +85,7 @@ static inline struct dd3 dd_cross(struct dd3 a, struct dd3 b)
                         dd_add(dd_mul(a.x, b.y), dd_neg(dd_mul(a.y, b.x)))};
 }
 
-/* One step of Newton's method from the root of a.hi; a > 0. */
+/* sqrt(a) by one step of Newton's method from the root of a.hi; a > 0. */
 static inline struct dd dd_sqrt(struct dd a)
 {
     double root = sqrt(a.hi);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Facets: how they are made. */
+/* Construction of facets. */
 #ifndef PEN_GEOM_INTERNAL_FACET_H
 #define PEN_GEOM_INTERNAL_FACET_H
 
@@ -9,8 +9,8 @@
 #include "math/exact_sum.h"
 #include "math/scale.h"
 
-/* Replaces the normal of an outline, where no component of it is above `least`, by that of exact
- * sums, and where that is zero, by `otherwise`. False if that is zero too. */
+/* Makes a normal of an outline exact enough. If no component is above `least`, replaces it by the
+ * normal from exact sums; if that is zero, by `otherwise`. Returns false if that is zero too. */
 static inline bool pen_exact_enough(struct dd3 *normal, double least, const struct pen_vec3 *v,
                                     uint32_t count, struct pen_vec3 otherwise)
 {
@@ -28,9 +28,9 @@ static inline struct dd dd_scale2(struct dd a, int e)
     return (struct dd){pen_scale2(a.hi, e), pen_scale2(a.lo, e)};
 }
 
-/* The facet through q with this normal, finite and not zero. A normal along an axis gets length 1,
- * so that facets in one plane across an axis meet a ray at the same t, whatever their outlines; all
- * others are scaled by powers of two, and stay exact. */
+/* The facet through q with this normal, which is finite and not zero. A normal along an axis gets
+ * length 1: then facets in one plane across an axis meet a ray at the same t, with any outlines.
+ * All others are scaled by powers of two, which is exact. */
 static inline struct pen_facet pen_facet_of(struct pen_vec3 q, struct dd3 normal)
 {
     struct pen_vec3 high = dd_round3(normal);
@@ -45,9 +45,9 @@ static inline struct pen_facet pen_facet_of(struct pen_vec3 q, struct dd3 normal
         PEN_FACET_GRAZING};
 }
 
-/* The bounds of what has this outline, and a surface within `off` of its vertices' plane. A line
- * that passes beside the outline within the rounding of ray space may count as inside, and if it
- * is not grazing, meets the facet within 2^-40 of the extent beside it. */
+/* The bounds of a primitive with this outline whose surface is within `off` of its vertices' plane.
+ * A line that passes outside the outline, within the rounding of ray space, may count as inside. If
+ * it is not grazing, it meets the facet within 2^-40 of the extent outside the outline. */
 static inline struct pen_box pen_outline_bounds(const struct pen_vec3 *v, uint32_t count,
                                                 double off)
 {

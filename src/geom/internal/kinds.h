@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the files of this room share about primitives of any kind. */
+/* Functions that the kinds of primitives share. */
 #ifndef PEN_GEOM_INTERNAL_KINDS_H
 #define PEN_GEOM_INTERNAL_KINDS_H
 
@@ -17,8 +17,8 @@ static inline void pen_intersections_add(struct pen_intersections *out, double t
     out->count++;
 }
 
-/* Adds an end of the inside of a primitive that has these `parts`, unless it lies at a cap that is
- * missing. */
+/* Adds an end of the interval inside a primitive that has these `parts`. Adds nothing if the end is
+ * at a missing cap. */
 static inline void pen_intersections_add_end(struct pen_intersections *out, unsigned parts,
                                              double t, uint8_t part)
 {
@@ -40,7 +40,8 @@ static inline void pen_intersections_own(struct pen_intersections *out, double c
         pen_intersections_add(out, chord, PEN_PART_SIDE);
 }
 
-/* The intersections of a quadric that contains the origin: t = 0, and the chord's other end. */
+/* The intersections of a quadric that contains the origin: t = 0, and the other end of the chord.
+ */
 static inline void pen_intersections_chord(struct pen_intersections *out, double chord)
 {
     out->count = 0;
@@ -48,8 +49,9 @@ static inline void pen_intersections_chord(struct pen_intersections *out, double
         pen_intersections_pair(out, chord < 0 ? chord : 0, chord < 0 ? 0 : chord);
 }
 
-/* How far the farthest of the points surely lies along unit vector n beyond p: n and the sum are
- * known to some u of the distance, which a neighbour in the same plane does not rise above. */
+/* A lower bound of how far the farthest of the points lies along unit vector n beyond p. The dot
+ * product is known to some u of the distance. The result excludes that rounding, so that a
+ * neighbour in the same plane does not rise above 0. */
 static inline double pen_farthest(const struct pen_vec3 *v, uint32_t count, struct pen_vec3 n,
                                   struct pen_vec3 p)
 {

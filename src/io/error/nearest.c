@@ -6,7 +6,7 @@
 #include "io/message.h"
 
 /* Words longer than LONGEST are not compared: no key of the format is that long, and a comparison
- * costs the product of both lengths. Names farther than FARTHEST edits are not suggested. */
+ * takes the product of both lengths. Names farther than FARTHEST edits are not suggested. */
 enum { LONGEST = 64, FARTHEST = 2 };
 
 static char fold(char c)
@@ -20,11 +20,11 @@ static int least(int a, int b)
 }
 
 /* The number of edits (insertions, deletions, substitutions, swaps of neighbours) from a to b.
- * Upper and lower case compare equal, and so do - and _. Source: the "optimal string alignment"
- * form of Damerau, Comm. ACM 7(3), 1964. */
+ * Upper and lower case compare equal, as do - and _.
+ * Source: the "optimal string alignment" form of Damerau, Comm. ACM 7(3), 1964. */
 static int distance(const char *a, size_t na, const char *b, size_t nb)
 {
-    int row[3][LONGEST + 1]; /* for the prefixes of a that are two, one and no letters shorter */
+    int row[3][LONGEST + 1]; /* for the prefixes of a that are two, one and zero letters shorter */
     for (size_t j = 0; j <= nb; j++)
         row[1][j] = (int)j;
     for (size_t i = 1; i <= na; i++) {
@@ -47,8 +47,8 @@ static bool equal(const char *a, const char *b)
     return fold(*a) == fold(*b);
 }
 
-/* What other programs call a key of the format. A word may have several rows: the first key counts
- * that is a name at the place in question. */
+/* Words that other programs use for keys of the format. A word may have several rows: the first key
+ * that is a name at this place counts. */
 static const struct {
     const char *word, *key;
 } others[] = {

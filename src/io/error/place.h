@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The place of a value in a document: a linked list of steps from the value up to the root. The
- * steps are local variables of the reading functions, so a valid document never costs the text of
- * a JSON Pointer. */
+ * steps are local variables of the reading functions, so a valid document needs no text of a JSON
+ * Pointer. */
 #ifndef PEN_IO_ERROR_PLACE_H
 #define PEN_IO_ERROR_PLACE_H
 
@@ -24,7 +24,7 @@ static inline struct pen_place pen_place_index(const struct pen_place *up, size_
     return (struct pen_place){up, NULL, index};
 }
 
-/* Writes `prefix` and the JSON Pointer (RFC 6901) of a place, as much as fits. */
+/* Writes `prefix` and the JSON Pointer (RFC 6901) of a place. Text that does not fit is cut. */
 void pen_place_pointer(const struct pen_place *at, const char *prefix, char *out, size_t bytes);
 
 #endif

@@ -22,8 +22,8 @@ size_t pen_text_append(char *out, size_t bytes, size_t used, const char *text, b
     return used;
 }
 
-/* Copies the first character of a string to `out`, escaped as in JSON, also where it could be
- * shown as something else. Returns its length in the string. */
+/* Copies the first character of a string to `out`, escaped as in JSON. Characters that a terminal
+ * might show differently are escaped too. Returns its length in the string. */
 static size_t quote_char(const char *string, char out[PEN_UTF8_SHOWN_BYTES])
 {
     size_t length = pen_utf8_show_char(string, strnlen(string, 4), out);

@@ -11,7 +11,7 @@
 
 #include "base/status.h"
 
-/* A part of a message. It holds its own buffer, so that one call of printf can use several. */
+/* A part of a message. It holds its own buffer, so one call of printf can use several parts. */
 enum { PEN_TEXT_BYTES = 192 };
 struct pen_text {
     char text[PEN_TEXT_BYTES];
@@ -29,13 +29,13 @@ struct pen_text pen_text_value(const json_t *value);
 /* `; did you mean "radius"?`, or "" if no name is near. `names` ends with NULL. */
 struct pen_text pen_text_nearest(const char *word, const char *const *names);
 
-/* Writes `text` and a zero byte at out[used], as much as fits into `bytes`. If `escape` is set, the
+/* Writes `text` and a zero byte at out[used]; text beyond `bytes` is cut. If `escape` is set, the
  * text becomes part of a JSON Pointer (RFC 6901: ~ becomes ~0 and / becomes ~1). Returns the new
  * length. */
 size_t pen_text_append(char *out, size_t bytes, size_t used, const char *text, bool escape);
 
-/* Line and column, from 1, of the byte at `offset`; a column is a character. A byte order mark at
- * the beginning of the text has no width. */
+/* Computes the line and column, from 1, of the byte at `offset`. A column is a character. A byte
+ * order mark at the beginning of the text has no width. */
 void pen_text_position(const char *text, size_t offset, int *line, int *column);
 
 /* Fills *st with a message and the line and column of the byte at `offset` of `text`. Returns

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Estimates of the memory that JSON values take. The parsers of JSON and XML add them up and stop
- * before a document's values exceed pen_limits.parsed_bytes. Measured with jansson 2.14 and glibc's
- * malloc: the values of a text of `{},{},…` take 80 times its size. The estimates for an element
- * and a member include the growth of jansson's tables by doubling. */
+/* Estimates of the memory of JSON values. The parsers of JSON and XML add them up, and stop before
+ * a document's values exceed pen_limits.parsed_bytes. They were measured with jansson 2.14 and
+ * glibc's malloc: the values of a text of `{},{},…` take 80 times its size. The estimates for an
+ * element and a member include the growth of jansson's tables by doubling. */
 #ifndef PEN_IO_JSON_MEMORY_H
 #define PEN_IO_JSON_MEMORY_H
 

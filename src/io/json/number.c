@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Nearly all decimals of scenes have at most 19 digits, which fit into 64 bits, and few places
- * behind the point. Their nearest double is found by one division of integers; strtod, which must
- * be ready for any number, takes several times as long. */
+ * after the point. One division of integers gives their nearest double. strtod, which accepts any
+ * number, takes several times as long. */
 #include "io/json/number.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@
 
 __extension__ typedef unsigned __int128 wide;
 
-/* 5^n, as far as they fit into 64 bits: four powers from each that is written out. */
+/* 5^n, up to the largest that fits into 64 bits: each written number gives four powers. */
 #define FOUR(five) UINT64_C(five), UINT64_C(five) * 5, UINT64_C(five) * 25, UINT64_C(five) * 125
 static const uint64_t fives[] = {FOUR(1),
                                  FOUR(625),
@@ -23,7 +23,7 @@ static const uint64_t fives[] = {FOUR(1),
                                  FOUR(59604644775390625)};
 #undef FOUR
 
-/* All numbers of so many digits fit into 64 bits. */
+/* All numbers with at most this number of digits fit into 64 bits. */
 enum { DIGITS_MAX = 19 };
 
 enum { FIVES = sizeof fives / sizeof fives[0] };
@@ -36,7 +36,7 @@ static bool is_digit(const char *text, size_t at, size_t end)
     return at < end && text[at] >= '0' && text[at] <= '9';
 }
 
-/* Appends the digits at `at` to the decimal and returns where they end. */
+/* Appends the digits at `at` to the decimal and returns their end. */
 static size_t scan_digits(const char *text, size_t at, size_t end, struct pen_json_decimal *out)
 {
     uint64_t digits = out->digits;
@@ -50,7 +50,7 @@ static size_t scan_digits(const char *text, size_t at, size_t end, struct pen_js
     return at;
 }
 
-/* Reads what follows the E of an exponent. Returns `at` if no digits do. */
+/* Reads an exponent after the E. Returns `at` if it has no digits. */
 static size_t scan_exponent(const char *text, size_t at, size_t end, struct pen_json_decimal *out)
 {
     bool negative = at < end && text[at] == '-';
@@ -66,8 +66,8 @@ static size_t scan_exponent(const char *text, size_t at, size_t end, struct pen_
     return next > first ? next : at;
 }
 
-/* Reads sign, digits, fraction and exponent. With `java`, a plus sign, zeros in front, and a point
- * with digits on one side only are read, too. */
+/* Reads sign, digits, fraction and exponent. With `java`, also a plus sign, leading zeros, and a
+ * point with digits on one side only. */
 static size_t scan(const char *text, size_t offset, size_t end, bool java,
                    struct pen_json_decimal *out)
 {
@@ -111,9 +111,9 @@ size_t pen_java_scan_number(const char *text, size_t offset, size_t end,
     return at + suffix;
 }
 
-/* n 2^exponent, rounded to nearest, ties to even. Integers round it, because a program that embeds
- * this one may have set another rounding mode. Scaling is exact: the doubles made here are far from
- * the ends of their range. */
+/* n 2^exponent, rounded to nearest, ties to even. It is rounded in integers, because a program that
+ * embeds this one may have set another rounding mode. Scaling is exact: the doubles made here are
+ * far from the ends of their range. */
 static double nearest_double(uint64_t n, int exponent)
 {
     int drop = 64 - 53 - __builtin_clzll(n);
@@ -126,9 +126,9 @@ static double nearest_double(uint64_t n, int exponent)
     return pen_scale2((double)n, exponent);
 }
 
-/* digits / 10^places. Digits and 5^places, shifted until their highest bits are set, are divided as
- * integers. The quotient has 63 or 64 bits, 10 more than a double, so that it is rounded correctly
- * if its last bit also stands for a remainder. */
+/* digits / 10^places. Digits and 5^places are shifted until their highest bits are set, and divided
+ * as integers. The quotient has 63 or 64 bits, 10 more than a double. So it is rounded correctly if
+ * its last bit is also set for a remainder. */
 static double divide(uint64_t digits, int places)
 {
     int up = __builtin_clzll(digits), up5 = __builtin_clzll(fives[places]);
@@ -161,7 +161,7 @@ static bool round_decimal(const struct pen_json_decimal *decimal, double *out)
     return true;
 }
 
-/* The value with these bits, made unless one of the recent values is the same. */
+/* The value with these bits. It is made unless one of the recent values is the same. */
 static json_t *share(struct pen_json_numbers *numbers, bool integer, uint64_t bits)
 {
     if (!numbers->recent && !(numbers->recent = calloc(PEN_JSON_RECENT, sizeof *numbers->recent)))

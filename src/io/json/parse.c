@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A parser for RFC 8259, without extensions. A byte-order mark in front is skipped, as its section
+/* A parser for RFC 8259, without extensions. A leading byte-order mark is skipped, as its section
  * 8.1 allows. The values are jansson's. Its parser is not used because jansson 2.14
- *  - ends the process by an assertion when its token buffer cannot grow;
+ *  - ends the process by an assertion if its token buffer cannot grow;
  *  - reports an error where the token ends, not where it begins;
  *  - reads either all integers as reals or none, so not only those that exceed 64 bits.
  * This parser makes one pass and recurses once per level of nesting. */
@@ -17,7 +17,7 @@
 #include "io/json/token.h"
 #include "io/scene_json.h"
 
-/* The most levels whatever the limits say: each takes part of the thread's stack. */
+/* The most levels for any limits, because each takes part of the thread's stack. */
 enum { NESTING_MAX = 1000 };
 
 enum { STRINGS = 64 };
@@ -30,7 +30,7 @@ struct parser {
     size_t limit;           /* memory that all values together may take */
     struct pen_buf scratch; /* the string being read */
     struct pen_json_numbers numbers;
-    json_t *strings[STRINGS]; /* of the values lately made, by a hash; NULL: none yet */
+    json_t *strings[STRINGS]; /* of recently made values, by a hash; NULL: none yet */
     struct pen_status *st;
 };
 
@@ -159,7 +159,7 @@ static bool read_character(struct parser *p)
     return true;
 }
 
-/* Reads the characters from `at` on that stand for themselves and take one byte each. */
+/* Reads the characters from `at` on that need no decoding and take one byte each. */
 static void read_plain(struct parser *p)
 {
     size_t start = p->at;
@@ -225,8 +225,8 @@ static json_t *parse_word(struct parser *p)
     return literal;
 }
 
-/* Reads the comma or the closing bracket after an element. Returns true after a comma, so that the
- * next element follows; *closed is set after the bracket. */
+/* Reads the comma or the closing bracket after an element. Returns true after a comma: then the
+ * next element follows. *closed is set after the bracket. */
 static bool next_element(struct parser *p, char closing, const char *expected, bool *closed)
 {
     char c = skip_space(p);
@@ -346,8 +346,8 @@ static json_t *parse_container(struct parser *p, const struct pen_place *place, 
     return NULL;
 }
 
-/* The value of the string that has been read. As with numbers, one that repeats is one value: of
- * thousands of objects, few differ in type and material. */
+/* The value of the string that has been read. As with numbers, a repeated string is one value:
+ * among thousands of objects, few differ in type and material. */
 static json_t *make_string(struct parser *p)
 {
     const char *text = (const char *)p->scratch.data;
@@ -382,7 +382,7 @@ static json_t *parse_document(struct parser *p)
 {
     const struct pen_place root = {0};
     if (p->json.bytes >= 3 && memcmp(p->json.text, "\xEF\xBB\xBF", 3) == 0)
-        p->at = 3; /* a byte-order mark, which editors write in front */
+        p->at = 3; /* a byte-order mark, which editors write at the start */
     skip_space(p);
     if (p->at == p->json.bytes) {
         pen_json_error(&p->json, 0, p->st, "the document is empty");
@@ -397,8 +397,8 @@ static json_t *parse_document(struct parser *p)
     return NULL;
 }
 
-/* Whether more brackets are open somewhere than the nesting allowed, even if the text is malformed
- * otherwise. */
+/* Whether the number of open brackets exceeds the nesting allowed somewhere, even if the text is
+ * otherwise malformed. */
 static bool is_too_deep(const struct parser *p)
 {
     int depth = 0;
@@ -431,7 +431,7 @@ json_t *pen_json_parse(const char *text, size_t bytes, const struct pen_limits *
         return NULL;
     }
     json_t *document = parse_document(&p);
-    /* A malformed text has no JSON Pointer to the place. */
+    /* A malformed text has no JSON Pointer for the place. */
     if (!document && st->code == PEN_SYNTAX && is_too_deep(&p))
         pen_fail(st, PEN_INVALID, "nested deeper than the %d levels allowed", nesting);
     pen_buf_release(&p.scratch);

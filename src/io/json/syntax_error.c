@@ -63,7 +63,7 @@ static bool is_one_of(const char *text, size_t bytes, const char *const *words)
     return *words != NULL;
 }
 
-/* What is wrong with the word at `offset`: a word of other languages. NULL if it is JSON. */
+/* The error in the word at `offset`, if it is a word of another language; NULL if it is JSON. */
 static const char *foreign_word(const struct pen_json_text *json, size_t offset)
 {
     static const char *const not_finite[] = {"nan", "inf", "infinity", NULL};
@@ -88,7 +88,7 @@ static const char *foreign_word(const struct pen_json_text *json, size_t offset)
     return "is not JSON: strings and keys are written in double quotes";
 }
 
-/* Reports a byte of the word at `offset` that no JSON may have: invalid UTF-8, or zero. */
+/* Reports a byte of the word at `offset` that JSON does not allow: invalid UTF-8, or zero. */
 static bool bad_byte(const struct pen_json_text *json, size_t offset, struct pen_status *st)
 {
     size_t end = pen_json_word_end(json, offset);

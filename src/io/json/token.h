@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The tokens of JSON text: where they end. */
+/* The tokens of JSON text: their ends. */
 #ifndef PEN_IO_JSON_TOKEN_H
 #define PEN_IO_JSON_TOKEN_H
 

@@ -37,7 +37,7 @@ static void write_key(struct pen_buf *out, const char *key)
     pen_buf_puts(out, ": ");
 }
 
-/* Whether an array holds no arrays or objects, so that it is written on one line. */
+/* Whether an array contains no arrays or objects, so that it is written on one line. */
 static bool is_flat(const json_t *list)
 {
     bool flat = true;
@@ -90,7 +90,7 @@ static bool has_containers(const json_t *object)
     return false;
 }
 
-/* Writes an object on one line if it fits there and holds nothing that needs lines of its own. */
+/* Writes an object on one line if it fits there and contains nothing that needs its own lines. */
 static void write_object(struct pen_buf *out, const json_t *object, int depth)
 {
     struct pen_buf line = {0};

@@ -19,7 +19,7 @@ const struct pen_field pen_sky_fields[] = {
 static const struct pen_field background_fields[] = {{"sky", PEN_FIELD_OTHER, .required = true},
                                                      {0}};
 
-/* Without `nadir` all below the horizon has its colour. */
+/* Reads a sky. Without `nadir`, everything below the horizon has the horizon's colour. */
 static bool read_sky(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                      struct pen_scene_desc *desc)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The limits on pixels and work, which depend on how a scene is rendered and on counts alone. */
+/* The limits on pixels and work, which depend only on the settings and on counts. */
 #include "io/scene_json.h"
 
 #include <math.h>
@@ -30,7 +30,7 @@ static double shadow_rays(const struct pen_light_desc *light, const struct pen_s
     return settings->light_pattern == PEN_PATTERN_GRID ? edge * edge : settings->light_samples;
 }
 
-/* The rays of one camera ray and of the shadow rays from what it hits. */
+/* The rays of one camera ray and of the shadow rays from its hits. */
 static double work_per_sample(const struct pen_scene_desc *desc,
                               const struct pen_settings *settings)
 {
@@ -55,7 +55,7 @@ static double tree_surfaces(const struct pen_settings *settings)
     return tree < most ? tree : most;
 }
 
-/* The largest max_depth with which such samples shade at most so many surfaces. */
+/* The largest max_depth with which such samples shade at most this number of surfaces. */
 static int depth_for(double surfaces)
 {
     int depth = 1;
@@ -66,7 +66,7 @@ static int depth_for(double surfaces)
     return depth;
 }
 
-/* Fails because rays are blurred. `rays` are those without blur, which are not too many. */
+/* Fails because rays are blurred. `rays` is the number without blur, which is not too large. */
 static bool fail_blur(const struct pen_limits *limits, const struct pen_settings *settings,
                       double rays, double surfaces, const char *at, struct pen_status *st)
 {
@@ -79,7 +79,7 @@ static bool fail_blur(const struct pen_limits *limits, const struct pen_settings
         rays * surfaces, limits->work, rays, surfaces, settings->blur_samples, settings->max_depth);
 }
 
-/* Fails because paths fork. `rays` are those without forks, which are not too many. */
+/* Fails because paths fork. `rays` is the number without forks, which is not too large. */
 static bool fail_forks(const struct pen_limits *limits, const struct pen_settings *settings,
                        double rays, const char *at, struct pen_status *st)
 {
@@ -93,7 +93,7 @@ static bool fail_forks(const struct pen_limits *limits, const struct pen_setting
         depth_for(limits->work / rays));
 }
 
-/* Settings that exclude each other. */
+/* Refuses settings that exclude each other. */
 static bool check_together(const struct pen_settings *settings, const char *at,
                            struct pen_status *st)
 {
@@ -156,9 +156,9 @@ bool pen_limits_check(const struct pen_limits *limits, const struct pen_scene_de
                            "%.3g primary and shadow rays, at most %.3g are allowed",
                            views, views == 1 ? "" : "s", settings->width, settings->height, rays,
                            limits->work);
-    /* Only then are the objects looked at, of which there may be a million. With a target error,
-     * only the samples with which pixels begin are taken to have the largest trees: if all of them
-     * had, no picture could be accepted. */
+    /* Only now the objects are read, because there may be a million. With a target error, only the
+     * samples with which pixels begin count with the largest trees. If all samples did, no picture
+     * could be accepted. */
     const struct pen_settings sampling = pen_settings_sampling(settings);
     const double tree = tree_surfaces(settings), blurred = sampling.blur_samples;
     rays = views * pixels * pen_work_per_pixel(desc, &sampling);

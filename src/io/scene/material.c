@@ -76,7 +76,7 @@ static bool unknown_name(struct pen_reader *r, const struct pen_place *at, const
         return pen_reader_fail(r, at, PEN_INVALID, "unknown material");
     struct pen_text near = {""}, quoted = pen_text_quote(name);
     const char **names = malloc((r->named_count + 1) * sizeof *names);
-    if (names) { /* without memory, the message has no hint */
+    if (names) { /* when out of memory, the message has no hint */
         for (uint32_t i = 0; i < r->named_count; i++)
             names[i] = r->names[i].name;
         names[r->named_count] = NULL;
@@ -89,8 +89,8 @@ static bool unknown_name(struct pen_reader *r, const struct pen_place *at, const
                            near.text);
 }
 
-/* Makes sure that one more inline material fits. The capacity doubles, so that copying costs O(n)
- * in all. */
+/* Makes sure that one more inline material fits. The capacity doubles, so copying costs O(n) in
+ * all. */
 static bool reserve_material(struct pen_reader *r)
 {
     if (r->material_count < r->material_capacity)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Notes about a valid scene: what the reader has left out or chosen, and colours that are probably
- * meant otherwise. They are found without freezing the scene, so that every command can tell them.
- * There is one of each kind, which counts and names the first place. */
+/* Notes about a valid scene: omissions and choices of the reader, and colours that are probably
+ * errors. They are found without freezing the scene, so that every command can report them. There
+ * is one note of each kind, which counts and names the first place. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -21,13 +21,14 @@ static bool looks_like_bytes(struct pen_vec3 c)
     return whole && large;
 }
 
-/* A colour of the scene that has no shape of its own. */
+/* A colour of the scene itself rather than of an object. */
 struct scene_colour {
     const char *path[3]; /* keys */
     struct pen_vec3 value;
 };
 
-/* `shown`: the values are a screen's already (transfer display). */
+/* Notes a colour that looks like bytes. `shown`: the values are already a screen's (transfer
+ * display). */
 static void note_bytes(struct pen_reader *r, const struct scene_colour *first, const char *others,
                        bool shown)
 {
@@ -47,7 +48,7 @@ static void note_bytes(struct pen_reader *r, const struct scene_colour *first, c
                     *others ? "; the same holds for" : "", others);
 }
 
-/* Colours in XML are from 0 to 255. */
+/* Notes colours. In XML they are from 0 to 255. */
 static void note_colours(struct pen_reader *r, const struct pen_scene_desc *desc)
 {
     const bool sky = desc->has_sky;

@@ -117,9 +117,9 @@ static double largest(struct pen_vec3 v)
     return most > z ? most : z;
 }
 
-/* The two sides at v[0] are scaled first, so that products neither over- nor underflow. Below
- * `least`, the sine of the angle between them, their rounding might hide that they are parallel,
- * and the area is decided exactly. */
+/* The two sides at v[0] are scaled first, so that products neither over- nor underflow. If the sine
+ * of the angle between them is below `least`, their rounding might hide that they are parallel.
+ * Then the area is decided exactly. */
 bool pen_points_have_area(const struct pen_vec3 v[3])
 {
     const double least = 0x1p-40;
@@ -152,8 +152,8 @@ static bool has_area(const struct pen_vec3 *v, uint32_t count)
     return false;
 }
 
-/* Removes vertices at the end that repeat the first one, or the one before. Returns whether there
- * were any. */
+/* Removes vertices at the end that repeat the first vertex, or the one before. Returns whether
+ * there were any. */
 static bool remove_repeated_end(struct pen_object_desc *object)
 {
     const struct pen_vec3 *v = object->u.polygon.vertices;
@@ -164,8 +164,8 @@ static bool remove_repeated_end(struct pen_object_desc *object)
     return *count < before;
 }
 
-/* Leaves out what a picture cannot show and exporters write all the same: repeated vertices at the
- * end of a polygon, and what has no area. */
+/* Leaves out parts that a picture cannot show but that exporters write: repeated vertices at the
+ * end of a polygon, and objects without area. */
 static bool check_loop(struct pen_reader *r, const struct pen_place *at, bool triangle,
                        struct pen_object_desc *object)
 {
@@ -229,7 +229,7 @@ static bool check_cone(struct pen_reader *r, const struct pen_place *up,
                            found.text);
 }
 
-/* What a primitive that has no inside is called; NULL if it has one, or may be the side of one. */
+/* The name of a primitive without an inside; NULL if it has one, or may be the side of one. */
 static const char *without_inside(const struct pen_object_desc *object)
 {
     switch (object->kind) {
@@ -250,7 +250,7 @@ static const char *without_inside(const struct pen_object_desc *object)
     return NULL;
 }
 
-/* An index other than 1 needs an inside. */
+/* Refuses an index other than 1 for an object without an inside. */
 static bool check_inside(struct pen_reader *r, const struct pen_place *up, const json_t *material,
                          const struct pen_object_desc *object)
 {

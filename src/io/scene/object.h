@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The transforms of the groups around an object. The reader applies none of them (freezing does,
- * once); it refuses transforms that are not invertible, and quadrics under transforms that are not
- * similarities. Also the geometry of three points, for triangles and for planes in XML. */
+/* The transforms of the groups that contain an object. The reader applies none of them; freezing
+ * does, once. The reader refuses transforms that are not invertible, and quadrics under transforms
+ * that are not similarities. Also the area test of three points, for triangles and for planes in
+ * XML. */
 #ifndef PEN_IO_SCENE_OBJECT_H
 #define PEN_IO_SCENE_OBJECT_H
 
@@ -11,11 +12,11 @@
 struct pen_transform_chain {
     struct pen_transform f; /* all of them, composed */
     bool similar;           /* f is a similarity */
-    /* The outermost transform that is not a similarity, or with which the composition stops being
-     * one, as an error names it. stretch_at is its place, NULL if there is none. */
+    /* The outermost transform that is not a similarity, or with which the composition is no longer
+     * one, for error messages. stretch_at is its place, or NULL if there is none. */
     const struct pen_place *stretch_at;
     struct pen_transform stretch;
-    bool invalid; /* one of them is invalid and reported: objects inside are not checked */
+    bool invalid; /* an invalid transform was reported: objects inside are not checked */
 };
 
 /* Reads a group's `transform` and refuses a matrix that is not invertible. */
@@ -23,7 +24,8 @@ bool pen_group_transform_read(struct pen_reader *r, const struct pen_place *at, 
                               struct pen_transform *f);
 
 /* Appends f, the transform at `at`, as the innermost of the chain; `at` must outlive the chain.
- * Fails if the composition is not invertible or has a number beyond PEN_NUMBER_MAX. */
+ * Fails: returns false if the composition is not invertible or has a number beyond PEN_NUMBER_MAX.
+ */
 bool pen_transform_chain_add(struct pen_reader *r, const struct pen_place *at,
                              const struct pen_transform *f, struct pen_transform_chain *chain);
 

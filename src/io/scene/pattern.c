@@ -32,7 +32,7 @@ struct target {
 const struct pen_field pen_colour_pattern_fields[] = PATTERN_FIELDS(PEN_FIELD_COLOUR);
 const struct pen_field pen_factor_pattern_fields[] = PATTERN_FIELDS(PEN_FIELD_FACTOR);
 
-/* The keys that only one of the kinds has, and needs. */
+/* The keys that only one of the kinds has and requires. */
 static const struct {
     const char *key;
     int kind;
@@ -72,7 +72,7 @@ static bool read_pattern(struct pen_reader *r, const struct pen_place *at, const
     return true;
 }
 
-/* The colour that stands for a pattern: 0 only if both of its colours are. */
+/* The colour that replaces a pattern: 0 only if both of its colours are 0. */
 static double mean(double a, double b)
 {
     double half = 0.5 * a + 0.5 * b;

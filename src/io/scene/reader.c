@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How the scene reader reports errors: message and place, in JSON or XML as the document is. */
+/* Error reports of the scene reader: message and place, in the document's format (JSON or XML). */
 #include "io/scene/reader.h"
 
 #include <stdarg.h>
@@ -12,7 +12,7 @@ bool pen_reader_fail(struct pen_reader *r, const struct pen_place *at, enum pen_
     if (r->source && r->source->is_reported(r->source->user, at))
         return false;
     if (pen_reader_wants_message(r)) {
-        /* longer than the fields of a status, so that pen_fail_at marks what it cuts off */
+        /* longer than the fields of a status, so that pen_fail_at marks a cut */
         char pointer[2 * PEN_AT_BYTES], message[2 * PEN_MSG_BYTES];
         pen_place_pointer(at, r->prefix, pointer, sizeof pointer);
         va_list args;

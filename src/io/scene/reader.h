@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* What the files of the scene reader share: its state, errors with places, the reading of objects
- * by tables of their keys, and of single values.
+/* Common to the files of the scene reader: its state, errors with places, the reading of objects by
+ * tables of their keys, and of single values.
  *
- * Every reading function takes the place of the value (io/error/place.h), returns whether the value
- * is valid, and has reported an error if not. Readers continue after an error, so that all errors
+ * Every reading function takes the place of the value (io/error/place.h). It returns whether the
+ * value is valid, and reports an error if not. Readers continue after an error, so that all errors
  * of a document are found. */
 #ifndef PEN_IO_SCENE_READER_H
 #define PEN_IO_SCENE_READER_H
@@ -21,20 +21,21 @@
 #include "math/vec3.h"
 
 /* The largest magnitude of a number in a scene. It keeps sums, differences and products of
- * transforms finite, whatever a document holds. */
+ * transforms finite for every document. */
 #define PEN_NUMBER_MAX 1e100
 
-/* A material's name and its index; an array of these, sorted by name, is searched. */
+/* A material's name and its index. An array of these, sorted by name, is searched. */
 struct pen_name_index {
     const char *name;
     uint32_t index;
 };
 
-/* Maps places in the JSON values to the text of a document that was not written as JSON. With it,
- * errors have a line and a column instead of a JSON Pointer, and name what the author wrote. */
+/* Maps places in the JSON values to the text of a document that is not JSON. With it, errors have a
+ * line and a column instead of a JSON Pointer, and use the author's names. */
 struct pen_source_map {
     void *user;
-    /* Whether an error in the value at a place, or around it, has already been reported. */
+    /* Whether an error in the value at a place, or in a value that contains it, has already been
+     * reported. */
     bool (*is_reported)(void *user, const struct pen_place *at);
     /* Fills *st with the message, preceded by the element's and attribute's names, and with line
      * and column. */
@@ -54,25 +55,27 @@ struct pen_reader {
     const struct pen_source_map *source; /* of an XML document; NULL for JSON */
     struct pen_arena *arena;
     const struct pen_limits *limits;
-    bool no_memory; /* has been reported; later allocations fail silently */
-    /* Materials: the named ones first, then the inline ones of objects in the order read. */
+    bool no_memory; /* was reported; later allocations fail silently */
+    /* Materials: named ones first, then the inline ones of objects in the order read. */
     uint32_t named_count, material_count, material_capacity;
     struct pen_material *materials;
     const struct pen_name_index *names; /* named_count, sorted by name */
     uint64_t object_count, primitive_count;
-    uint32_t left_out_count, repeat_count; /* objects without area; that repeat their last vertex */
+    uint32_t left_out_count,
+        repeat_count; /* objects without area; objects that repeat their last vertex */
     uint64_t left_out_vertices;
 };
 
-/* Adds an error at a place. An error in a value that the source map has already reported is left
- * out. Once the list is full, errors are only counted. Returns false. */
+/* Adds an error at a place. Does not add an error in a value that the source map has already
+ * reported. When the list is full, errors are only counted. Returns false. */
 bool pen_reader_fail(struct pen_reader *r, const struct pen_place *at, enum pen_code code,
                      const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* Allocates in the scene's arena. Fails: NULL; reports PEN_NO_MEMORY once. */
+/* Allocates in the scene's arena.
+ * Fails: NULL; reports PEN_NO_MEMORY once. */
 void *pen_reader_alloc(struct pen_reader *r, size_t count, size_t size);
 
-/* Whether the list of errors still keeps messages. When it is full, a costly message need not be
+/* Whether the list of errors still keeps messages. If it is full, a costly message need not be
  * made. */
 static inline bool pen_reader_wants_message(const struct pen_reader *r)
 {
@@ -85,8 +88,8 @@ static inline bool pen_reader_is_xml(const struct pen_reader *r)
     return r->source != NULL;
 }
 
-/* For messages, in JSON or XML as the document is: the value at a place, the name of the member
- * `key` of the object at `up`, and the position of a place. */
+/* Text for messages, in the document's format (JSON or XML): the value at a place, the name of the
+ * member `key` of the object at `up`, and the position of a place. */
 struct pen_text pen_reader_found(const struct pen_reader *r, const struct pen_place *at,
                                  const json_t *value);
 struct pen_text pen_reader_name(const struct pen_reader *r, const struct pen_place *up,
@@ -113,8 +116,8 @@ extern const struct pen_range pen_range_turn;         /* degrees of a rotation, 
 extern const struct pen_range pen_range_count;        /* 1 to INT_MAX */
 
 enum pen_field_type {
-    PEN_FIELD_OTHER, /* a known key that code reads, not the table */
-    PEN_FIELD_NOTE,  /* a string for editors or people: checked, not kept */
+    PEN_FIELD_OTHER, /* a known key that code reads rather than the table */
+    PEN_FIELD_NOTE,  /* a string for editors or people: checked, then discarded */
     PEN_FIELD_NUMBER,
     PEN_FIELD_INTEGER,           /* int */
     PEN_FIELD_SEED,              /* uint64_t */
@@ -123,14 +126,14 @@ enum pen_field_type {
     PEN_FIELD_STRING,            /* const char *, copied into the arena */
     PEN_FIELD_COLOUR,            /* struct pen_vec3, each >= 0 */
     PEN_FIELD_FACTOR,            /* struct pen_vec3 from a number or a triple, each in 0 to 1 */
-    PEN_FIELD_COLOUR_OR_PATTERN, /* the same, unless it is an object, which code reads */
+    PEN_FIELD_COLOUR_OR_PATTERN, /* the same, or an object, which code reads */
     PEN_FIELD_FACTOR_OR_PATTERN,
     PEN_FIELD_POINT,       /* struct pen_vec3 */
     PEN_FIELD_DIRECTION,   /* struct pen_vec3, not zero */
     PEN_FIELD_COEFFICIENTS /* double[3], each >= 0, not all 0 */
 };
 
-/* One of the strings that a key may have as its value. */
+/* An allowed string value of a key. */
 struct pen_word {
     const char *name; /* NULL ends a list */
     int value;
@@ -151,10 +154,10 @@ struct pen_field {
     double off;
 };
 
-/* The key that any object may have, with text for people. No table lists it. */
+/* The key for text for people, which any object may have. No table lists it. */
 #define PEN_COMMENT_KEY "comment"
 
-/* The number of an object's members without its comment. */
+/* The number of an object's members, without its comment. */
 size_t pen_fields_count(const json_t *object);
 
 /* Reads the fields that the object has into *target, leaves the others unchanged, and refuses
@@ -221,7 +224,7 @@ bool pen_camera_read(struct pen_reader *r, const struct pen_place *at, const jso
 /* Replaces the keys that a view overrides in *camera; `check`: the result must be a valid frame. */
 bool pen_camera_override(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                          bool check, struct pen_camera_desc *camera);
-/* Reads the patterns of a material's colours, those that are objects. */
+/* Reads the patterns of a material's colours: the colours that are objects. */
 bool pen_patterns_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                        struct pen_material *material);
 bool pen_materials_read(struct pen_reader *r, const struct pen_place *at, const json_t *json);
@@ -232,8 +235,8 @@ bool pen_lights_read(struct pen_reader *r, const struct pen_place *at, const jso
                      struct pen_scene_desc *desc);
 bool pen_objects_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                       struct pen_scene_desc *desc);
-/* Notes what has been left out or chosen, and what is probably meant otherwise, in *desc, which has
- * been read without errors. */
+/* Adds notes to *desc, which has been read without errors: omissions and choices of the reader, and
+ * probable errors of the author. */
 void pen_notes_read(struct pen_reader *r, const json_t *document, struct pen_scene_desc *desc);
 bool pen_settings_fields_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                               struct pen_settings *settings);

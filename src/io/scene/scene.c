@@ -104,7 +104,7 @@ static bool read_views(struct pen_reader *r, const json_t *json, bool camera_ok,
     return ok;
 }
 
-/* An empty object defines nothing, so it is accepted. */
+/* Refuses definitions. An empty object defines nothing, so it is accepted. */
 static void refuse_definitions(struct pen_reader *r, const json_t *json)
 {
     const struct pen_place root = {0}, at = pen_place_key(&root, "definitions");

@@ -42,7 +42,7 @@ static const struct pen_word qualities[] = {{"draft", PEN_QUALITY_DRAFT, NULL},
                                             {"reference", PEN_QUALITY_REFERENCE, NULL},
                                             {0}};
 
-/* The target of pen_settings_fields: the settings, and what is read but not kept. */
+/* The target of pen_settings_fields: the settings, and values that are read but not kept. */
 struct target {
     struct pen_settings settings;
     int quality; /* enum pen_quality */
@@ -75,7 +75,8 @@ const struct pen_field pen_settings_fields[] = {
     {"threads", PEN_FIELD_INTEGER, .offset = MEMBER(threads), .range = &threads_range},
     {0}};
 
-/* A preset comes before the keys beside it, which say more. What is none is refused with them. */
+/* Applies a preset. It comes before the keys beside it, which are more specific. A value that is no
+ * preset is refused with them. */
 static void set_quality(const json_t *name, struct pen_settings *settings)
 {
     for (const struct pen_word *w = qualities; w->name && json_is_string(name); w++)

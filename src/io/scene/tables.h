@@ -12,7 +12,7 @@ extern const struct pen_field pen_sky_fields[];
 extern const struct pen_field pen_camera_fields[];
 extern const struct pen_field pen_camera_rotate_fields[], pen_camera_orbit_fields[];
 extern const struct pen_field pen_material_fields[];
-/* Of a pattern in the place of a colour (emission), or of a factor. */
+/* For a pattern in place of a colour (emission), or of a factor. */
 extern const struct pen_field pen_colour_pattern_fields[], pen_factor_pattern_fields[];
 extern const struct pen_field pen_directional_fields[], pen_point_fields[], pen_spot_fields[];
 extern const struct pen_field pen_sphere_fields[], pen_plane_fields[];

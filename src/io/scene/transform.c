@@ -104,7 +104,7 @@ bool pen_transform_chain_add(struct pen_reader *r, const struct pen_place *at,
     chain->similar = is_similarity(&chain->f);
     if (!chain->stretch_at && (!similar || !chain->similar)) {
         chain->stretch_at = at;
-        chain->stretch = similar ? chain->f : *f; /* similar: small deviations have added up */
+        chain->stretch = similar ? chain->f : *f; /* if similar, small deviations have added up */
     }
     if (in_range(&chain->f) && pen_transform_invertible(&chain->f))
         return true;

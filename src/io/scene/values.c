@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Single values of a scene: numbers in a range, vectors, words. Each message names what is allowed
- * and what was found. */
+/* Single values of a scene: numbers in a range, vectors, words. Each message names the allowed
+ * values and the value found. */
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>

@@ -10,8 +10,8 @@
 #include "scene/precision.h"
 #include "scene/tjunction.h"
 
-/* What is done only to warn takes at most so many steps of some 30 ns for each kind of check. It is
- * a count, not a time, so that a scene gets the same warnings everywhere. */
+/* The most steps, of some 30 ns, of each check that only produces warnings. It is a count, not a
+ * time, so a scene gets the same warnings everywhere. */
 enum { STEPS_MAX = 8 << 20 };
 
 static void warn(struct pen_reader *r, const struct pen_place *at, const char *what)
@@ -86,9 +86,8 @@ static struct pen_place view_place(const struct pen_place up[2], const json_t *d
                                               : pen_place_key(&up[0], "camera");
 }
 
-/* Writes the JSON Pointer of the object with *left others before it, groups not counted, or with
- * *left loops (triangles and polygons) before it; counts *left down. Returns whether there is one.
- */
+/* Writes the JSON Pointer of the object with *left others before it, groups not counted; with
+ * `loops`, only triangles and polygons count. Counts *left down. Returns whether there is one. */
 static bool find_object(const struct pen_object_desc *objects, uint32_t count, bool loops,
                         const struct pen_place *up, uint32_t *left, char out[PEN_AT_BYTES])
 {
@@ -124,8 +123,8 @@ static void warn_thin(struct pen_reader *r, const struct pen_scene_desc *desc,
     pen_errors_add(r->errors, &st);
 }
 
-/* Warns of the first view for which double precision is too coarse, and of the narrowest primitive.
- */
+/* Adds warnings about the first view for which double precision is too coarse, and about the
+ * narrowest primitive. */
 static void warn_precision(struct pen_reader *r, const json_t *document,
                            const struct pen_scene_desc *desc, const struct pen_scene *scene)
 {
@@ -146,7 +145,7 @@ static void warn_precision(struct pen_reader *r, const json_t *document,
         warn_thin(r, desc, &precision);
 }
 
-/* Warns of each view in which nothing is visible. */
+/* Adds a warning about each view in which nothing is visible. */
 static void warn_empty_views(struct pen_reader *r, const json_t *document,
                              const struct pen_scene_desc *desc, const struct pen_scene *scene)
 {
@@ -161,7 +160,7 @@ static void warn_empty_views(struct pen_reader *r, const json_t *document,
     }
 }
 
-/* Warns of flat primitives that refract and do not close. */
+/* Adds warnings about flat primitives that refract and do not close. */
 static void warn_open_solids(struct pen_reader *r, const struct pen_scene_desc *desc,
                              const struct pen_scene *scene)
 {
@@ -192,7 +191,7 @@ static void warn_open_solids(struct pen_reader *r, const struct pen_scene_desc *
     }
 }
 
-/* The primitives, and more for each vertex of a loop. */
+/* The number of primitives, plus the vertices of loops. */
 static uint64_t count_parts(const struct pen_object_desc *objects, uint32_t count)
 {
     uint64_t parts = 0;
@@ -207,8 +206,8 @@ static uint64_t count_parts(const struct pen_object_desc *objects, uint32_t coun
     return parts;
 }
 
-/* Warnings about the frozen scene. One that cannot be frozen gets none here; rendering refuses it.
- * Every view looks at every primitive. Returns false if that takes too long. */
+/* Adds warnings about the frozen scene. A scene that cannot be frozen gets none here; rendering
+ * refuses it. Every view tests every primitive. Returns false if that takes too long. */
 static bool warn_frozen(struct pen_reader *r, const json_t *document,
                         const struct pen_scene_desc *desc)
 {
@@ -252,7 +251,7 @@ static void warn_tjunction(void *user, const struct pen_tjunction *found)
     pen_errors_add(w->reader->errors, &st);
 }
 
-/* The last warnings, which take the place of others where there are too many. */
+/* The last warnings. They replace others if there are too many. */
 static void warn_unchecked(struct pen_reader *r, bool frozen, bool tjunctions)
 {
     const struct pen_place root = {0};

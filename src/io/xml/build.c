@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes the JSON value of one element or attribute at a time. A value may be given twice, by two
- * names of one attribute or by an attribute and an element, if both say the same. */
+ * names of one attribute or by an attribute and an element, if both are equal. */
 #include "io/xml/build.h"
 
 #include <stdio.h>
@@ -21,8 +21,8 @@ const struct pen_xml_given *pen_xml_given_at(const struct pen_xml_given_list *li
     return NULL;
 }
 
-/* Follows all steps of *path except the last from `object`, and makes containers that are missing.
- * Returns the last container, and *path becomes the last step. NULL if a value on the path is not a
+/* Follows all steps of *path except the last from `object`, and makes missing containers. Returns
+ * the last container, and *path becomes the last step. Returns NULL if a value on the path is not a
  * container, or after an error. */
 static json_t *descend(struct pen_xml_builder *b, json_t *object, const char **path)
 {
@@ -42,7 +42,7 @@ static json_t *descend(struct pen_xml_builder *b, json_t *object, const char **p
     return object;
 }
 
-/* Whether two values say the same: 1 and 1.0 do, and a number and three of it. */
+/* Whether two values are the same: for example 1 and 1.0, or a number and three of it. */
 static bool is_same(const json_t *a, const json_t *b)
 {
     if (json_is_number(a) && json_is_number(b))
@@ -57,9 +57,9 @@ static bool is_same(const json_t *a, const json_t *b)
     return true;
 }
 
-/* Merges a value with one that has its place already. Of lists, which may have been given in parts,
- * the elements are merged: JSON null stands for a part that is not there yet. Returns false if they
- * differ; *index is the number of the element that does, SIZE_MAX if they are no such lists. */
+/* Merges a value with the earlier value at its place. The elements of lists, which may have been
+ * given in parts, are merged one by one; JSON null is a missing part. Returns false if they differ.
+ * *index is the number of the differing element, SIZE_MAX if they are no such lists. */
 static bool merge(struct pen_xml_builder *b, json_t *old, json_t *value, size_t *index)
 {
     *index = SIZE_MAX;
@@ -76,8 +76,8 @@ static bool merge(struct pen_xml_builder *b, json_t *old, json_t *value, size_t 
     return true;
 }
 
-/* A primitive's attribute `material` and the attributes of its own material have the same key in
- * JSON. */
+/* Reports both: a primitive's attribute `material` and the attributes of its own material have the
+ * same key in JSON. */
 static void refuse_both(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                         const char *name)
 {
@@ -88,8 +88,8 @@ static void refuse_both(struct pen_xml_builder *b, const struct pen_xml_frame *f
         "both");
 }
 
-/* Merges the value with the one that has its place, and reports a difference. An error about
- * either, of which JSON null is left, has been reported. */
+/* Merges the value with the earlier one at its place, and reports a difference. A value with an
+ * earlier error is JSON null and is not reported again. */
 static void add_again(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                       const struct pen_xml_given *given, json_t *old, json_t *value)
 {
@@ -112,7 +112,7 @@ static void lengthen(struct pen_xml_builder *b, json_t *list, size_t index)
         pen_xml_require(b, json_array_append_new(list, json_null()) == 0);
 }
 
-/* Whether the value is a part behind the end of a list that another attribute gives as a whole. */
+/* Whether the value is a part after the end of a list that another attribute gives as a whole. */
 static bool is_beyond(const struct pen_xml_given_list *attributes, const char *path,
                       const json_t *list, size_t index)
 {
@@ -134,7 +134,7 @@ static void store(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
         lengthen(b, at, index);
     json_t *old = json_is_array(at) ? json_array_get(at, index) : json_object_get(at, step);
     if (b->stopped || (!at && !json_is_string(json_object_get(frame->object, "material"))))
-        ; /* or an error has been reported about a value on the path */
+        ; /* or an error about a value on the path has been reported */
     else if (!at)
         refuse_both(b, frame, given->name);
     else if (beyond)
@@ -148,7 +148,8 @@ static void store(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
     json_decref(value);
 }
 
-/* The attribute's value; NULL if it has none, which *error says, or if parsing has stopped. */
+/* The attribute's value; NULL if it has none, for the reason in *error, or if parsing has stopped.
+ */
 static json_t *parse_value(struct pen_xml_builder *b, const struct pen_xml_given *given,
                            enum pen_xml_shape shape, struct pen_xml_value_error *error)
 {
@@ -175,8 +176,8 @@ static json_t *read_value(struct pen_xml_builder *b, const struct pen_xml_frame 
     return json_null();
 }
 
-/* Whether two attributes have the same text, or texts of the same value. What is wrong with a text
- * is reported elsewhere. */
+/* Whether two attributes have the same text, or texts of the same value. Errors in a text are
+ * reported elsewhere. */
 static bool says_same(struct pen_xml_builder *b, const struct pen_xml_given *first,
                       const struct pen_xml_given *again)
 {
@@ -205,7 +206,7 @@ void pen_xml_attribute_read(struct pen_xml_builder *b, const struct pen_xml_fram
         } else if (first == given && strcmp(path, "@image") == 0) {
             b->image = read_value(b, frame, given, given->row.shape);
             b->xml->image = frame->tag;
-        } /* the element's value, its factor and its name: pen_xml_build has read them */
+        } /* the element's value, its factor and its name, which pen_xml_build has read */
     } else {
         json_t *value = read_value(b, frame, given, given->row.shape);
         if (value)
@@ -238,7 +239,7 @@ static json_t *new_object(struct pen_xml_builder *b)
     return pen_xml_reserve(b, OBJECT) ? json_object() : NULL;
 }
 
-/* The attribute of the parent's element whose value is where the element's object would be. */
+/* The attribute of the parent's element that has the place of the element's object. */
 static const char *attribute_in_place(const struct pen_xml_frame *up,
                                       const struct pen_xml_frame *frame,
                                       struct pen_xml_row rows[PEN_XML_NAMES_MAX])
@@ -251,8 +252,8 @@ static const char *attribute_in_place(const struct pen_xml_frame *up,
 }
 
 /* Adds an object at the path that is the element's key, or takes the one that the parent's
- * attributes have made. Reports an attribute that has the same place, or one on the way, which is
- * `material`. Returns the object, or NULL. */
+ * attributes have made. Reports an attribute that has the same place, or an attribute on the path,
+ * which is `material`. Returns the object, or NULL. */
 static json_t *add_object(struct pen_xml_builder *b, const struct pen_xml_frame *up,
                           const struct pen_xml_frame *frame)
 {
@@ -294,7 +295,7 @@ static bool is_factor(const json_t *value)
                                     json_number_value(value) <= PEN_NUMBER_MAX);
 }
 
-/* The colour times its factor, both as they are written. */
+/* The colour times its factor, both in the units of the document. */
 static json_t *read_product(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                             const struct pen_xml_given *colour, const struct pen_xml_given *factor)
 {
@@ -337,7 +338,7 @@ static json_t *new_list(struct pen_xml_builder *b)
     return pen_xml_reserve(b, ARRAY) ? json_array() : NULL;
 }
 
-/* A new object for a list; NULL as `type` makes an empty one. */
+/* A new object for a list; if `type` is NULL, it is empty. */
 static json_t *new_item(struct pen_xml_builder *b, const char *type)
 {
     if (!type)
@@ -376,7 +377,7 @@ static json_t *add_named(struct pen_xml_builder *b, const struct pen_xml_frame *
     return NULL;
 }
 
-/* The list of the scene that the element would stand in; made if there is none. */
+/* The list of the scene for this element; made if there is none. */
 static json_t *list_of_scene(struct pen_xml_builder *b, const struct pen_xml_frame *up,
                              const char *key)
 {
@@ -388,7 +389,7 @@ static json_t *list_of_scene(struct pen_xml_builder *b, const struct pen_xml_fra
     return b->stopped ? NULL : list;
 }
 
-/* The list that is the element's value. Lights in front of it may have made that. */
+/* The list that is the element's value. Lights before it may have made the list. */
 static json_t *add_list(struct pen_xml_builder *b, const struct pen_xml_frame *up,
                         const struct pen_xml_frame *frame)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The tables of elements and attributes. A list of the JSON format is an element that holds its
- * members, an object inside an object is an element inside an element, and every other key is an
+ * members. An object inside an object is an element inside an element. Every other key is an
  * attribute. */
 #include <stdio.h>
 #include <string.h>
@@ -50,7 +50,7 @@ static const struct pen_xml_attribute polygon_own[] = {
     {"material", PEN_XML_TEXT, "material"}, {"points", PEN_XML_POINTS, "vertices"}, {0}};
 static const struct pen_xml_attribute tube_own[] = {
     {"material", PEN_XML_TEXT, "material"}, {"direction", PEN_XML_TRIPLE, "axis"}, {0}};
-/* For cones, too. */
+/* Also for cones. */
 static const struct pen_xml_attribute cylinder_own[] = {{"material", PEN_XML_TEXT, "material"},
                                                         {"origin", PEN_XML_TRIPLE, "base"},
                                                         {"direction", PEN_XML_TRIPLE, "axis"},
@@ -80,7 +80,7 @@ static const struct pen_xml_element view = {"view", PEN_XML_ITEM, NULL, .fields 
                                             .children = view_children};
 static const struct pen_xml_element *const views_children[] = {&view, NULL};
 
-/* Patterns in the place of a colour: of a material, and of a primitive's own material. */
+/* Patterns in place of a colour: of a material, and of a primitive's own material. */
 #define PATTERN(key, table)                                                                        \
     static const struct pen_xml_element key##_pattern = {#key, PEN_XML_MEMBER_OBJECT, #key,        \
                                                          .fields = table};                         \
@@ -98,7 +98,7 @@ static const struct pen_xml_element material = {
     "material",          PEN_XML_NAMED, NULL, .own = name_own, .fields = pen_material_fields,
     .children = patterns};
 static const struct pen_xml_element *const materials_children[] = {&material, NULL};
-/* Of a primitive. */
+/* The material of a primitive. */
 static const struct pen_xml_element own_material = {"material", PEN_XML_MEMBER_MORE, "material",
                                                     .fields = pen_material_fields,
                                                     .children = patterns};
@@ -237,8 +237,8 @@ static void make_row(const char *name, enum pen_xml_shape shape, const char *pre
         *c = *c == '_' ? '-' : *c;
 }
 
-/* Makes rows of the fields that are attributes, only of the one called `name` unless that is NULL;
- * at most `capacity`. Returns their number. */
+/* Makes rows of the fields that are attributes, at most `capacity`. If `name` is not NULL, only of
+ * the attribute with that name. Returns their number. */
 static size_t rows_of_fields(const struct pen_xml_element *element, const struct pen_field *fields,
                              const char *prefix, const char *name, struct pen_xml_row *rows,
                              size_t capacity)
@@ -273,7 +273,7 @@ static bool may_have_comment(const struct pen_xml_element *element)
     return false;
 }
 
-/* All attributes, or only the one called `name` unless that is NULL. Returns their number. */
+/* All attributes; if `name` is not NULL, only the one with that name. Returns their number. */
 static size_t find_rows(const struct pen_xml_element *element, const char *name,
                         struct pen_xml_row *rows, size_t capacity)
 {
@@ -297,8 +297,8 @@ size_t pen_xml_rows(const struct pen_xml_element *element,
     return find_rows(element, NULL, rows, PEN_XML_NAMES_MAX);
 }
 
-/* Makes the row of the part `index` from the row of the whole: a point of points, a number of a
- * triple. */
+/* Makes the row of part `index` from the row of the whole: a point of points, a number of a triple.
+ */
 static void make_part(size_t index, struct pen_xml_row *row)
 {
     size_t used = strlen(row->path);

@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* The elements and attributes of scenes in XML, and the JSON value that each becomes. The scene
- * reader then reads those values, so both formats mean the same and are refused for the same
- * reasons.
+/* The elements and attributes of scenes in XML, and the JSON value of each. The scene reader then
+ * reads those values, so both formats mean the same and are refused for the same reasons.
  *
  * The attributes of an element are the rows of its own table, and the keys of the reader's tables
- * of fields (io/scene/tables.h) with - for _. A key added there thus is an attribute here. If both
- * have an attribute, the element's own row counts. Other names of both are in io/xml/spellings.h.
- */
+ * of fields (io/scene/tables.h) with - for _. So a key that is added there is an attribute here. If
+ * both have an attribute, the element's own row counts. Other names of elements and attributes are
+ * in io/xml/spellings.h. */
 #ifndef PEN_IO_XML_ELEMENTS_H
 #define PEN_IO_XML_ELEMENTS_H
 
 #include "io/scene/reader.h"
 
-/* How the text of an attribute becomes a value. */
+/* The conversion of an attribute's text to a value. */
 enum pen_xml_shape {
     PEN_XML_HIDDEN, /* not an attribute: hides a key of the fields */
     PEN_XML_TEXT,
@@ -23,7 +22,7 @@ enum pen_xml_shape {
     PEN_XML_FACTOR, /* one number or three */
     PEN_XML_MATRIX, /* twelve numbers */
     PEN_XML_PAIR,
-    PEN_XML_POINTS, /* triples between semicolons */
+    PEN_XML_POINTS, /* triples separated by semicolons */
     PEN_XML_AXIS    /* a word or a triple */
 };
 
@@ -31,16 +30,16 @@ struct pen_xml_attribute {
     const char *name; /* NULL ends a table */
     enum pen_xml_shape shape;
     /* The path of the value from the element's object: "view_plane/width". "" is the element's
-     * value itself, "@factor" a factor of that, "@name" the key of a PEN_XML_NAMED element, and
-     * "@image" the picture's size, which becomes part of `render`. */
+     * value itself, "@factor" a factor of that, "@name" the key of a PEN_XML_NAMED element.
+     * "@image" is the picture's size, which becomes part of `render`. */
     const char *path;
 };
 
-/* What an element becomes in JSON. */
+/* The JSON value of an element. */
 enum pen_xml_build {
     PEN_XML_ROOT,
     PEN_XML_MEMBER_OBJECT, /* an object at the path `key` from the parent's object, once */
-    PEN_XML_MEMBER_MORE,   /* the same, but the parent's attributes may have members of it */
+    PEN_XML_MEMBER_MORE,   /* the same, but the parent's attributes may also have members of it */
     PEN_XML_MEMBER_LIST,   /* a list, the member `key` of the parent's object, once */
     PEN_XML_MEMBER_VALUE,  /* the same, as the value of its only attribute */
     PEN_XML_ITEM,          /* an object in the parent's list; `key` is its `type`, NULL: none */
@@ -50,7 +49,7 @@ enum pen_xml_build {
     PEN_XML_UNSUPPORTED    /* known, not supported yet */
 };
 
-/* What pen_xml_finish does after the attributes of an element have been read. */
+/* The work of pen_xml_finish after the attributes of an element have been read. */
 enum pen_xml_finish {
     PEN_XML_FINISH_NONE,
     PEN_XML_TRIANGLE,
@@ -69,8 +68,8 @@ struct pen_xml_element {
     const struct pen_field *material;    /* fields of the member `material`; NULL: none */
     const struct pen_xml_element *const *children;
     enum pen_xml_finish finish;
-    const char
-        *list; /* of a PEN_XML_ITEM: the list it is in if its parent is none; NULL: that is */
+    const char *list; /* for a PEN_XML_ITEM: its list if the parent is not a list; NULL: the parent
+                         is one */
 };
 
 extern const struct pen_xml_element pen_xml_scene;
@@ -88,12 +87,12 @@ struct pen_xml_row {
 size_t pen_xml_rows(const struct pen_xml_element *element,
                     struct pen_xml_row rows[PEN_XML_NAMES_MAX]);
 
-/* Finds the attribute called `name`, which may be another name of it. Returns false if the element
- * has none. */
+/* Finds the attribute called `name`, which may be one of its other names. Returns false if the
+ * element has none. */
 bool pen_xml_row_find(const struct pen_xml_element *element, const char *name,
                       struct pen_xml_row *row);
 
-/* The child element called `name`, which may be another name of it, or NULL. */
+/* The child element called `name`, which may be one of its other names, or NULL. */
 const struct pen_xml_element *pen_xml_child_find(const struct pen_xml_element *element,
                                                  const char *name);
 

@@ -69,8 +69,8 @@ void pen_xml_abort(struct pen_xml_builder *b, size_t offset, enum pen_code code,
     stop(b);
 }
 
-/* The offset of an attribute, or of a byte of its value if the value in the text has no references
- * such as &amp;. */
+/* The offset of an attribute. It is the offset of a byte of its value if the value in the text has
+ * no references such as &amp;. */
 static size_t offset_of(const struct pen_xml_builder *b, const struct pen_xml_attribute_ref *ref)
 {
     struct pen_xml_span span;

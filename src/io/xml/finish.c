@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What is left to do when the attributes of an element have been read, and when all elements have:
- * parts that are missing, planes by three points, and the defaults that the XML format has beyond
- * those of the JSON format. */
+/* Completes elements after their attributes, and the document after all elements: missing parts,
+ * planes by three points, and the defaults that only the XML format has. */
 #include <math.h>
 #include <stdio.h>
 
@@ -9,8 +8,8 @@
 #include "io/xml/build.h"
 #include "math/exact_sum.h"
 
-/* Reports the points p0, p1, … of the list at `key` that are not given, up to the last that is, and
- * to p2. Returns whether all of them are. */
+/* Reports the missing points among p0, p1, … of the list at `key`, up to the last given one and at
+ * least to p2. Returns whether all of them are given. */
 static bool has_points(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                        const struct pen_xml_given_list *attributes, const char *key)
 {
@@ -35,7 +34,7 @@ static void finish_triangle(struct pen_xml_builder *b, const struct pen_xml_fram
         pen_xml_require(b, json_object_set_new(frame->object, "vertices", json_null()) == 0);
 }
 
-/* A polygon whose points are given one by one has all from p0 on. */
+/* A polygon whose points are given one by one must have all of them from p0 on. */
 static void finish_polygon(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                            const struct pen_xml_given_list *attributes)
 {
@@ -44,7 +43,7 @@ static void finish_polygon(struct pen_xml_builder *b, const struct pen_xml_frame
         finish_triangle(b, frame, attributes);
 }
 
-/* Parts of the attenuation that are not given are those of [1, 0, 0]. */
+/* Missing parts of the attenuation get the values of [1, 0, 0]. */
 static void finish_light(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                          const struct pen_xml_given_list *attributes)
 {
@@ -120,7 +119,7 @@ static bool read_corners(struct pen_xml_builder *b, const struct pen_xml_frame *
     return false;
 }
 
-/* Makes the normal, which is on the side from which p0, p1, p2 run counter-clockwise. */
+/* Makes the normal. It is on the side from which p0, p1, p2 run counter-clockwise. */
 static void finish_plane(struct pen_xml_builder *b, const struct pen_xml_frame *frame,
                          const struct pen_xml_given_list *attributes)
 {
@@ -188,7 +187,8 @@ static void add_default(struct pen_xml_builder *b, json_t *object, const char *k
     json_decref(value);
 }
 
-/* Applies the camera's `image` as the render settings width and height; reports it beside those. */
+/* Applies the camera's `image` as the render settings width and height. Reports it if these are
+ * also given. */
 static void apply_image(struct pen_xml_builder *b, const struct pen_xml_frame *camera,
                         json_t *render)
 {

@@ -3,8 +3,8 @@
  * XML.
  *
  * One call of XML_Parse gets the whole text, so expat does not copy it and scans a long token only
- * once. Memory is bounded: nesting, attributes of a tag, elements and errors have limits, the
- * memory of values is counted as for JSON, and document types are refused where they begin, so no
+ * once. Memory is bounded: nesting, attributes of a tag, elements and errors have limits. The
+ * memory of values is counted as for JSON. Document types are refused where they begin, so no
  * entity is ever defined. */
 #include <limits.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@
 #include "io/xml/utf16.h"
 #include "io/xml/values.h"
 
-/* The most elements beside pen_limits.objects. */
+/* The most elements besides pen_limits.objects. */
 enum { OTHER_ELEMENTS = 100000 };
 
 static size_t offset_now(const struct pen_xml_builder *b)
@@ -25,7 +25,7 @@ static size_t offset_now(const struct pen_xml_builder *b)
     return (size_t)XML_GetCurrentByteIndex(b->parser);
 }
 
-/* Checks the nesting limit: a vector of an object inside this element is two levels deeper than the
+/* Checks the nesting limit. A vector of an object inside this element is two levels deeper than the
  * element's own object. */
 static bool check_depth(struct pen_xml_builder *b, const struct pen_xml_frame *frame)
 {
@@ -37,7 +37,7 @@ static bool check_depth(struct pen_xml_builder *b, const struct pen_xml_frame *f
     return false;
 }
 
-/* Finds what the attributes of a tag are, and leaves out those that are about XML itself. */
+/* Finds the rows of a tag's attributes, and leaves out attributes about XML itself. */
 static void find_attributes(const struct pen_xml_element *element, const char *const *pairs,
                             struct pen_xml_given_list *out)
 {

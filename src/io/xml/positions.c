@@ -11,7 +11,7 @@
 /* The most steps from the document to a value. The limits of nesting are far lower. */
 enum { STEPS_MAX = 256 };
 
-/* The steps from the document to a value: a place the other way round. */
+/* The steps from the document to a value: a place in reverse order. */
 struct path {
     size_t count;
     const struct pen_place *step[STEPS_MAX];
@@ -22,7 +22,7 @@ struct position {
     const struct pen_xml_element *element;
     size_t tag;           /* offset of the element's tag */
     struct pen_text name; /* of the attribute as it is written; "": the element itself */
-    size_t at;            /* the offset that an error names */
+    size_t at;            /* the offset for an error */
     size_t start, end;    /* offsets of the text found there; equal: none */
     bool reported;        /* an error in a value on the path has been reported */
 };
@@ -194,8 +194,8 @@ static int match_path(const char *row_path, const struct path *path, size_t from
     return taken;
 }
 
-/* Narrows the position to an attribute, and to one number in it if the path has steps from `from`
- * on. */
+/* Narrows the position to an attribute. If the path has steps from `from` on, narrows it to one
+ * number of the attribute. */
 static void narrow(const struct pen_xml *xml, const struct pen_xml_span *span,
                    enum pen_xml_shape shape, const struct path *path, size_t from,
                    struct position *position)
@@ -254,8 +254,8 @@ static bool find_image(struct pen_xml *xml, const struct path *path, struct posi
     return find_attribute(xml, &element, 0, position);
 }
 
-/* A material may be an element whose members are in part attributes of the element around it. So if
- * the innermost element has no attribute for the place, the one around it may. */
+/* A material may be an element whose members are in part attributes of the enclosing element. So if
+ * the innermost element has no attribute for the place, the enclosing one may have it. */
 static struct position resolve(struct pen_xml *xml, const struct pen_place *at)
 {
     struct path path = path_of(at);
@@ -355,8 +355,8 @@ struct pen_source_map pen_xml_source_map(struct pen_xml *xml)
                                    .position = position_text};
 }
 
-/* Splits a JSON Pointer into steps, unescaped in place. A pointer that was cut ends with the step
- * that was cut. Returns the number of steps, with one for the document. */
+/* Splits a JSON Pointer into steps, unescaped in place. The last step of a truncated pointer may be
+ * incomplete. Returns the number of steps, including one for the document. */
 static size_t split(char *pointer, struct pen_place steps[PEN_AT_BYTES])
 {
     size_t count = 0;

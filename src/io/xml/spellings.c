@@ -21,7 +21,7 @@ const struct pen_xml_spelling pen_xml_spellings[] = {
     {PEN_XML_OTHER_ATTRIBUTE, "direction", {"axis-direction", "axis-dir", "vector"}},
     {0}};
 
-/* The next letter that counts, in lower case; 0 at the end. */
+/* The next significant letter, in lower case; 0 at the end. */
 static char next_letter(const char **name)
 {
     while (**name == '-' || **name == '_')
@@ -41,7 +41,7 @@ bool pen_xml_same_name(const char *a, const char *b)
     return x == y;
 }
 
-/* Whether the name is that of a part from `first` on, counted as those in front of "…" are. */
+/* Whether the name is that of a part from `first` on, numbered like the names before "…". */
 static bool is_numbered(const struct pen_xml_spelling *row, const char *name, size_t first,
                         size_t *index)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Error messages for text that is not well-formed XML, with positions. Where expat's own position
- * is not where the error begins, the functions here search backwards from it. */
+/* Error messages for text that is not well-formed XML, with positions. If expat's position is not
+ * where the error begins, the functions here search backwards from it. */
 #include <expat.h>
 #include <string.h>
 
@@ -144,7 +144,8 @@ static bool unclosed_error(const char *text, size_t bytes, const struct pen_xml_
                         pen_xml_tag_name(text, bytes, tag).text, line);
 }
 
-/* expat's offset is that of the name in the end tag. */
+/* A start tag and an end tag that do not match. expat's offset is that of the name in the end tag.
+ */
 static bool mismatch_error(const char *text, size_t bytes, size_t offset,
                            const struct pen_xml_open *open, struct pen_status *st)
 {
@@ -157,7 +158,7 @@ static bool mismatch_error(const char *text, size_t bytes, size_t offset,
         pen_xml_tag_name(text, bytes, at).text, pen_xml_tag_name(text, bytes, tag).text, line);
 }
 
-/* For an attribute, expat's offset is that of the tag. */
+/* An undefined entity. In an attribute, expat's offset is that of the tag. */
 static bool entity_error(const char *text, size_t bytes, size_t offset, struct pen_status *st)
 {
     const char *amp = offset < bytes ? memchr(text + offset, '&', bytes - offset) : NULL;
@@ -193,7 +194,7 @@ static bool token_error(const char *text, size_t bytes, size_t offset,
                                : "");
 }
 
-/* expat's offset is the end of the text. */
+/* An unfinished CDATA section. expat's offset is the end of the text. */
 static bool cdata_error(const char *text, size_t offset, struct pen_status *st)
 {
     static const char begin[] = "<![CDATA[";

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Errors about names that a scene in XML does not have. All of them are reported at once, each name
- * of an element once, with its lines. */
+/* Errors about unknown names in XML scenes. All of them are reported together; each name of an
+ * element is reported once, with its lines. */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,15 +8,15 @@
 #include "io/xml/build.h"
 #include "io/xml/spellings.h"
 
-/* The names of an element's attributes or children: those that a message lists, and behind them the
- * other names of them, which only a misspelt name is compared with. */
+/* The names of an element's attributes or children: first the names that a message lists, then
+ * their other names, for comparison with misspelt names only. */
 enum { OTHERS_MAX = 64 };
 struct names {
     size_t count, listed;
     const char *name[PEN_XML_NAMES_MAX + OTHERS_MAX + 1];
 };
 
-/* Adds the other names of those that are listed. */
+/* Adds the other names of the listed names. */
 static void add_others(struct names *names, bool attributes)
 {
     for (const struct pen_xml_spelling *s = pen_xml_spellings; s->ours; s++) {
@@ -54,7 +54,7 @@ static struct pen_text hint(const char *word, const char *noun, const struct nam
     return out;
 }
 
-/* The line of an offset behind those asked for before, so that all lines cost one pass. */
+/* The line of an offset after those of earlier calls, so that all lines take one pass. */
 static int line_of(struct pen_xml_builder *b, size_t offset)
 {
     for (; b->line_at < offset; b->line_at++)
@@ -62,8 +62,8 @@ static int line_of(struct pen_xml_builder *b, size_t offset)
     return b->line + 1;
 }
 
-/* Adds the line to the error about the same name. Returns false if there is none, and then *unknown
- * is the name as it is to be remembered, without a name if that is too long. */
+/* Adds the line to the error about the same name. Returns false if there is none. Then *unknown is
+ * the name to store, without its text if that is too long. */
 static bool is_again(struct pen_xml_builder *b, const struct pen_xml_frame *frame, const char *name,
                      bool attribute, size_t offset, struct pen_xml_unknown *unknown)
 {

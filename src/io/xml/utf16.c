@@ -13,14 +13,14 @@ bool pen_text_is_utf16(const char *text, size_t bytes)
     return bytes >= 2 && (memcmp(text, "\xFF\xFE", 2) == 0 || memcmp(text, "\xFE\xFF", 2) == 0);
 }
 
-/* The unit at an offset; the first byte of the text's mark tells the order. */
+/* The unit at an offset. The first byte of the text's mark gives the byte order. */
 static unsigned unit(const char *text, size_t at)
 {
     const unsigned a = (unsigned char)text[at], b = (unsigned char)text[at + 1];
     return (unsigned char)text[0] == 0xFF ? a | b << 8 : a << 8 | b;
 }
 
-/* The character at *at, and *at becomes the offset behind it. Returns false for half of one. */
+/* Reads the character at *at, and moves *at behind it. Returns false for half a surrogate pair. */
 static bool next_character(const char *text, size_t bytes, size_t *at, unsigned *code)
 {
     if (bytes - *at < 2)
@@ -35,7 +35,7 @@ static bool next_character(const char *text, size_t bytes, size_t *at, unsigned 
     return low >= 0xDC00 && low <= 0xDFFF;
 }
 
-/* Frees the text so far, whose end is where the error is. */
+/* Frees the text so far; the error is at its end. */
 static char *refuse(char *out, size_t used, struct pen_status *st)
 {
     int line, column;

@@ -85,7 +85,7 @@ static json_t *next_token(struct text *t)
     return value ? value : no_memory(t);
 }
 
-/* Appends a value and takes ownership of it. NULL is an error that has been reported. */
+/* Appends a value and takes ownership of it. If it is NULL, an error has been reported. */
 static bool append(struct text *t, json_t *list, json_t *value)
 {
     if (value && json_array_append_new(list, value) != 0)
@@ -285,7 +285,7 @@ json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_jso
     size_t before = *bytes_left;
     *error = (struct pen_xml_value_error){0};
     json_t *value = read_shape(&t, shape);
-    if (!value) /* all values made for it have been freed */
+    if (!value) /* all values made for this attribute have been freed */
         *bytes_left = before;
     return value;
 }

@@ -6,7 +6,7 @@
 #include "io/json/number.h"
 #include "io/xml/elements.h"
 
-/* Why an attribute has no value: no_memory, or over_limit, or else msg. */
+/* The reason why an attribute has no value: no_memory, or over_limit, or else msg. */
 struct pen_xml_value_error {
     bool no_memory;
     bool over_limit;     /* the limit of memory for values is exceeded */
@@ -14,21 +14,22 @@ struct pen_xml_value_error {
     size_t offset;       /* of the error, into the text */
 };
 
-/* Converts a text. A token that is not a number where one is expected becomes a string, which the
- * scene reader refuses; a wrong count of numbers is refused here. *bytes_left is the memory that
- * values may still take, and is reduced by the value's. `numbers` are those of the
- * whole document. Owns: the caller json_decref()s. Fails: NULL, after filling *error. */
+/* Converts a text. A token that should be a number but is not becomes a string, which the scene
+ * reader refuses. A wrong count of numbers is refused here. *bytes_left is the memory that values
+ * may still take; it is reduced by the value's memory. `numbers` belong to the whole document.
+ * Owns: the caller json_decref()s the value.
+ * Fails: NULL, after filling *error. */
 json_t *pen_xml_value(enum pen_xml_shape shape, const char *text, struct pen_json_numbers *numbers,
                       size_t *bytes_left, struct pen_xml_value_error *error);
 
-/* White space of XML. */
+/* Whether c is white space of XML. */
 static inline bool pen_xml_is_space(char c)
 {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
 /* Finds token number `index` of the text: a run without white space and semicolons. Returns false
- * if there are fewer. */
+ * if there are fewer tokens. */
 bool pen_xml_token(const char *text, size_t bytes, size_t index, size_t *start, size_t *end);
 
 #endif

@@ -8,11 +8,12 @@
 #include "base/status.h"
 #include "store/store.h"
 
-/* The job object of a stored job: the members of its stored request and those of its state. Owns:
- * the caller. Fails: PEN_STORAGE (the stored request is damaged), PEN_NO_MEMORY. */
+/* Makes the job object of a stored job from its request and its state.
+ * Owns: the caller.
+ * Fails: PEN_STORAGE (the stored request is damaged), PEN_NO_MEMORY. */
 json_t *pen_job_json(const struct pen_job_record *job, struct pen_status *st);
 
-/* As pen_job_json, with `request` in place of job->request, which is not read. */
+/* As pen_job_json, but with `request` instead of job->request. */
 json_t *pen_job_json_with(const struct pen_job_record *job, json_t *request, struct pen_status *st);
 
 /* A time as the API writes it; null for 0. */

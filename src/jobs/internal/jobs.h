@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Definitions that most files of this room use. */
+/* Definitions that most files of this module use. */
 #ifndef PEN_JOBS_INTERNAL_JOBS_H
 #define PEN_JOBS_INTERNAL_JOBS_H
 
@@ -29,7 +29,7 @@ static inline double pen_ms_since(int64_t begun_ns)
     return (double)(pen_clock_ns() - begun_ns) * 1e-6;
 }
 
-/* Ends the process if the store has an I/O error, as the options say. */
+/* Ends the process, as the options say, if the store has an I/O error. */
 static inline void pen_worker_check_store(const struct pen_worker_options *options,
                                           const struct pen_store *store)
 {
@@ -38,7 +38,7 @@ static inline void pen_worker_check_store(const struct pen_worker_options *optio
         options->broken(options->user, &why);
 }
 
-/* Where the report of a job is kept, among its artefacts. */
+/* The layer and format under which a job's report is stored. */
 #define PEN_REPORT_LAYER "report"
 #define PEN_REPORT_FORMAT "json"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading and checking a submission: a job, or a bare scene, which is a job with all defaults.
- * Errors of the job's own keys and of its scene are collected together. */
+/* Reads and checks a submission: a job, or a bare scene, which is a job with all defaults. Errors
+ * of the job's own keys and of its scene are collected together. */
 #ifndef PEN_JOBS_INTERNAL_REQUEST_H
 #define PEN_JOBS_INTERNAL_REQUEST_H
 
@@ -20,17 +20,18 @@ enum {
 };
 
 struct pen_request {
-    struct pen_arena *arena;      /* of desc */
-    struct pen_document document; /* the body, parsed */
-    json_t *body;                 /* the document's JSON; the document owns it */
-    json_t *builtin;              /* the built-in scene that the body names, parsed; else NULL */
-    const json_t *scene;          /* the scene document, in body or builtin */
-    const char *scene_text;       /* the text of that document; NULL: not found in the body */
+    struct pen_arena *arena;        /* of desc */
+    struct pen_document document;   /* the body, parsed */
+    json_t *body;                   /* the document's JSON; the document owns it */
+    struct pen_document own;        /* the parsed scene that the body names, or has as XML text */
+    const struct pen_document *has; /* the document with the scene: `document` or `own` */
+    const json_t *scene;            /* the scene's values in this document */
+    const char *scene_text;         /* the text of the scene; NULL: not found in the body */
     size_t scene_bytes;
     const char *scene_at; /* JSON Pointer to it in the body: "" or "/scene" */
     bool bare;            /* the body is the scene */
-    bool explain;         /* the body is to be explained */
-    bool analyze;         /* and rendered, to be compared */
+    bool explain;         /* explain the body */
+    bool analyze;         /* render it too, to compare */
     struct pen_scene_desc desc;
     struct pen_settings settings; /* the scene's, overridden by the job's */
     int priority, max_attempts;
@@ -39,7 +40,7 @@ struct pen_request {
     const json_t *name;   /* NULL: none */
     const json_t *labels; /* NULL: none */
     const json_t *layers; /* NULL: the beauty alone */
-    bool cost_layer;      /* whether `layers` has the cost, and what that is */
+    bool cost_layer;      /* `layers` has the cost, of this kind */
     enum pen_cost cost;
     int audit_pixels; /* 0: no audit */
     double audit_threshold;
@@ -52,17 +53,19 @@ struct pen_request {
     int *views; /* indices into desc.views; in arena */
 };
 
-/* Reads and checks a submission. Owns: release *out, after success and failure alike; its pointers
- * into in->body stay valid as long as that. Fails: errors->count > 0. */
+/* Reads and checks a submission.
+ * Owns: release *out, after success and after failure. It has pointers into in->body.
+ * Fails: errors->count > 0. */
 bool pen_request_read(const struct pen_submission *in, const struct pen_limits *limits,
                       struct pen_request *out, struct pen_errors *errors);
 void pen_request_release(struct pen_request *request);
 
-/* How many times as long as the pixels of a render its layers take: pen_layer_work. */
+/* Returns the time of a render's layers, as a multiple of the time of its pixels:
+ * pen_layer_work. */
 double pen_request_layer_work(const struct pen_request *request);
 
-/* request_keys.c: the keys of a job other than scene, render, views and those of its benchmark.
- * `body` is an object. */
+/* request_keys.c: reads the keys of a job, without scene, render, views and the keys of a
+ * benchmark. request->body must be an object. */
 void pen_request_keys_read(struct pen_request *request, struct pen_errors *errors);
 
 #endif

@@ -59,13 +59,13 @@ static inline lane_mask lanes_equal(lanes a, lanes b)
     return (lane_mask)_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_EQ_OQ);
 }
 
-/* b where an operand is NaN. */
+/* The smaller number of each lane; b if an operand is NaN. */
 static inline lanes lanes_min(lanes a, lanes b)
 {
     return (lanes)_mm256_min_pd((__m256d)a, (__m256d)b);
 }
 
-/* b where an operand is NaN. */
+/* The larger number of each lane; b if an operand is NaN. */
 static inline lanes lanes_max(lanes a, lanes b)
 {
     return (lanes)_mm256_max_pd((__m256d)a, (__m256d)b);
@@ -126,7 +126,7 @@ static inline lane_halves lane_halves_of_words(lane_words w)
     return __builtin_convertvector(w, lane_halves);
 }
 
-/* Loads one by one: quicker than the instruction for it on many processors. */
+/* Loads numbers one by one, which on many processors is faster than the gather instruction. */
 static inline lanes lanes_gather(const double *table, lane_words i)
 {
     return (lanes){table[i[0]], table[i[1]], table[i[2]], table[i[3]]};

@@ -10,7 +10,7 @@
 enum { LANES = 8 };
 
 typedef double lanes __attribute__((vector_size(64)));
-typedef unsigned lane_mask; /* bit i is lane i: what comparisons give, and what __mmask8 holds */
+typedef unsigned lane_mask; /* bit i is lane i: the result of comparisons, as in __mmask8 */
 typedef uint64_t lane_words __attribute__((vector_size(64)));
 typedef uint32_t lane_halves __attribute__((vector_size(32)));
 
@@ -59,13 +59,13 @@ static inline lane_mask lanes_equal(lanes a, lanes b)
     return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_EQ_OQ);
 }
 
-/* b where an operand is NaN. */
+/* The smaller number of each lane; b if an operand is NaN. */
 static inline lanes lanes_min(lanes a, lanes b)
 {
     return (lanes)_mm512_min_pd((__m512d)a, (__m512d)b);
 }
 
-/* b where an operand is NaN. */
+/* The larger number of each lane; b if an operand is NaN. */
 static inline lanes lanes_max(lanes a, lanes b)
 {
     return (lanes)_mm512_max_pd((__m512d)a, (__m512d)b);
@@ -122,7 +122,7 @@ static inline lane_halves lane_halves_of_words(lane_words w)
     return __builtin_convertvector(w, lane_halves);
 }
 
-/* Loads one by one: quicker than the instruction for it on many processors. */
+/* Loads numbers one by one, which on many processors is faster than the gather instruction. */
 static inline lanes lanes_gather(const double *table, lane_words i)
 {
     return (lanes){table[i[0]], table[i[1]], table[i[2]], table[i[3]],
@@ -148,8 +148,8 @@ static inline void lanes_store_strided(double *to, size_t stride, lanes x)
         to[(size_t)i * stride] = x[i];
 }
 
-/* Rows of two of the lanes, i and i + 2, of `ab` and `cd`, which have a and b, and c and d, in
- * turn. */
+/* Stores rows of two lanes, i and i + 2. `ab` alternates the numbers of a and b, `cd` those of c
+ * and d. */
 static inline void lanes_store_two_rows(double *first, double *second, __m512d ab, __m512d cd,
                                         __m512i which)
 {

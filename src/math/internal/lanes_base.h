@@ -59,13 +59,13 @@ static inline lane_mask lanes_equal(lanes a, lanes b)
     return a == b;
 }
 
-/* b where an operand is NaN. */
+/* The smaller number; b if an operand is NaN. */
 static inline lanes lanes_min(lanes a, lanes b)
 {
     return a < b ? a : b;
 }
 
-/* b where an operand is NaN. */
+/* The larger number; b if an operand is NaN. */
 static inline lanes lanes_max(lanes a, lanes b)
 {
     return a > b ? a : b;

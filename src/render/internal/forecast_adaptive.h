@@ -10,8 +10,8 @@ static inline struct pen_estimate pen_estimate_scaled(struct pen_estimate e, dou
     return (struct pen_estimate){e.expected * times, e.low * times, e.high * times};
 }
 
-/* Extends a forecast of the pilot to all rounds, if there is a target error. Fails: as
- * pen_forecast_make. */
+/* Extends a forecast of the pilot to all rounds if there is a target error.
+ * Fails: as pen_forecast_make. */
 bool pen_forecast_add_rounds(struct pen_thread_pool *pool, const struct pen_forecast_task *task,
                              struct pen_forecast *out, struct pen_status *st);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Follows which rows of an image are finished, while blocks of it are finished in any order, and
- * tells a function so, row by row from the top. A thread that finishes rows while another is in
- * that function does not wait: the other goes on with those rows. */
+/* Tracks which rows of an image are finished, while its blocks are finished in any order. It
+ * reports them to a function, row by row from the top. A thread that finishes rows while another
+ * thread is in that function does not wait: the other thread also reports these rows. */
 #ifndef PEN_RENDER_INTERNAL_ROW_ORDER_H
 #define PEN_RENDER_INTERNAL_ROW_ORDER_H
 
@@ -9,14 +9,15 @@
 
 struct pen_row_order;
 
-/* Owns: free with pen_row_order_free. The settings stay until then. Fails: NULL when out of memory.
- */
+/* Makes a tracker. The settings must stay valid until it is freed.
+ * Owns: free with pen_row_order_free.
+ * Fails: NULL when out of memory. */
 struct pen_row_order *pen_row_order_new(const struct pen_settings *settings,
                                         pen_render_rows_fn *rows_done, void *user);
 void pen_row_order_free(struct pen_row_order *order);
 
-/* Notes that a block of a tile is in the image, and calls rows_done for rows that are finished.
- * Threads: any number at once. */
+/* Records that a block of a tile is in the image, and calls rows_done for finished rows.
+ * Threads: any number at the same time. */
 void pen_row_order_block_done(struct pen_row_order *order, struct pen_rect block);
 
 #endif

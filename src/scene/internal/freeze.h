@@ -17,7 +17,7 @@ struct pen_freezer {
     struct pen_scene *scene;
     struct pen_status *st;
     size_t cap_bytes; /* of the scene's arena; 0: none */
-    bool rays;        /* will be traced; false: what only they need is left out */
+    bool rays;        /* will be traced; false: data that only rays need is left out */
     struct pen_prim_summary summary;
     struct pen_local_frame frame;
     struct pen_camera_frame *cameras; /* by view, scene units */
@@ -43,11 +43,11 @@ typedef bool pen_freeze_primitive(struct pen_freezer *f, const struct pen_scene_
                                   void *user);
 bool pen_freeze_each(struct pen_freezer *f, pen_freeze_primitive *fn, void *user);
 
-/* The same for what is left out. */
+/* The same for objects that are left out. */
 bool pen_freeze_each_left_out(struct pen_freezer *f, pen_freeze_primitive *fn, void *user);
 
-/* A vertex in the local frame. Coordinates below PEN_LEAST become 0, which is far below what
- * doubles resolve at the frame's extent. */
+/* A vertex in the local frame. Coordinates below PEN_LEAST become 0; this is far below the
+ * resolution of doubles at the frame's extent. */
 static inline struct pen_vec3 pen_freeze_vertex(const struct pen_freezer *f, struct pen_vec3 v)
 {
     return pen_without_less(pen_local_point(&f->frame, v), PEN_LEAST);
@@ -56,7 +56,7 @@ static inline struct pen_vec3 pen_freeze_vertex(const struct pen_freezer *f, str
 /* Fills the typed arrays of the primitives; needs f->summary and f->frame. */
 bool pen_freeze_prims(struct pen_freezer *f);
 
-/* Makes the own coordinates of patterned primitives, in document order. */
+/* Makes the own spaces of patterned primitives, in document order. */
 bool pen_freeze_own_spaces(struct pen_freezer *f);
 
 /* Finds where primitives may coincide: scene->layer_box; needs the typed arrays. */
@@ -65,11 +65,13 @@ bool pen_freeze_layers(struct pen_freezer *f);
 /* Finds the solids of a scene that refracts; needs the typed arrays. */
 bool pen_freeze_solids(struct pen_freezer *f);
 
-/* Finds which solids the eyes are in, and moves an eye that is on the surface of one off it. Called
- * by pen_freeze_solids. Fails: returns false when out of memory. */
+/* Finds the solids that contain the eyes, and moves an eye that is on the surface of a solid off
+ * it. Called by pen_freeze_solids.
+ * Fails: returns false when out of memory. */
 bool pen_freeze_eyes(struct pen_freezer *f);
 
-/* Builds the accelerator `manual`; needs the typed arrays. Fails: as pen_accel_build. */
+/* Builds the accelerator `manual`; needs the typed arrays.
+ * Fails: as pen_accel_build. */
 struct pen_accel *pen_freeze_manual(struct pen_freezer *f);
 
 #endif

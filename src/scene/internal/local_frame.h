@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The local frame of a scene (see scene/scene.h), and the summary of its primitives from which the
- * frame is computed. */
+/* The local frame of a scene (see scene/scene.h), and the summary of primitives that determines it.
+ */
 #ifndef PEN_SCENE_INTERNAL_LOCAL_FRAME_H
 #define PEN_SCENE_INTERNAL_LOCAL_FRAME_H
 
@@ -9,11 +9,11 @@
 
 /* Bounds and counts of primitives in scene units, collected one by one. */
 struct pen_prim_summary {
-    struct pen_box finite, infinite; /* bounds of the points that primitives are anchored at */
-    double finite_reach; /* the farthest that a finite primitive extends from its anchor */
+    struct pen_box finite, infinite; /* bounds of the anchor points of primitives */
+    double finite_reach; /* the largest distance that a finite primitive extends from its anchor */
     double infinite_reach;
     uint32_t kind_count[PEN_PRIM_KIND_COUNT];
-    uint64_t kept_vertices; /* of kinds whose primitives refer to their vertices */
+    uint64_t kept_vertices; /* vertices of kinds whose primitives refer to them */
     uint64_t total;
 };
 
@@ -27,9 +27,9 @@ struct pen_local_frame {
     int exponent;
 };
 
-/* Computes the local frame of the finite primitives; if there are none, of the anchors of the
- * infinite ones and of the eyes of all views. Fails: returns false if the extent overflows a
- * double. */
+/* Computes the local frame of the finite primitives. If there are none, it is the frame of the
+ * anchors of the infinite ones and of the eyes of all views.
+ * Fails: returns false if the extent overflows a double. */
 bool pen_local_frame_make(const struct pen_prim_summary *summary,
                           const struct pen_camera_frame *cameras, uint32_t camera_count,
                           struct pen_local_frame *frame);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Primitives in scene units: the transforms of the groups around them applied once, in double. */
+/* Primitives in scene units: the transforms of enclosing groups, applied once, in double. */
 #ifndef PEN_SCENE_INTERNAL_SCENE_PRIM_H
 #define PEN_SCENE_INTERNAL_SCENE_PRIM_H
 
@@ -15,10 +15,10 @@ struct pen_scene_prim {
 };
 
 /* Transforms a primitive to scene units. `buffer` must have space for its vertices. Mirrors keep
- * the outside where it is: of a quadric without further work, of a plane because its normal is
- * transformed by the inverse transpose, of a triangle or polygon because the order of its vertices
- * is reversed. Fails: PEN_INVALID, without a JSON Pointer (a quadric whose transform is not a
- * similarity, or a result outside the range of doubles). */
+ * the outside outside: for a quadric that needs no work. For a plane, the normal is transformed by
+ * the inverse transpose. For a triangle or polygon, the order of its vertices is reversed.
+ * Fails: PEN_INVALID, without a JSON Pointer (a quadric whose transform is not a similarity, or a
+ * result outside the range of doubles). */
 bool pen_scene_prim_make(const struct pen_desc_iter_item *item, struct pen_vec3 *buffer,
                          struct pen_scene_prim *scene_prim, struct pen_status *st);
 

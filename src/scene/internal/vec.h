@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Operations on vectors from a document, whose lengths may be anything that a double can hold. */
+/* Operations on vectors of a document, which may have any length that a double can hold. */
 #ifndef PEN_SCENE_INTERNAL_VEC_H
 #define PEN_SCENE_INTERNAL_VEC_H
 
@@ -14,17 +14,17 @@ static inline double vec_max_abs(struct pen_vec3 a)
     return pen_larger(fabs(a.x), pen_larger(fabs(a.y), fabs(a.z)));
 }
 
-/* a * 2^-exponent, exactly unless it leaves the range of doubles. */
+/* a * 2^-exponent, exact unless it leaves the range of doubles. */
 static inline struct pen_vec3 vec_scale2_down(struct pen_vec3 a, int exponent)
 {
     return pen_vec3(pen_scale2(a.x, -exponent), pen_scale2(a.y, -exponent),
                     pen_scale2(a.z, -exponent));
 }
 
-/* The unit vector along a, which must be finite and not zero. Dividing (instead of multiplying by
- * the reciprocal) makes the unit vector of (0, 0, x) exactly (0, 0, 1). Scaling by a power of two
- * first makes vectors that differ by a power of two give the same bits, and keeps squares in range.
- */
+/* The unit vector along a, which must be finite and not zero. Division, rather than multiplication
+ * by the reciprocal, makes the unit vector of (0, 0, x) exactly (0, 0, 1). The vector is first
+ * scaled by a power of two. So vectors that differ by a power of two give the same bits, and
+ * squares stay in range. */
 static inline struct pen_vec3 vec_normalize(struct pen_vec3 a)
 {
     int exponent = pen_exponent(vec_max_abs(a));

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* What a ray sees that misses everything: the background, or the sky. */
+/* The radiance of a ray that misses everything: the background, or the sky. */
 #ifndef PEN_SHADE_INTERNAL_BACKGROUND_H
 #define PEN_SHADE_INTERNAL_BACKGROUND_H
 
 #include "shade/internal/surface.h"
 
-/* Linear in the sine of the ray's elevation, from the horizon's colour to the zenith's or nadir's.
- * Exactly the horizon's if all are equal. */
+/* Linear in the sine of the ray's elevation, from the horizon's colour to that of the zenith or
+ * nadir. Exactly the horizon's colour if all are equal. */
 static ALWAYS_INLINE struct pen_vec3 background_seen(const struct pen_scene *scene,
                                                      const struct pen_ray *ray, const unsigned fx)
 {

@@ -2,11 +2,11 @@
 /* The block kernel: the pixels of a block, rendered together in waves of up to 64 rays, with the
  * same bits as the pixel kernel (kernel_body.h).
  *
- * The first wave are the camera rays. A wave (block_wave.h) puts its transmitted and reflected
- * paths on two stacks, from which the next waves are taken. When none is left, each pixel adds up
- * what its surfaces sent (block_scratch.h). Pixel samples that are deferred are rendered by the
- * pixel kernel. Where many camera rays of a block meet an effect that its kernel leaves out, the
- * block is rendered by the block kernel that has all effects. */
+ * The camera rays are the first wave. A wave (block_wave.h) puts its transmitted and reflected
+ * paths on two stacks, from which the next waves are taken. When both are empty, each pixel adds up
+ * the radiance of its surfaces (block_scratch.h). The pixel kernel renders deferred pixel samples.
+ * If many camera rays of a block meet an effect that its kernel leaves out, the block kernel with
+ * all effects renders the block. */
 #ifndef PEN_SHADE_INTERNAL_BLOCK_BODY_H
 #define PEN_SHADE_INTERNAL_BLOCK_BODY_H
 
@@ -15,7 +15,7 @@
 #include "shade/internal/block_points.h"
 #include "shade/internal/block_wave.h"
 
-/* Puts the path of a camera ray, which is made, into the wave. */
+/* Puts the path of a finished camera ray into the wave. */
 static ALWAYS_INLINE void block_begin_path(struct pen_block_scratch *b, struct block_path *wave,
                                            int pixel, int32_t record)
 {
@@ -29,7 +29,7 @@ static ALWAYS_INLINE void block_begin_path(struct pen_block_scratch *b, struct b
     b->wave[b->count++] = wave;
 }
 
-/* Begins the packet of the camera rays, which are in its arrays. */
+/* Begins the packet with the camera rays, which are in its arrays. */
 static ALWAYS_INLINE void block_begin_packet(struct pen_block_scratch *b)
 {
     struct pen_ray_packet *packet = &b->packet;
@@ -46,7 +46,7 @@ static ALWAYS_INLINE void block_begin_packet(struct pen_block_scratch *b)
     }
 }
 
-/* The camera rays of the LANES pixels from the first one on. */
+/* Makes the camera rays of LANES pixels, from `first` on. */
 static ALWAYS_INLINE lane_mask block_rays_of(const struct pen_kernel_input *input,
                                              const struct block_points *at, int first,
                                              struct lanes_ray *rays, const unsigned fx)
@@ -60,8 +60,8 @@ static ALWAYS_INLINE lane_mask block_rays_of(const struct pen_kernel_input *inpu
     return camera_rays(input, &point, rays, fx);
 }
 
-/* The camera rays through points of the block's pixels. The first paths of the pool are theirs, in
- * whole groups of LANES. */
+/* Makes the camera rays through points of the block's pixels. The first paths of the pool are
+ * theirs, in whole groups of LANES. */
 static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input,
                                             const struct pen_kernel_scratch *scratch,
                                             struct pen_block_scratch *b,
@@ -91,12 +91,12 @@ static ALWAYS_INLINE void block_camera_rays(const struct pen_kernel_input *input
     for (int i = 0; refracts(input->scene, fx) && i < b->count; i++)
         media_of_camera_ray(input, block_media(scratch, b->wave[i]), b->wave[i]->path.ray.o);
     if (b->count < pixels)
-        block_set_packet(b); /* without those that there are not */
+        block_set_packet(b); /* without the rays that could not be made */
     else
         block_begin_packet(b);
 }
 
-/* The sample of one pixel by the pixel kernel. */
+/* Renders the sample of one pixel with the pixel kernel. */
 static ALWAYS_INLINE struct pen_vec3
 block_sample_alone(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
                    const struct block_points *at, int i, struct pen_ray_counts *counts,
@@ -115,11 +115,11 @@ block_sample_alone(const struct pen_kernel_input *input, struct pen_kernel_scrat
     return (input->full ? input->full->sample : alone)(input, scratch, point, counts);
 }
 
-/* Samples of a block that the pixel kernel renders again faster than the block kernel renders all.
- */
+/* Up to this number of samples, the pixel kernel repeats them faster than a block kernel repeats
+ * all. */
 enum { BLOCK_FEW = 4 };
 
-/* Whether too many samples of the first wave, which is traced, meet an effect that is left out. */
+/* Whether too many samples of the traced first wave meet an effect that this kernel leaves out. */
 static ALWAYS_INLINE bool block_meets_left_out(const struct pen_kernel_input *input,
                                                const struct pen_block_scratch *b, const unsigned fx)
 {
@@ -127,9 +127,8 @@ static ALWAYS_INLINE bool block_meets_left_out(const struct pen_kernel_input *in
            __builtin_popcountll(b->deferred) > BLOCK_FEW;
 }
 
-/* One sample of every pixel: its radiance in c. Those that are deferred are rendered by `alone`.
- * Returns false, with nothing done, if `may_refuse` and the kernel with all effects should render
- * them. */
+/* Renders one sample of every pixel: its radiance in c. `alone` renders deferred samples. Returns
+ * false, with nothing done, if `may_refuse` and the kernel with all effects should render them. */
 static ALWAYS_INLINE bool block_samples(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch,
                                         const struct block_points *at, int pixels,
@@ -167,8 +166,9 @@ static ALWAYS_INLINE bool block_samples(const struct pen_kernel_input *input,
     return true;
 }
 
-/* The pixels of a block along a Z-order curve (Morton, 1966), so that 4 or 16 in sequence are near
- * one another, and so are their rays. */
+/* The pixels of a block along a Z-order curve. So 4 or 16 pixels in sequence are near one another,
+ * and so are their rays.
+ * Source: Morton, 1966. */
 #define PIXELS_4(n) (n), (n) + 1, (n) + 8, (n) + 9
 #define PIXELS_16(n) PIXELS_4(n), PIXELS_4(n + 2), PIXELS_4(n + 16), PIXELS_4(n + 18)
 static const uint8_t block_z_order[BLOCK_PIXELS] = {PIXELS_16(0), PIXELS_16(4), PIXELS_16(32),
@@ -177,7 +177,7 @@ static const uint8_t block_z_order[BLOCK_PIXELS] = {PIXELS_16(0), PIXELS_16(4), 
 #undef PIXELS_16
 _Static_assert(PEN_BLOCK_SIDE == 8, "pixel n is in row n / 8 and column n % 8");
 
-/* Numbers the pixels of a block that are in the rectangle. Returns how many they are. */
+/* Numbers the pixels of a block that are in the rectangle. Returns their number. */
 static ALWAYS_INLINE int block_order(struct pen_block_scratch *b, struct pen_rect rect)
 {
     int pixels = 0;
@@ -200,7 +200,7 @@ static ALWAYS_INLINE void block_set_point(struct block_points *points, int i,
     points->lens_y[i] = at->lens.y;
 }
 
-/* Samples of replicates, as the block's pixels: their radiances. */
+/* Renders samples of replicates, as the block's pixels: their radiances. */
 static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
                                          struct pen_kernel_scratch *scratch,
                                          const struct pen_camera_sample *samples, int count,
@@ -208,7 +208,7 @@ static ALWAYS_INLINE void kernel_samples(const struct pen_kernel_input *input,
                                          pen_kernel_sample_fn *alone, const unsigned fx)
 {
     if (!(fx & PEN_FX_ANTI_ALIASING))
-        return; /* no kernel for replicates */
+        return; /* a kernel without anti-aliasing renders no replicates */
     struct pen_block_scratch *b = scratch->block;
     struct block_points at;
     struct block_sequences sequences;
@@ -252,8 +252,9 @@ static ALWAYS_INLINE void block_put(const struct pen_block_scratch *b, struct pe
     out[2] = c.z;
 }
 
-/* The pixels of a block, as kernel_pixel; `alone` is the pixel kernel of the same effects. The mean
- * of one sample is the sample: it is a sum that began with 0, so adding it to 0 changes no bit. */
+/* Renders the pixels of a block, as kernel_pixel; `alone` is the pixel kernel of the same effects.
+ * The mean of one sample is the sample: it is a sum that began with 0, so adding it to 0 changes no
+ * bit. */
 static ALWAYS_INLINE void kernel_block(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, struct pen_rect rect,
                                        double (*rgb)[3], struct pen_ray_counts *counts,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Where the camera rays of a block's pixels cross the image and the lens, LANES pixels at a time:
- * the points of camera_point, with the same bits. */
+/* The points of the image and the lens for the camera rays of a block's pixels, LANES pixels at a
+ * time: the points of camera_point, with the same bits. */
 #ifndef PEN_SHADE_INTERNAL_BLOCK_POINTS_H
 #define PEN_SHADE_INTERNAL_BLOCK_POINTS_H
 
@@ -10,7 +10,7 @@
 #include "shade/internal/block_scratch.h"
 #include "shade/internal/pixel_sample.h"
 
-/* Sets the points of pixels to their centres, and those of the rest of a group of LANES. */
+/* Sets the points of pixels to their centres. Fills up the last group of LANES. */
 static ALWAYS_INLINE void block_set_centres(const struct pen_block_scratch *b, int pixels,
                                             struct block_points *at)
 {
@@ -22,12 +22,12 @@ static ALWAYS_INLINE void block_set_centres(const struct pen_block_scratch *b, i
         at->x[i] = at->y[i] = 0;
 }
 
-/* What the points of a block's pixels follow from: by pixel, and so many that whole groups of LANES
- * can be read. */
+/* The data from which the points of a block's pixels are computed, by pixel. The arrays have room
+ * for whole groups of LANES. */
 struct block_sequences {
     double x[BLOCK_PIXELS], y[BLOCK_PIXELS]; /* the pixel's top left corner */
     uint64_t image[BLOCK_PIXELS],
-        lens[BLOCK_PIXELS];       /* scramblings; that of the lens if there is one */
+        lens[BLOCK_PIXELS];       /* scramblings; that of the lens only if there is one */
     uint32_t index[BLOCK_PIXELS]; /* in the sequence */
 };
 
@@ -45,8 +45,8 @@ static ALWAYS_INLINE lane_halves block_halves(const uint32_t *from)
     return halves;
 }
 
-/* Sets the points of pixels, each of which has so many samples: the centre of one that has a single
- * one. Sets those of whole groups of LANES, as they are read. */
+/* Sets the points of pixels with this number of samples each. With one sample, the point is the
+ * pixel's centre. Sets whole groups of LANES, because they are read as such. */
 static ALWAYS_INLINE void block_set_points(const struct pen_kernel_input *input,
                                            const struct block_sequences *s, int pixels, int samples,
                                            struct block_points *at, const unsigned fx)
@@ -67,8 +67,8 @@ static ALWAYS_INLINE void block_set_points(const struct pen_kernel_input *input,
     }
 }
 
-/* Begins the sequences of a block's pixels: sets all but the index. `sequence` is the pixel_sample
- * of their keys (math/sample.h), by pixel. */
+/* Begins the sequences of a block's pixels: sets all members but the index. `sequence` is the
+ * pixel_sample of their keys (math/sample.h), by pixel. */
 static ALWAYS_INLINE void block_begin_sequences(const struct pen_kernel_input *input,
                                                 const struct pen_block_scratch *b,
                                                 const uint32_t *sequence, int pixels,

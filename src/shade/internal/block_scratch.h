@@ -2,13 +2,13 @@
 /* The working memory of a block of pixels (block_body.h): its paths, which are taken from a pool
  * and wait on stacks, and its records.
  *
- * What each surface sends to its pixel is kept in a *record*. When no path is left, each pixel adds
- * up its records in the order in which the pixel kernel traverses its tree: a surface, the tree
- * behind it, the tree that it reflects.
+ * A *record* keeps the radiance that one surface sends to its pixel. When no path is left, each
+ * pixel adds up its records in the order in which the pixel kernel traverses its tree: a surface,
+ * the tree behind it, the tree that it reflects.
  *
- * Memory is bounded: BLOCK_RECORDS records, PIXEL_RECORDS of them for one pixel, so that no tree
- * that the cap on surfaces cuts fits in; BLOCK_PATHS paths. A pixel sample that has no room left is
- * *deferred* to the pixel kernel, and what the block knows of it is forgotten. */
+ * Memory is bounded: BLOCK_PATHS paths and BLOCK_RECORDS records, PIXEL_RECORDS of them for one
+ * pixel. So a tree that the limit on surfaces truncates does not fit. A pixel sample without room
+ * is *deferred* to the pixel kernel, and the block discards its data. */
 #ifndef PEN_SHADE_INTERNAL_BLOCK_SCRATCH_H
 #define PEN_SHADE_INTERNAL_BLOCK_SCRATCH_H
 
@@ -26,13 +26,14 @@ enum {
 _Static_assert((int)BLOCK_PIXELS <= (int)PEN_RAY_PACKET_MAX,
                "the camera rays of a block are one wave");
 
-/* What one surface, or the background, sends to its pixel, and the records of the paths from it. */
+/* The radiance that one surface, or the background, sends to its pixel, and the records of the
+ * paths from it. */
 struct block_record {
     struct pen_vec3 radiance; /* times the path's weight */
     int32_t transmitted, reflected;
 };
 
-/* A path of a pixel that is traced, or waits for it. */
+/* A path of a pixel that is being traced or waits on a stack. */
 struct block_path {
     struct path path;
     int32_t record;
@@ -55,41 +56,42 @@ struct block_stack {
 /* Points of the image and the lens, one for each pixel of a block. */
 struct block_points {
     double x[BLOCK_PIXELS], y[BLOCK_PIXELS];
-    double lens_x[BLOCK_PIXELS], lens_y[BLOCK_PIXELS]; /* set where there is a lens */
+    double lens_x[BLOCK_PIXELS], lens_y[BLOCK_PIXELS]; /* set if there is a lens */
 };
 
-/* The working memory of a block: pen_kernel_scratch owns one. Its size is that of the instruction
+/* The working memory of a block, owned by pen_kernel_scratch. Its size depends on the instruction
  * set's vectors, so only the block kernels know it. */
 struct pen_block_scratch {
-    /* By groups of LANES points of the wave. */
+    /* By groups of LANES points of the wave: */
     struct surface surface[WAVE_GROUPS];
     struct arriving_light arriving[WAVE_GROUPS];
     lane_mask lit[WAVE_GROUPS];   /* points to which lights contribute */
     lanes hard_rays[WAVE_GROUPS]; /* shadow rays cast to hard lights, from each point */
     struct lanes3 radiance[WAVE_GROUPS];
-    /* By paths of the wave; after it has been traced, only those that meet a surface. */
+    /* By paths of the wave; after tracing, only of paths that meet a surface: */
     int count;
     struct block_path *wave[PEN_RAY_PACKET_MAX];
     int parts_met;
     struct block_part part[PEN_RAY_PACKET_MAX];
     double transmittance[3][PEN_RAY_PACKET_MAX];
-    uint64_t passes, filtered; /* points that the light reaches; where transmittance[] is set */
+    uint64_t passes,
+        filtered; /* points that the light reaches; points with a set transmittance[] */
     struct pen_ray_packet packet;
     struct pen_shadow query[PEN_RAY_PACKET_MAX];
-    /* By pixel. */
+    /* By pixel: */
     int x[BLOCK_PIXELS], y[BLOCK_PIXELS];
     uint32_t pixel_sample[BLOCK_PIXELS], ray[BLOCK_PIXELS]; /* as in the scratch memory */
-    uint64_t deferred; /* bits of pixels that are left to the pixel kernel */
+    uint64_t deferred; /* bits of pixels that the pixel kernel renders */
     struct pen_ray_counts counts[BLOCK_PIXELS];
-    int surfaces[BLOCK_PIXELS]; /* records of each pixel */
+    int surfaces[BLOCK_PIXELS]; /* number of records of each pixel */
     struct block_stack transmitted, reflected, unused;
-    int used; /* of the pool, from its beginning */
+    int used; /* paths of the pool in use, from its beginning */
     struct block_path pool[BLOCK_PATHS];
     int record_count;
     struct block_record record[BLOCK_RECORDS];
 };
 
-/* A new record for a pixel; NO_RECORD if there is no room. */
+/* Takes a new record for a pixel; NO_RECORD if there is no room. */
 static ALWAYS_INLINE int32_t block_record_new(struct pen_block_scratch *b, int pixel)
 {
     if (b->record_count == BLOCK_RECORDS || b->surfaces[pixel]++ == PIXEL_RECORDS)
@@ -104,7 +106,7 @@ static ALWAYS_INLINE void stack_push(struct block_stack *stack, const struct pen
     stack->path[stack->count++] = (uint16_t)(path - b->pool);
 }
 
-/* A path from the pool; NULL if there is none. */
+/* Takes a path from the pool; NULL if there is none. */
 static ALWAYS_INLINE struct block_path *block_path_new(struct pen_block_scratch *b)
 {
     if (b->unused.count > 0)
@@ -112,7 +114,7 @@ static ALWAYS_INLINE struct block_path *block_path_new(struct pen_block_scratch 
     return b->used < BLOCK_PATHS ? &b->pool[b->used++] : NULL;
 }
 
-/* Takes the next wave from a stack, without the paths of pixels that are deferred. */
+/* Takes the next wave from a stack, without the paths of deferred pixels. */
 static ALWAYS_INLINE void block_take(struct pen_block_scratch *b, struct block_stack *stack)
 {
     b->count = 0;
@@ -131,7 +133,8 @@ static ALWAYS_INLINE void block_defer(struct pen_block_scratch *b, const struct 
     b->deferred |= UINT64_C(1) << path->pixel;
 }
 
-/* Whether the scene has an effect that this kernel leaves out: what meets it is deferred. */
+/* Whether the scene has an effect that this kernel leaves out. Samples that meet it are deferred.
+ */
 static ALWAYS_INLINE bool leaves_out(const struct pen_kernel_input *input, unsigned effect,
                                      const unsigned fx)
 {
@@ -143,7 +146,7 @@ static ALWAYS_INLINE int block_groups(const struct pen_block_scratch *b)
     return (b->count + LANES - 1) / LANES;
 }
 
-/* The paths of one group of the wave. Returns how many. */
+/* Gets the paths of one group of the wave. Returns their number. */
 static ALWAYS_INLINE int block_group_paths(const struct pen_block_scratch *b, int group,
                                            const struct path **path)
 {
@@ -153,14 +156,14 @@ static ALWAYS_INLINE int block_group_paths(const struct pen_block_scratch *b, in
     return count;
 }
 
-/* Of the wave's points, as bits, those of one group. */
+/* The bits of one group, out of those of the wave's points. */
 static ALWAYS_INLINE unsigned group_bits(uint64_t points, int group)
 {
     return (unsigned)(points >> (group * LANES)) & LANES_ALL;
 }
 
-/* Puts a path, which is in the pool, on a stack with a new record, its number in *link. The pixel
- * is deferred if there is no room. */
+/* Puts a path of the pool on a stack with a new record, whose number goes to *link. Defers the
+ * pixel if there is no room. */
 static ALWAYS_INLINE void block_push(struct pen_block_scratch *b, struct block_stack *stack,
                                      struct block_path *path, int32_t *link)
 {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* One wave of a block (block_body.h): up to 64 paths are traced as one packet; then, light by light
- * in document order, the shadow rays of all their points; then their transmitted and reflected
- * paths are put on two stacks. A pixel sample that meets coincident surfaces or a surface that
- * blurs, whose point is not finite, or that finds no room, is deferred to the pixel kernel. */
+/* One wave of a block (block_body.h). Up to 64 paths are traced as one packet. Then the shadow rays
+ * of all their points are traced, light by light in document order. Then their transmitted and
+ * reflected paths are put on two stacks. A pixel sample is deferred to the pixel kernel if it meets
+ * coincident surfaces or a surface that blurs, if its point is not finite, or if there is no room.
+ */
 #ifndef PEN_SHADE_INTERNAL_BLOCK_WAVE_H
 #define PEN_SHADE_INTERNAL_BLOCK_WAVE_H
 
@@ -34,8 +35,8 @@ static ALWAYS_INLINE void block_add_point(struct pen_block_scratch *b, int i, st
     b->part[k - 1].paths |= UINT64_C(1) << i;
 }
 
-/* Leaves only the paths that meet a surface in the wave, those that meet the same part of a
- * primitive in sequence: surfaces of one part are computed in lanes. */
+/* Keeps only the paths of the wave that meet a surface. Paths that meet the same part of a
+ * primitive become neighbours, because surfaces of one part are computed in lanes. */
 static ALWAYS_INLINE void block_order_points(struct pen_block_scratch *b)
 {
     struct block_path *wave[PEN_RAY_PACKET_MAX];
@@ -73,7 +74,7 @@ static ALWAYS_INLINE void block_set_packet(struct pen_block_scratch *b)
     }
 }
 
-/* Keeps a path that ends for later ones, if there are any but the camera rays. */
+/* Returns a finished path to the pool, if the kernel has paths other than camera rays. */
 static ALWAYS_INLINE void block_end_path(struct pen_block_scratch *b, const struct block_path *at,
                                          const unsigned fx)
 {
@@ -81,7 +82,7 @@ static ALWAYS_INLINE void block_end_path(struct pen_block_scratch *b, const stru
         stack_push(&b->unused, b, at);
 }
 
-/* Traces the wave, whose packet is made. The paths that meet a surface remain in it. */
+/* Traces the wave, whose packet is set. Paths that meet a surface remain in it. */
 static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
                                       struct pen_block_scratch *b, const unsigned fx)
 {
@@ -110,7 +111,7 @@ static ALWAYS_INLINE void block_trace(const struct pen_kernel_input *input,
     block_order_points(b);
 }
 
-/* Whether a path's next rays are blurred: they are as many as no wave is made for. */
+/* Whether a path's next rays are blurred. No wave is made for their number. */
 static ALWAYS_INLINE bool block_blurs(const struct pen_kernel_input *input, const struct surface *s,
                                       int lane, const struct path *path, const unsigned fx)
 {
@@ -157,7 +158,7 @@ static ALWAYS_INLINE struct pen_vec3 block_shadow_colour(const struct pen_kernel
     return shadow_colour(input, &ray, b->packet.origin[i], &b->query[i], white, fx);
 }
 
-/* Casts shadow rays from points of the wave to one hard light. */
+/* Traces shadow rays from points of the wave to one hard light. */
 static ALWAYS_INLINE void block_hard_shadows(const struct pen_kernel_input *input,
                                              struct pen_kernel_scratch *scratch,
                                              struct pen_block_scratch *b, uint32_t light,
@@ -187,12 +188,12 @@ static ALWAYS_INLINE void block_hard_shadows(const struct pen_kernel_input *inpu
     b->filtered = (b->passes & packet->recorded) | (points & ~made);
     for (uint64_t left = b->filtered; left; left &= left - 1) {
         const int i = __builtin_ctzll(left);
-        const bool traced = made >> i & 1; /* else the light is farther than rays go */
+        const bool traced = made >> i & 1; /* if not, the light is farther than rays reach */
         block_set_transmittance(b, i, traced ? block_shadow_colour(input, b, i, fx) : no_sample());
     }
 }
 
-/* The same to a light with a radius, point by point. */
+/* The same for a light with a radius, point by point. */
 static ALWAYS_INLINE void block_soft_shadows(const struct pen_kernel_input *input,
                                              struct pen_kernel_scratch *scratch,
                                              struct pen_block_scratch *b, uint64_t points,
@@ -214,8 +215,8 @@ static ALWAYS_INLINE void block_soft_shadows(const struct pen_kernel_input *inpu
     }
 }
 
-/* Multiplies what arrives at a group of points by its transmittance: where that is not set, 1 if
- * the light reaches the point, else 0. */
+/* Multiplies the light that arrives at a group of points by its transmittance. Where that is not
+ * set, it is 1 if the light reaches the point, else 0. */
 static ALWAYS_INLINE void block_filter(struct pen_block_scratch *b, int g)
 {
     struct arriving_light *arriving = &b->arriving[g];
@@ -235,7 +236,7 @@ static ALWAYS_INLINE void block_filter(struct pen_block_scratch *b, int g)
     arriving->term = lanes3_mul(arriving->term, t);
 }
 
-/* Adds what one light brings to the wave's points. */
+/* Adds the contribution of one light at the wave's points. */
 static ALWAYS_INLINE void block_light(const struct pen_kernel_input *input,
                                       struct pen_kernel_scratch *scratch,
                                       struct pen_block_scratch *b, uint32_t light,
@@ -266,7 +267,7 @@ static ALWAYS_INLINE void block_light(const struct pen_kernel_input *input,
     }
 }
 
-/* Says where shadow rays start: at the wave's points, which are ordered by primitive and part. */
+/* Sets the starts of shadow rays: the wave's points, which are ordered by primitive and part. */
 static ALWAYS_INLINE void block_start_at_points(struct pen_block_scratch *b)
 {
     struct pen_ray_packet *packet = &b->packet;
@@ -286,14 +287,15 @@ static ALWAYS_INLINE void block_start_at_points(struct pen_block_scratch *b)
     }
 }
 
-/* The radiance of the wave's points, as shade_surface of the pixel kernel. */
+/* Computes the radiance of the wave's points, as shade_surface of the pixel kernel. */
 static ALWAYS_INLINE void block_shade(const struct pen_kernel_input *input,
                                       struct pen_kernel_scratch *scratch,
                                       struct pen_block_scratch *b, const unsigned fx)
 {
     bool any = false;
     for (int g = 0; g < block_groups(b); g++) {
-        const bool primary = b->wave[g * LANES]->path.depth == 0; /* as all of the wave */
+        const bool primary =
+            b->wave[g * LANES]->path.depth == 0; /* all of the wave have the same depth */
         b->radiance[g] = light_emitted(input->scene, &b->surface[g], primary, fx);
         b->lit[g] = surface_lit(&b->surface[g]);
         if (fx & PEN_FX_HARD_SHADOWS)
@@ -313,7 +315,8 @@ static ALWAYS_INLINE struct media *block_media(const struct pen_kernel_scratch *
     return media_at(scratch, media_of_pool(scratch) + (size_t)(path - scratch->block->pool));
 }
 
-/* What a group of points make of their rays; `deeper` those that go on. */
+/* Computes the reflection and refraction of a group of points; `deeper`: those whose paths
+ * continue. */
 static ALWAYS_INLINE void block_refract(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch,
                                         struct pen_block_scratch *b, int g, unsigned deeper,
@@ -331,8 +334,8 @@ static ALWAYS_INLINE void block_refract(const struct pen_kernel_input *input,
     refraction_end(bend, s, input->scene, fx);
 }
 
-/* Puts the reflected paths of a group of points on their stack. Pixels without room for
- * one are deferred. */
+/* Puts the reflected paths of a group of points on their stack. Defers pixels without room for one.
+ */
 static ALWAYS_INLINE void block_reflect(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch,
                                         struct pen_block_scratch *b, int g,
@@ -383,7 +386,7 @@ static ALWAYS_INLINE void block_transmit(const struct pen_kernel_input *input,
 }
 
 /* Records the radiance of a group of points, and counts their shadow rays. Returns the points whose
- * paths may go on, a bit each. */
+ * paths may continue, a bit each. */
 static ALWAYS_INLINE unsigned block_record_points(const struct pen_kernel_input *input,
                                                   struct pen_block_scratch *b, int g,
                                                   const unsigned fx)
@@ -437,7 +440,7 @@ static ALWAYS_INLINE void block_continue(const struct pen_kernel_input *input,
         block_transmit(input, scratch, b, b->wave[first + i], s, &bend, i, deeper >> i & 1, fx);
 }
 
-/* Renders the surfaces of the wave, which is traced. */
+/* Renders the surfaces of a wave that has been traced. */
 static ALWAYS_INLINE void block_wave(const struct pen_kernel_input *input,
                                      struct pen_kernel_scratch *scratch,
                                      struct pen_block_scratch *b, const unsigned fx)

@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* Glossy reflection and frosted transmission: instead of one ray, rays in a cone around it, whose
- * mean counts. They are uniform in solid angle in the part of the cone on the ray's side of the
- * surface.
+/* Glossy reflection and frosted transmission: one ray is replaced by the mean of rays in a cone
+ * around it. They are uniform in solid angle in the part of the cone that is on the ray's side of
+ * the surface.
  *
- * The first surface of a path that blurs sends blur_samples rays, later ones one each: more would
- * multiply. A path's `share` is 1 over that number from there on. It is kept apart from the weight,
- * which decides whether a path goes on, and which a blurred ray has as if it were the only one.
+ * The first surface of a path that blurs sends blur_samples rays; later ones send one each, because
+ * more would multiply. From there on, a path's `share` is 1 over blur_samples. The share is
+ * separate from the weight, which decides whether a path continues: a blurred ray has the weight of
+ * a single ray.
  *
- * Rays to come are kept as one entry of the pixel kernel's stack with the number of those that are
- * left, so the stack grows by two entries at most at a surface, whatever blur_samples is. */
+ * The rays still to be traced are one entry of the pixel kernel's stack, with their number. So the
+ * stack grows by at most two entries at a surface, for any blur_samples. */
 #ifndef PEN_SHADE_INTERNAL_BLUR_H
 #define PEN_SHADE_INTERNAL_BLUR_H
 
 #include "shade/internal/surface.h"
 
-/* Whether rays are blurred. A kernel with blur takes a scene without it as one. */
+/* Whether rays are blurred. A kernel with blur also renders scenes without it. */
 static ALWAYS_INLINE bool blurs(const struct pen_kernel_input *input, const unsigned fx)
 {
     return (fx & FX_BLUR) && pen_effects_blur(input->effects);
@@ -32,18 +33,18 @@ static ALWAYS_INLINE struct pen_blur blur_at(const struct pen_kernel_input *inpu
     return b;
 }
 
-/* Sets the ray of the next path of an entry of the stack, which is blurred. */
+/* Sets *path to the next blurred ray of an entry of the stack. */
 void pen_blur_next(struct pen_kernel_scratch *scratch, size_t entry, struct path *path);
 
-/* How many rays a surface sends where it blurs. */
+/* The number of rays that a surface sends if it blurs. */
 static ALWAYS_INLINE uint32_t blur_rays(const struct pen_kernel_input *input,
                                         const struct path *path)
 {
     return path->share < 1 ? 1 : (uint32_t)input->settings->blur_samples;
 }
 
-/* Puts a path on the stack: waiting[entry] is set, and its ray is the middle of the cone, whose
- * `spread` is as in struct pen_blur. Returns how many rays that are. */
+/* Puts a path on the stack. waiting[entry] is set, and its ray is the axis of the cone; `spread` is
+ * as in struct pen_blur. Returns the number of rays. */
 static ALWAYS_INLINE uint32_t blur_push(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch, size_t entry,
                                         const struct surface *s, double spread, bool reflected)

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* The kernel: the radiance of a pixel, by the equations of src/shade/README.md. `fx` is a constant
- * in every compiled kernel (kernel_list.h), so that each holds only the effects of its mask and
+ * in every compiled kernel (kernel_list.h). So a kernel contains only the effects of its mask and
  * tests none of them at run time.
  *
  * The tree of paths under a camera ray is traversed without recursion. At a surface the reflected
- * path is put on a stack and the transmitted path goes on; when a path ends, the path on top of the
- * stack continues. A path puts at most one other on the stack for each surface it shades, and paths
- * on top are deeper than those below, so max_depth entries are enough. Where paths fork, the tree
- * grows as 2^max_depth, so it is cut after a number of surfaces: pen_tree_surfaces_max. Kernels
- * without both kinds of secondary rays do not count, since their one path is shorter.
+ * path is put on a stack and the transmitted path continues. When a path ends, the path on top of
+ * the stack continues. A path puts at most one other path on the stack at each surface it shades,
+ * and paths on top are deeper than the others. So max_depth entries are enough. If paths fork, the
+ * tree grows as 2^max_depth, so it is truncated after a number of surfaces: pen_tree_surfaces_max.
+ * Kernels without both kinds of secondary rays do not count, since their one path is shorter.
  *
- * All kernels sum in this order, so that all give the same bits: the surfaces of a pixel sample in
- * the order of the traversal; at each surface emission, ambient, then the lights in document order,
- * times the path's weight. What a mask leaves out is a term that would be 0, and adding 0 to a sum
- * that began with 0 changes no bit of it. */
+ * All kernels sum in the same order, so that all give the same bits. It is: the surfaces of a pixel
+ * sample in the order of the traversal; at each surface emission, ambient light, then the lights in
+ * document order, times the path's weight. A term that a mask leaves out would be 0, and adding 0
+ * to a sum that began with 0 changes no bit of it. */
 #ifndef PEN_SHADE_INTERNAL_KERNEL_BODY_H
 #define PEN_SHADE_INTERNAL_KERNEL_BODY_H
 
@@ -25,8 +25,8 @@
 
 _Static_assert(LANES == 1, "the pixel kernel shades one point at a time");
 
-/* The radiance that surface s sends to the path's viewer: emission, ambient light (for primary rays
- * only) and the lights. */
+/* The radiance that surface s sends to the path's viewer: emission, ambient light (only for primary
+ * rays), and the lights. */
 static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input *input,
                                                    struct pen_kernel_scratch *scratch,
                                                    const struct surface *s, bool primary,
@@ -60,8 +60,8 @@ static ALWAYS_INLINE struct pen_vec3 shade_surface(const struct pen_kernel_input
     return sum;
 }
 
-/* Counts the paths that the end of the tree cuts off: those on the stack, which are reflected ones
- * without blur, and the transmitted one that would go on. They have been counted as rays, and are
+/* Counts the paths that the end of the tree truncates: those on the stack, which are reflected
+ * paths without blur, and the transmitted path that would continue. They are counted as rays but
  * not traced. */
 static ALWAYS_INLINE void count_truncated(const struct pen_kernel_input *input,
                                           const struct pen_kernel_scratch *scratch,
@@ -81,7 +81,8 @@ static ALWAYS_INLINE void count_truncated(const struct pen_kernel_input *input,
     counts->truncated_paths += reflected + transmitted;
 }
 
-/* Sets up what the surface of the path makes of its ray; `deeper` if there is to be a next one. */
+/* Computes reflection and refraction at the surface of the path; `deeper` if there is a next ray.
+ */
 static ALWAYS_INLINE void pixel_refract(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch, const struct path *path,
                                         const struct surface *s, bool deeper,
@@ -108,7 +109,7 @@ static ALWAYS_INLINE void pixel_refract(const struct pen_kernel_input *input,
     refraction_end(bend, s, scene, fx);
 }
 
-/* The media of the transmitted path, which goes on as the path. */
+/* Sets the media of the transmitted path, which continues as the path. */
 static ALWAYS_INLINE void pixel_pass(const struct pen_kernel_input *input,
                                      struct pen_kernel_scratch *scratch, const struct surface *s)
 {
@@ -119,9 +120,9 @@ static ALWAYS_INLINE void pixel_pass(const struct pen_kernel_input *input,
         refraction_pass(input->scene, s, 0, media);
 }
 
-/* The path's next hit. Where surfaces may coincide they are met in document order; those that
- * coincide with the surface that the ray starts on are in order by their t. A refracted ray has
- * passed the surfaces of solids among those. */
+/* Finds the path's next hit. Coincident surfaces are met in document order. Those that coincide
+ * with the surface that the ray starts on are already in order, by their t. A refracted ray has
+ * passed the surfaces of solids among the latter. */
 static ALWAYS_INLINE bool path_nearest(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, const struct path *path,
                                        struct pen_hit *hit, const unsigned fx)
@@ -140,7 +141,7 @@ static ALWAYS_INLINE bool path_nearest(const struct pen_kernel_input *input,
     return true;
 }
 
-/* What a path adds to its pixel sample if this radiance arrives along it. */
+/* The contribution of a path to its pixel sample, if this radiance arrives along it. */
 static ALWAYS_INLINE struct pen_vec3 path_adds(const struct path *path, struct pen_vec3 radiance,
                                                const unsigned fx)
 {
@@ -169,8 +170,8 @@ static ALWAYS_INLINE int pixel_reflect(const struct pen_kernel_input *input,
     return waiting + 1;
 }
 
-/* Puts the transmitted path, which would go on, on the stack if it is blurred. Where rounding
- * decides on which side of the surface it is, it is not. Returns whether it is on the stack. */
+/* Puts the transmitted path, which would continue, on the stack if it is blurred. It is not blurred
+ * if rounding decides on which side of the surface it is. Returns whether it is on the stack. */
 static ALWAYS_INLINE bool pixel_blur_transmitted(const struct pen_kernel_input *input,
                                                  struct pen_kernel_scratch *scratch,
                                                  const struct path *path, const struct surface *s,
@@ -182,7 +183,7 @@ static ALWAYS_INLINE bool pixel_blur_transmitted(const struct pen_kernel_input *
         return false;
     struct path *blurred = &scratch->waiting[waiting];
     *blurred = *path;
-    if (path->after.t > 0) { /* it goes straight on */
+    if (path->after.t > 0) { /* it continues straight on */
         pen_ray_make(&blurred->ray, lanes3_at(s->p, 0), lanes3_at(s->v, 0));
         blurred->origin = surface_origin(s, 0, true);
         blurred->after = pen_after_start;
@@ -193,7 +194,7 @@ static ALWAYS_INLINE bool pixel_blur_transmitted(const struct pen_kernel_input *
     return true;
 }
 
-/* Makes the path on top of the stack the one that is traced. */
+/* Takes the path on top of the stack as the path to trace. */
 static ALWAYS_INLINE void pixel_pop(const struct pen_kernel_input *input,
                                     struct pen_kernel_scratch *scratch, int *waiting,
                                     struct path *path, const unsigned fx)
@@ -221,8 +222,8 @@ static ALWAYS_INLINE void look_for_corner(const struct pen_prims *prims, struct 
                       pen_prim_flat(prims->ref[left].kind);
 }
 
-/* The radiance that arrives along the camera ray through a point of the image, or if it has been
- * moved, beside it. */
+/* The radiance that arrives along the camera ray through a point of the image; if the ray has been
+ * moved, through a point beside it. */
 static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *input,
                                                 struct pen_kernel_scratch *scratch,
                                                 struct pen_camera_point at,
@@ -308,7 +309,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_tree(const struct pen_kernel_input *i
     }
 }
 
-/* The same, beside the corners that the ray's paths meet. Rays of the last attempt count. */
+/* The same, with the camera ray moved aside from corners. Rays of the last attempt count. */
 static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *input,
                                                  struct pen_kernel_scratch *scratch,
                                                  struct pen_camera_point at,
@@ -327,7 +328,8 @@ static ALWAYS_INLINE struct pen_vec3 trace_paths(const struct pen_kernel_input *
     }
 }
 
-/* The mean of a pixel's samples. Samples that the film cannot hold are left out and counted. */
+/* The mean of a pixel's samples. Samples that the film cannot hold are left out of the mean and
+ * counted. */
 static ALWAYS_INLINE void kernel_pixel(const struct pen_kernel_input *input,
                                        struct pen_kernel_scratch *scratch, int x, int y,
                                        double rgb[3], struct pen_ray_counts *counts,

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* The compiled kernels: one line each, a name and the mask of the effects that it computes. The
- * masks are the sets of effects that scenes really call for. A lens and a sky cost next to nothing
- * where a scene has none, so that they join effects that scenes have with and without them. Adding
- * a kernel is adding a line.
+ * masks are the sets of effects that real scenes use. A lens and a sky cost almost nothing in a
+ * scene without them, so they share masks with other effects. A new kernel is a new line.
  *
  * kernel_isa.c compiles the block kernels of the whole list, once for each instruction set of
- * PEN_ISA_LIST (base/cpu.h), pixel_kernels.c the pixel kernels. Names made by token pasting, from a
- * line's first column:
+ * PEN_ISA_LIST (base/cpu.h). pixel_kernels.c compiles the pixel kernels. Token pasting makes these
+ * names from a line's first column:
  *   pen_pixel_<identifier>          in pixel_kernels.c: the kernel's pen_kernel_fn
  *   pen_sample_<identifier>         there: its pen_kernel_sample_fn
  *   block_<identifier>              static in kernel_isa.c: its pen_kernel_block_fn
  *   samples_<identifier>            there: its pen_kernel_samples_fn
  *   pen_kernels_<instruction set>   the table of them
  *
- * The last line must be the kernel of all effects: it covers what no other line does. */
+ * The last line must be the kernel of all effects, which covers every other set. */
 #ifndef PEN_SHADE_INTERNAL_KERNEL_LIST_H
 #define PEN_SHADE_INTERNAL_KERNEL_LIST_H
 

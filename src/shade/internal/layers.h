@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* Coincident surfaces along one path: rounding decides which of them a ray meets first, so the path
+/* Coincident surfaces along one path. Rounding decides which of them a ray meets first, so the path
  * visits them in document order. */
 #ifndef PEN_SHADE_INTERNAL_LAYERS_H
 #define PEN_SHADE_INTERNAL_LAYERS_H
 
 #include "scene/scene.h"
 
-/* Layers beyond so many in one place are visited in the order of t. */
+/* Layers beyond this number in one place are visited in the order of t. */
 enum { LAYERS_MAX = 32 };
 
-/* What a path has visited, and is going to visit, of the layers at one place. */
+/* The layers at one place that a path has visited or will visit. */
 struct layers {
-    bool any;             /* the ray is among layers; else the rest has no meaning */
+    bool any;             /* the ray is among layers; if false, the other members are undefined */
     struct pen_hit after; /* all hits up to this one have been visited, or are waiting */
     struct pen_hit waiting[LAYERS_MAX]; /* in the order in which they are visited */
     int next, count;                    /* of `waiting` */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The points of a light's disk that are sampled from one shaded point, by the setting
- * light_pattern, in groups of up to PEN_DISK_RAYS. struct pen_sample_key defines which points
- * these are. */
+/* The sampled points of a light's disk for one shaded point, by the setting light_pattern, in
+ * groups of up to PEN_DISK_RAYS. struct pen_sample_key defines the points. */
 #ifndef PEN_SHADE_INTERNAL_LIGHT_POINTS_H
 #define PEN_SHADE_INTERNAL_LIGHT_POINTS_H
 
@@ -14,17 +13,17 @@
 struct points {
     uint64_t hash;
     int pattern;
-    uint32_t samples; /* sobol, random: how many; grid: cells along an edge */
+    uint32_t samples; /* sobol, random: their number; grid: cells along an edge */
     uint32_t next;    /* sobol, random: index; grid: row */
     uint32_t column;  /* grid */
-    uint32_t first;   /* grid: the number of its first cell, larger when it is drawn again */
-    bool none;        /* grid: no point so far was in the circle */
+    uint32_t first;   /* grid: the number of its first cell, larger after a redraw */
+    bool none;        /* grid: no point so far was in the disk */
 };
 
-/* A grid of which no point is in the circle is drawn again, so that one cell gives a point that is
- * uniform in the disk. Only grids of 1 and 2 cells along an edge can be: larger ones have a cell
+/* A grid with no point in the disk is drawn again, so that one cell gives a point that is uniform
+ * in the disk. Only grids of 1 and 2 cells along an edge can need this: larger grids have a cell
  * inside the disk. With one cell, a drawing fails with probability 1 - pi / 4, and 64 in a row with
- * 2^-142: not one of the 2^64 hashes is expected to come to that. It would have the centre. */
+ * 2^-142. No hash of the 2^64 is expected to do so; it would get the centre. */
 enum { POINTS_DRAWINGS = 64 };
 
 /* A group of points, as coordinates on the unit disk. */
@@ -50,7 +49,7 @@ static inline struct points points_begin(const struct pen_settings *settings, ui
                            .none = grid};
 }
 
-/* Leaves out the points of the camera rays before ray `ray`, in a sequence of sobol or random. */
+/* Skips the points of the camera rays before ray `ray`, in a sequence of sobol or random. */
 static inline void points_skip(struct points *p, uint32_t ray)
 {
     const uint32_t before = p->samples * ray;
@@ -58,8 +57,8 @@ static inline void points_skip(struct points *p, uint32_t ray)
     p->samples += before;
 }
 
-/* The columns of a row of the grid: those in [out, stop) may have their point in the circle, those
- * in [in, in_stop) surely have. Symmetric; the margins are larger than rounding. */
+/* The columns of a row of the grid. The points of [out, stop) may be in the disk; those of [in,
+ * in_stop) certainly are. Symmetric; the margins are larger than rounding. */
 struct points_row {
     uint32_t out, in, in_stop, stop;
 };
@@ -85,8 +84,8 @@ static inline struct points_row points_row(uint32_t edge, uint32_t row)
     return r;
 }
 
-/* The points of LANES cells of a row of the grid, in the square around the unit disk. Returns those
- * that are in the disk and before column `stop`, as bits. */
+/* Computes the points of LANES cells of a row of the grid, in the square around the unit disk.
+ * Returns the points that are in the disk and before column `stop`, as bits. */
 static inline unsigned points_cells(const struct points *p, uint32_t row, uint32_t column,
                                     uint32_t stop, struct lanes_point2 *at)
 {
@@ -127,8 +126,8 @@ static inline bool points_draw_again(struct points *p)
     return true;
 }
 
-/* Fills the list with the next points of this drawing of the grid; where it is full, a row is
- * continued by the next call. */
+/* Fills the list with the next points of this drawing of the grid. If it is full, the next call
+ * continues the row. */
 static inline void points_fill_drawing(struct points *p, struct point_list *list)
 {
     for (; p->next < p->samples; p->next++, p->column = 0) {
@@ -157,7 +156,7 @@ static inline void points_fill_grid(struct points *p, struct point_list *list)
     }
 }
 
-/* Fills the list with the next points and returns their number; 0 when there are no more. */
+/* Fills the list with the next points and returns their number; 0 at the end. */
 static inline int points_fill(struct points *p, struct point_list *list)
 {
     list->count = 0;
@@ -179,7 +178,7 @@ static inline int points_fill(struct points *p, struct point_list *list)
     return list->count;
 }
 
-/* The number of cells [column, stop) of a row that have their point in the disk. */
+/* The number of cells [column, stop) of a row whose points are in the disk. */
 static inline uint32_t points_count_cells(const struct points *p, uint32_t row, uint32_t column,
                                           uint32_t stop)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The solids that a path is in: their numbers, ascending, so that the last one tells the index
- * (scene/solid.h). A path enters at most one solid at each surface, or several where surfaces
- * coincide; pen_kernel_scratch_new makes room for all. A solid is either in the list or not:
- * entering it again, or leaving it again, makes no difference. */
+/* The solids that contain a path: their numbers, ascending; the last one gives the index
+ * (scene/solid.h). A path enters at most one solid at each surface, or several if surfaces
+ * coincide; pen_kernel_scratch_new allocates room for all. A solid is either in the list or not:
+ * entering or leaving it twice makes no difference. */
 #ifndef PEN_SHADE_INTERNAL_MEDIA_H
 #define PEN_SHADE_INTERNAL_MEDIA_H
 
@@ -10,8 +10,8 @@
 
 #include "shade/internal/scratch.h"
 
-/* The media of paths by number: first those of the pixel kernel's stack, then the path that it
- * traces, what is behind an interface of several surfaces, and the pool of the block kernel. */
+/* The media of paths, by number: first those of the pixel kernel's stack; then the path that it
+ * traces, the media behind an interface of several surfaces, and the pool of the block kernel. */
 static inline struct media *media_at(const struct pen_kernel_scratch *scratch, size_t number)
 {
     return (struct media *)(void *)(scratch->media + number * scratch->media_stride);
@@ -32,7 +32,7 @@ static inline size_t media_of_pool(const struct pen_kernel_scratch *scratch)
     return scratch->depth + 2;
 }
 
-/* The index of refraction within the solids of a list, without one of them (or PEN_NO_SOLID). */
+/* The index of refraction within the solids of a list except one (or PEN_NO_SOLID). */
 static inline double media_index_without(const struct pen_solids *solids, const struct media *m,
                                          uint32_t solid)
 {
@@ -42,7 +42,7 @@ static inline double media_index_without(const struct pen_solids *solids, const 
     return last > 0 ? solids->at[m->solid[last - 1]].ior : 1;
 }
 
-/* The same with one more. */
+/* The same with one more solid. */
 static inline double media_index_with(const struct pen_solids *solids, const struct media *m,
                                       uint32_t solid)
 {
@@ -58,7 +58,7 @@ static inline void media_copy(struct media *to, const struct media *from)
         to->solid[i] = from->solid[i];
 }
 
-/* Adds a solid. Returns whether it was not in the list. */
+/* Adds a solid. Returns true if it was not in the list. */
 static inline bool media_add(struct media *m, uint32_t solid)
 {
     uint32_t at = m->count;
@@ -90,7 +90,7 @@ static inline void media_remove(struct media *m, uint32_t solid)
     m->count = kept;
 }
 
-/* The media of a camera ray that starts at o. */
+/* Sets the media of a camera ray that starts at o. */
 static inline void media_of_camera_ray(const struct pen_kernel_input *input, struct media *m,
                                        struct pen_vec3 o)
 {
@@ -104,7 +104,7 @@ static inline void media_of_camera_ray(const struct pen_kernel_input *input, str
             media_add(m, view->maybe.solid[i]);
 }
 
-/* A point of a surface of a solid. */
+/* A point on a surface of a solid. */
 struct solid_point {
     struct pen_hit hit;
     struct pen_vec3 p;
@@ -112,16 +112,17 @@ struct solid_point {
     bool outside; /* the viewer is on the side of the outward normal */
 };
 
-/* What coincident surfaces of solids are together. */
+/* The combined effect of coincident surfaces of solids. */
 struct solid_interface {
     double index, beyond;
     struct pen_vec3 kt;
-    unsigned unmatched; /* exits without entry */
+    unsigned unmatched; /* exits without an entry */
 };
 
-/* The interface of all surfaces of solids that coincide with one which the pixel kernel's path has
- * met; they are not met again. False if that is not among layers. Else the media of the path are
- * those before the interface, and number media_behind those behind it. */
+/* Computes the interface of all surfaces of solids that coincide with a surface which the pixel
+ * kernel's path has met. They are not met again. Returns false if that surface is not among layers.
+ * Else the media of the path are those before the interface, and number media_behind has those
+ * behind it. */
 bool pen_solids_coincide(const struct pen_kernel_input *input, struct pen_kernel_scratch *scratch,
                          const struct path *path, const struct solid_point *at,
                          struct solid_interface *out);

@@ -5,7 +5,7 @@
 
 #include "scene/scene.h"
 
-/* The material of a primitive at p, a point of it in the local frame that is known to `bound`. */
+/* The material of a primitive at its point p in the local frame, which is known to `bound`. */
 struct pen_material pen_material_at(const struct pen_scene *scene, uint32_t prim, struct pen_vec3 p,
                                     double bound);
 
@@ -14,7 +14,7 @@ static inline bool prim_is_patterned(const struct pen_scene *scene, uint32_t pri
     return scene->materials[scene->prim_material[prim]].patterns != NULL;
 }
 
-/* Its kt where a ray meets it. */
+/* Its kt at the hit of a ray. */
 struct pen_vec3 pen_filter_at(const struct pen_scene *scene, const struct pen_ray *ray,
                               const struct pen_origin_surface *origin, struct pen_hit hit);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The samples of a pixel: where they are on the image and on the lens, their camera rays, and which
- * values the film holds. */
+/* The samples of a pixel: their points on the image and on the lens, their camera rays, and the
+ * values that the film can hold. */
 #ifndef PEN_SHADE_INTERNAL_PIXEL_SAMPLE_H
 #define PEN_SHADE_INTERNAL_PIXEL_SAMPLE_H
 
@@ -14,13 +14,13 @@ struct pixel_scrambling {
     uint64_t image, lens;
 };
 
-/* Whether camera rays start on a lens. A kernel that has lenses takes a pinhole as one. */
+/* Whether camera rays start on a lens. A kernel with lenses also renders pinholes. */
 static ALWAYS_INLINE bool has_lens(const struct pen_kernel_input *input, const unsigned fx)
 {
     return (fx & PEN_FX_DEPTH_OF_FIELD) && input->lens.open;
 }
 
-/* The camera rays of each pixel. */
+/* The number of camera rays of each pixel. */
 static ALWAYS_INLINE int pixel_samples(const struct pen_kernel_input *input, const unsigned fx)
 {
     return fx & PEN_FX_ANTI_ALIASING ? pen_camera_samples(has_lens(input, fx), input->settings) : 1;
@@ -51,8 +51,8 @@ static ALWAYS_INLINE struct pen_sample_key replicate_key(const struct pen_kernel
                                    .purpose = PEN_PURPOSE_LIGHT};
 }
 
-/* Point i of a pixel's samples, from its top left corner: the pixel's centre if it has one sample
- * only. */
+/* Point i of a pixel's samples, from its top left corner. With one sample, it is the pixel's
+ * centre. */
 static ALWAYS_INLINE struct pen_camera_point camera_point(const struct pen_kernel_input *input,
                                                           const struct pixel_scrambling *s,
                                                           int samples, int i, const unsigned fx)
@@ -72,7 +72,7 @@ struct lanes_camera_point {
     lanes x, y, lens_x, lens_y;
 };
 
-/* The camera rays through points. Returns the lanes that have one. */
+/* Makes the camera rays through points. Returns the lanes that have one. */
 static ALWAYS_INLINE lane_mask camera_rays(const struct pen_kernel_input *input,
                                            const struct lanes_camera_point *at,
                                            struct lanes_ray *rays, const unsigned fx)

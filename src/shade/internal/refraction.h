@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Refraction: what is reflected at the surface of a solid and what is transmitted, and the
- * refracted ray. Every surface of a path is asked; those that are not of a solid have equal indices
- * on both sides, where the same ray goes on.
+/* Refraction: reflection and transmission at the surface of a solid, and the refracted ray. It is
+ * computed for every surface of a path. A surface that does not belong to a solid has equal indices
+ * on both sides, and the same ray continues there.
  *
- * Where rounding decides on which side of the surface the viewer is, the ray goes on without
- * refraction, and nothing is reflected. Where the ray has hardly left the surface it starts on, in
- * a corner, no reflected ray can start (surface_hardly_left), so everything is refracted. Energy is
- * kept in both cases. */
+ * If rounding decides on which side of the surface the viewer is, the ray continues without
+ * refraction, and nothing is reflected. If the ray has hardly left the surface it starts on, in a
+ * corner, no reflected ray can start (surface_hardly_left), so everything is refracted. Energy is
+ * preserved in both cases. */
 #ifndef PEN_SHADE_INTERNAL_REFRACTION_H
 #define PEN_SHADE_INTERNAL_REFRACTION_H
 
@@ -15,16 +15,17 @@
 #include "shade/internal/snell.h"
 #include "shade/internal/surface.h"
 
-/* What the points of a surface make of their rays. Arrays are by lane. */
+/* Reflection and transmission at the points of a surface. Arrays are by lane. */
 struct refraction {
-    double index[LANES], beyond[LANES]; /* the index where the ray comes from, and behind */
+    double index[LANES],
+        beyond[LANES]; /* the index on the side of the ray, and behind the surface */
     struct pen_vec3 kt[LANES];
     struct pen_vec3 reflected[LANES], transmitted[LANES]; /* factors of the path's weight */
-    unsigned straight;                                    /* lanes in which the same ray goes on */
-    struct pen_ray ray[LANES]; /* in the other lanes: the refracted one */
+    unsigned straight;         /* lanes in which the same ray continues */
+    struct pen_ray ray[LANES]; /* in the other lanes: the refracted ray */
 };
 
-/* Whether the scene refracts. A kernel that knows refraction takes a scene without it as one. */
+/* Whether the scene refracts. A kernel with refraction also renders scenes without it. */
 static ALWAYS_INLINE bool refracts(const struct pen_scene *scene, const unsigned fx)
 {
     return (fx & PEN_FX_REFRACTION) && scene->solids.count > 0;
@@ -36,8 +37,8 @@ static ALWAYS_INLINE bool enters(const struct pen_solids *solids, uint32_t prim,
     return outside != (solids->turned[prim] != 0);
 }
 
-/* The indices at a lane's point. Where the path leaves a solid that it has not entered, it has been
- * in it all the same if that is open; if it is closed, the ray passes its edge. */
+/* Sets the indices at a lane's point. A path that leaves a solid which it has not entered was
+ * inside it if the solid is open. If it is closed, the ray passes its edge. */
 static ALWAYS_INLINE void refraction_cross(struct refraction *r, const struct pen_scene *scene,
                                            const struct surface *s, int lane, struct media *media,
                                            struct pen_ray_counts *counts)
@@ -60,7 +61,7 @@ static ALWAYS_INLINE void refraction_cross(struct refraction *r, const struct pe
                                : media_index_without(solids, media, solid);
 }
 
-/* The media of the transmitted path. */
+/* Sets the media of the transmitted path. */
 static ALWAYS_INLINE void refraction_pass(const struct pen_scene *scene, const struct surface *s,
                                           int lane, struct media *media)
 {
@@ -74,7 +75,7 @@ static ALWAYS_INLINE void refraction_pass(const struct pen_scene *scene, const s
         media_remove(media, solid);
 }
 
-/* Begins with surfaces that are not of a solid. */
+/* Begins as if no surface belonged to a solid. */
 static ALWAYS_INLINE void refraction_begin(struct refraction *r, const struct surface *s,
                                            const struct pen_scene *scene, const unsigned fx)
 {
@@ -83,7 +84,7 @@ static ALWAYS_INLINE void refraction_begin(struct refraction *r, const struct su
     lanes3_store(r->kt, surface_colours(s, scene, offsetof(struct pen_material, kt), fx));
 }
 
-/* Sets the factors and rays; the indices and kt are set. */
+/* Sets the factors and rays from the indices and kt. */
 static ALWAYS_INLINE void refraction_end(struct refraction *r, const struct surface *s,
                                          const struct pen_scene *scene, const unsigned fx)
 {
@@ -108,7 +109,7 @@ static ALWAYS_INLINE void refraction_end(struct refraction *r, const struct surf
     }
 }
 
-/* Turns a path, at a point where it does not go straight on, into the refracted one. */
+/* Turns a path into the refracted one, at a point where it does not go straight on. */
 static ALWAYS_INLINE void refraction_turn(const struct refraction *r, const struct surface *s,
                                           int lane, struct path *path)
 {
@@ -117,15 +118,15 @@ static ALWAYS_INLINE void refraction_turn(const struct refraction *r, const stru
     path->after = pen_after_start;
 }
 
-/* Whether a hit is of a solid's surface that coincides with the one that the ray starts on. */
+/* Whether a hit is on a solid's surface that coincides with the surface that the ray starts on. */
 static ALWAYS_INLINE bool is_layer_of_solid(const struct pen_scene *scene, struct pen_hit hit)
 {
     return hit.t > PEN_FIRST_T && hit.t <= PEN_LAST_LAYER_T &&
            scene->solids.of_prim[hit.prim] != PEN_NO_SOLID;
 }
 
-/* Whether the path has passed the hit where it starts: through a surface of a solid, all solids'
- * surfaces that coincide with it are passed. */
+/* Whether the path has passed the hit at its start. A path through a surface of a solid passes all
+ * surfaces of solids that coincide with it. */
 static ALWAYS_INLINE bool has_passed_layer(const struct pen_scene *scene, const struct path *path,
                                            struct pen_hit hit)
 {

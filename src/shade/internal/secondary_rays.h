@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The secondary rays from a surface: the reflected one, and the transmitted one, which goes
+/* The secondary rays from a surface: the reflected ray, and the transmitted ray, which goes
  * straight through or is refracted. */
 #ifndef PEN_SHADE_INTERNAL_SECONDARY_RAYS_H
 #define PEN_SHADE_INTERNAL_SECONDARY_RAYS_H
@@ -7,7 +7,7 @@
 #include "geom/ray_lanes.h"
 #include "shade/internal/refraction.h"
 
-/* Whether a path continues: it ends when its weight is 0, or below min_contribution, in all
+/* Whether a path continues. It ends when its weight is 0, or below min_contribution, in all
  * channels. */
 static ALWAYS_INLINE bool path_contributes(const struct pen_kernel_input *input, struct pen_vec3 w)
 {
@@ -15,8 +15,8 @@ static ALWAYS_INLINE bool path_contributes(const struct pen_kernel_input *input,
     return (w.x > 0 && w.x >= least) || (w.y > 0 && w.y >= least) || (w.z > 0 && w.z >= least);
 }
 
-/* The factor of the weight of reflected paths: kr, and with refraction what Fresnel's share of kt
- * adds to it. `bend` is set in kernels with refraction. */
+/* The factor of the weight of reflected paths: kr, plus with refraction Fresnel's share of kt.
+ * `bend` is set in kernels with refraction. */
 static ALWAYS_INLINE struct lanes3 reflected_factors(const struct surface *s,
                                                      const struct pen_scene *scene,
                                                      const struct refraction *bend,
@@ -37,16 +37,16 @@ static ALWAYS_INLINE struct pen_vec3 reflected_factor(const struct surface *s,
     return surface_material(s, scene, lane, fx)->kr;
 }
 
-/* Whether rounding cannot mirror the viewer's ray to the other side of a surface. */
+/* Whether rounding certainly does not mirror the viewer's ray to the other side of a surface. */
 static ALWAYS_INLINE lane_mask surface_mirrors(const struct surface *s)
 {
     return lanes_less(lanes_splat(PEN_HORIZON_SINE), -s->nv) &
            lane_mask_not(surface_viewer_grazes(s));
 }
 
-/* Of the points of s, which are on these paths, those that reflect theirs, as bits: its weight is
- * large enough, and the viewer does not graze the surface, so that rounding cannot mirror the ray
- * to the other side. */
+/* The points of s that reflect their path, as bits. A point does so if the path's weight is large
+ * enough and the viewer does not graze the surface. At a grazing angle rounding could mirror the
+ * ray to the other side. */
 static ALWAYS_INLINE unsigned paths_reflected(const struct pen_kernel_input *input,
                                               const struct surface *s,
                                               const struct refraction *bend,
@@ -68,9 +68,9 @@ static ALWAYS_INLINE unsigned paths_reflected(const struct pen_kernel_input *inp
     return reflected;
 }
 
-/* Makes the reflected paths of the points that reflect theirs, into *reflected[lane]. Returns those
- * that have one, which are all: p is finite, and n and v are finite and of length 1, hence so is
- * their mirror image. */
+/* Makes the reflected paths of the points that reflect, in *reflected[lane]. Returns the points
+ * that have one, which are all of them: p is finite, and n and v are finite and of length 1, hence
+ * so is their mirror image. */
 static ALWAYS_INLINE unsigned paths_reflect(const struct pen_kernel_input *input,
                                             const struct surface *s, const struct refraction *bend,
                                             unsigned points, const struct path *const *path,
@@ -95,8 +95,8 @@ static ALWAYS_INLINE unsigned paths_reflect(const struct pen_kernel_input *input
     return points & lane_mask_bits(lanes_ray_make(ray, s->p, d));
 }
 
-/* Continues the path through the surface: the same ray, after this intersection, or the refracted
- * one. False if its weight is too small. */
+/* Continues the path through the surface: with the same ray, after this intersection, or with the
+ * refracted ray. Returns false if its weight is too small. */
 static ALWAYS_INLINE bool path_transmit(const struct pen_kernel_input *input, struct path *path,
                                         const struct surface *s, const struct refraction *bend,
                                         int lane, const unsigned fx)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The transmittance of one shadow ray: black if an opaque surface occludes the light, else the
- * product of kt over the surfaces that it intersects, multiplied in the order of the intersections.
+/* The transmittance of one shadow ray: black if an opaque surface occludes the light. Else it is
+ * the product of kt over the surfaces that the ray intersects, in the order of the intersections.
  */
 #ifndef PEN_SHADE_INTERNAL_SHADOW_RAY_H
 #define PEN_SHADE_INTERNAL_SHADOW_RAY_H
@@ -13,7 +13,7 @@ struct shadow_ray {
     bool to_point;      /* it ends in the light at o + d; else it is infinite */
     bool through;       /* it starts on the side of the surface away from the viewer */
     uint32_t light;     /* number in the frozen scene */
-    struct pen_vec3 in; /* its transmittance where it starts */
+    struct pen_vec3 in; /* its transmittance at the start */
 };
 
 static ALWAYS_INLINE struct pen_vec3 shadow_filter(const struct pen_scene *scene, uint32_t prim,
@@ -22,7 +22,7 @@ static ALWAYS_INLINE struct pen_vec3 shadow_filter(const struct pen_scene *scene
     return pen_mul(t, scene->materials[scene->prim_material[prim]].kt);
 }
 
-/* The same where a ray meets the primitive, whose kt may be a pattern. */
+/* The same at the hit of a ray on the primitive, whose kt may be a pattern. */
 static ALWAYS_INLINE struct pen_vec3 shadow_filter_at(const struct pen_scene *scene,
                                                       const struct pen_ray *ray,
                                                       const struct pen_origin_surface *origin,
@@ -34,7 +34,7 @@ static ALWAYS_INLINE struct pen_vec3 shadow_filter_at(const struct pen_scene *sc
     return shadow_filter(scene, hit.prim, t);
 }
 
-/* The transmittance of a ray with more transmissive intersections than a query returns, by tracing
+/* The transmittance of a ray with more transmissive intersections than a query returns. It traces
  * from one intersection to the next. */
 struct pen_vec3 pen_shadow_walk(const struct pen_kernel_input *input, const struct pen_ray *ray,
                                 const struct pen_origin_surface *origin,
@@ -50,7 +50,7 @@ static ALWAYS_INLINE void shadow_query(const struct pen_kernel_input *input,
     query->last_occluder = PEN_NO_PRIM;
 }
 
-/* The transmittance of a ray that starts with `in` and that the query found not blocked. */
+/* The transmittance of a ray that starts with `in`, if the query found it not blocked. */
 static ALWAYS_INLINE struct pen_vec3 shadow_colour(const struct pen_kernel_input *input,
                                                    const struct pen_ray *ray,
                                                    const struct pen_origin_surface *origin,
@@ -66,8 +66,8 @@ static ALWAYS_INLINE struct pen_vec3 shadow_colour(const struct pen_kernel_input
     return in;
 }
 
-/* Traces a shadow ray from a point of s and returns its transmittance. The primitive that blocked
- * it is remembered for its light. */
+/* Traces a shadow ray from a point of s and returns its transmittance. Stores the primitive that
+ * blocked it as the last occluder of its light. */
 static ALWAYS_INLINE struct pen_vec3 trace_shadow_ray(const struct pen_kernel_input *input,
                                                       struct pen_kernel_scratch *scratch,
                                                       const struct surface *s, int lane,
@@ -77,7 +77,7 @@ static ALWAYS_INLINE struct pen_vec3 trace_shadow_ray(const struct pen_kernel_in
     const struct pen_vec3 none = {0, 0, 0};
     struct pen_ray ray;
     if (!pen_ray_make(&ray, lanes3_at(s->p, lane), shadow->d))
-        return no_sample(); /* the light is farther than rays go */
+        return no_sample(); /* the light is farther than rays reach */
     const struct pen_origin_surface through = surface_origin(s, lane, true);
     const struct pen_origin_surface *origin = shadow->through ? &through : &s->origin[lane];
     struct pen_shadow *query = &scratch->shadow;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Soft shadows: the mean transmittance of the shadow rays to sampled points of a light's disk,
- * which faces the shaded point. Where possible the rays are tested as a packet
- * (accel/disk_packet.h), else one by one. The sum is the same to the bit, since it is made in the
- * order of the points. */
+ * which faces the shaded point. If possible the rays are tested as a packet (accel/disk_packet.h),
+ * else one by one. Both sum in the order of the points, so the sum has the same bits. */
 #ifndef PEN_SHADE_INTERNAL_SOFT_SHADOW_H
 #define PEN_SHADE_INTERNAL_SOFT_SHADOW_H
 
@@ -22,8 +21,8 @@ struct soft {
     uint32_t count, rays;
 };
 
-/* A light's disk is perpendicular to the direction to it; that of a directional one is at unit
- * distance. */
+/* Sets the disk of a light, perpendicular to the direction to it. The disk of a directional light
+ * is at unit distance. */
 static ALWAYS_INLINE void soft_disk(struct pen_disk_packet *packet, const struct pen_light *light,
                                     struct pen_vec3 to_light)
 {
@@ -34,9 +33,9 @@ static ALWAYS_INLINE void soft_disk(struct pen_disk_packet *packet, const struct
     packet->v = pen_scale(across.v, light->radius);
 }
 
-/* Traces the ray to one point of the unit disk by itself and adds its transmittance. A point below
- * the horizon is reached through the surface, so the ray starts with kt, and is not traced where
- * that is black. One that grazes adds nothing. */
+/* Traces the ray to one point of the unit disk alone and adds its transmittance. A point below the
+ * horizon is reached through the surface: the ray starts with kt, and is not traced if that is
+ * black. A point that grazes adds nothing. */
 static ALWAYS_INLINE void soft_add(const struct pen_kernel_input *input,
                                    struct pen_kernel_scratch *scratch, struct soft *soft,
                                    struct pen_point2 at, const unsigned fx)
@@ -61,10 +60,10 @@ static ALWAYS_INLINE void soft_add(const struct pen_kernel_input *input,
     uint32_t *last = &scratch->last_occluder[shadow.light], before = *last;
     soft->sum = pen_add(soft->sum, trace_shadow_ray(input, scratch, s, lane, &shadow, fx));
     if (*last == PEN_NO_PRIM)
-        *last = before; /* keep the hint: the samples after the next may be blocked by the same */
+        *last = before; /* keep the hint: the same primitive may block later samples */
 }
 
-/* All samples, one by one. */
+/* Adds all samples, one by one. */
 static ALWAYS_INLINE void soft_add_singly(const struct pen_kernel_input *input,
                                           struct pen_kernel_scratch *scratch, struct soft *soft,
                                           const unsigned fx)
@@ -76,8 +75,8 @@ static ALWAYS_INLINE void soft_add_singly(const struct pen_kernel_input *input,
     }
 }
 
-/* Whether all of the disk is above the horizon, by more than rounding. `size` is at least the
- * length of the vector to any of its points. */
+/* Whether the whole disk is above the horizon, by more than rounding. `size` is at least the length
+ * of the vector to any of its points. */
 static ALWAYS_INLINE bool soft_disk_is_above_horizon(const struct pen_disk_packet *packet,
                                                      const struct soft *soft)
 {
@@ -95,7 +94,7 @@ soft_begin_packet(const struct pen_kernel_input *input, struct pen_kernel_scratc
 {
     struct pen_disk_packet *packet = &scratch->packet;
     uint32_t *last = &scratch->last_occluder[soft->arriving->light];
-    /* Packets know one kt for each primitive. */
+    /* Packets have one kt for each primitive. */
     if ((fx & PEN_FX_PATTERNS) && input->scene->patterned_glass)
         return PEN_DISK_NOT_POSSIBLE;
     if (!input->trace->disk_begin || !soft_disk_is_above_horizon(packet, soft))
@@ -110,7 +109,7 @@ soft_begin_packet(const struct pen_kernel_input *input, struct pen_kernel_scratc
     return visibility;
 }
 
-/* The transmittance of ray i of the packet, traced by itself. */
+/* The transmittance of ray i of the packet, traced alone. */
 static ALWAYS_INLINE struct pen_vec3 soft_trace_ray(const struct pen_kernel_input *input,
                                                     struct pen_kernel_scratch *scratch,
                                                     const struct soft *soft, int i,
@@ -127,8 +126,9 @@ static ALWAYS_INLINE struct pen_vec3 soft_trace_ray(const struct pen_kernel_inpu
     return shadow_colour(input, &ray, &soft->origin, query, clear, fx);
 }
 
-/* The transmittance of ray i: the product over its intersections in their order. Without a sequence
- * they are at most two, and a product of two factors has the same bits in either order. */
+/* The transmittance of ray i: the product over its intersections, in their order. Without a
+ * sequence there are at most two, and a product of two factors has the same bits in either order.
+ */
 static ALWAYS_INLINE struct pen_vec3 soft_ray_transmittance(const struct pen_kernel_input *input,
                                                             const struct pen_disk_packet *packet,
                                                             int i, const unsigned fx)
@@ -187,8 +187,8 @@ static ALWAYS_INLINE void soft_add_each(const struct pen_kernel_input *input,
     }
 }
 
-/* Adds the rays to a list of points. Where all unblocked rays have transmittance 1, the sum is a
- * whole number without rounding, so their number is added at once. */
+/* Adds the rays to a list of points. If all unblocked rays have transmittance 1, the sum is a whole
+ * number without rounding, so their number is added at once. */
 static ALWAYS_INLINE void soft_add_rays(const struct pen_kernel_input *input,
                                         struct pen_kernel_scratch *scratch, struct soft *soft,
                                         const struct point_list *list, const unsigned fx)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The points that rays hit, with what shading needs to know of them, LANES at a time
- * (math/lanes.h). The pixel kernel is compiled for the base instruction set only, where LANES is 1:
- * it reads as if every vector were a number, and every mask a condition. */
+/* The points that rays hit, with the data that shading needs, LANES at a time (math/lanes.h). The
+ * pixel kernel is compiled only for the base instruction set, where LANES is 1. There every vector
+ * is a number, and every mask a condition. */
 #ifndef PEN_SHADE_INTERNAL_SURFACE_H
 #define PEN_SHADE_INTERNAL_SURFACE_H
 
@@ -10,20 +10,21 @@
 #include "shade/internal/patterns.h"
 #include "shade/internal/scratch.h"
 
-/* A kernel is a copy of these functions for its mask of effects. Where PEN_SHARED_KERNELS is
- * defined, all kernels call the same copy, which looks at the mask while it runs: that compiles
- * some thirty times faster, for builds with sanitizers and of a compiler's warnings. */
+/* A kernel is a copy of these functions for its mask of effects. If PEN_SHARED_KERNELS is defined,
+ * all kernels call the same copy, which tests the mask at run time. It compiles some thirty times
+ * faster, for builds with sanitizers and for compiler warnings. */
 #ifdef PEN_SHARED_KERNELS
 #define ALWAYS_INLINE inline
 #else
 #define ALWAYS_INLINE inline __attribute__((always_inline))
 #endif
 
-/* Arrays are by lane; lanes beyond the last point hold anything that may be computed with. */
+/* Points of up to LANES paths. Arrays are by lane. Lanes beyond the last point hold arbitrary
+ * numbers that are safe in computations. */
 struct surface {
     struct pen_hit hit[LANES];
     uint32_t material[LANES];
-    bool patterned;                 /* with patterns: some point has one; then */
+    bool patterned;                 /* with patterns: some point has a pattern; then */
     struct pen_material own[LANES]; /* these are the materials at the points */
     struct lanes3 kd, ks;           /* of the materials */
     lanes shininess;
@@ -31,19 +32,19 @@ struct surface {
     struct lanes3 n;    /* unit, turned towards the viewer */
     struct lanes3 v;    /* unit, from the viewer to p */
     lanes nv;           /* n.v <= 0 */
-    lanes unsure;       /* on which side the viewer is, rounding decides where -n.v is no more;
-                           INFINITY: it decides also on which side of other surfaces p is */
-    lanes grazing_sine; /* q grazes where |n.q| <= grazing_sine |q|: see horizon.h */
-    lanes bound;        /* how far p may be off by rounding */
+    lanes unsure;       /* if -n.v is at most this, rounding decides on which side the viewer is;
+                           INFINITY: it also decides on which side of other surfaces p is */
+    lanes grazing_sine; /* q grazes if |n.q| <= grazing_sine |q|: see horizon.h */
+    lanes bound;        /* the distance by which p may be off by rounding */
     lane_mask outside;  /* with refraction: the viewer is on the side of the outward normal */
-    lane_mask corner;   /* of paths that have met another surface: corners.h; or they graze */
-    lane_mask finite;   /* there is a point, and it, its normal and its direction are finite */
+    lane_mask corner;   /* paths that have also met another surface (corners.h), or that graze */
+    lane_mask finite;   /* the point exists, and it, its normal and its direction are finite */
     struct pen_origin_surface origin[LANES]; /* for rays that start at p on the viewer's side */
 };
 
-/* The sine below which directions graze: on a round surface, moving p by its bound turns the normal
- * by `turn`. At an apex, and on what is smaller than rounding, that is 1 or more, and there is no
- * tangent plane; but seen from outside, all of a round primitive lies below the plane across the
+/* The sine below which directions graze. On a round surface, moving p by its bound turns the normal
+ * by `turn`. At an apex, and on a surface smaller than rounding, `turn` is 1 or more, and there is
+ * no tangent plane. But seen from outside, the whole round primitive is below the plane across the
  * normal, as on a flat surface. Seen from inside, every direction grazes. */
 static ALWAYS_INLINE lanes surface_grazing_sine(lanes turn, lane_mask outside)
 {
@@ -53,17 +54,17 @@ static ALWAYS_INLINE lanes surface_grazing_sine(lanes turn, lane_mask outside)
     return lanes_select(flat, least, lanes_select(tangent, turn, lanes_splat(INFINITY)));
 }
 
-/* The sine -n.v up to which rounding decides on which side of a round surface the viewer is, since
- * the normal is known to `turn`, and a mirrored ray is off by twice that. At an apex that is a wide
- * angle; but a viewer who seems to be outside and looks steeply at it is outside. */
+/* The largest sine -n.v at which rounding decides on which side of a round surface the viewer is.
+ * The normal is known to `turn`, and a mirrored ray is off by twice that. At an apex this is a wide
+ * angle. But a viewer who seems to be outside and looks steeply at it is outside. */
 static ALWAYS_INLINE lanes surface_unsure(lanes turn, lane_mask outside)
 {
     const lanes wide = lanes_splat(0x1p-6), unsure = 4 * turn;
     return lanes_select(outside & lane_mask_not(lanes_less(unsure, wide)), wide, unsure);
 }
 
-/* Whether a ray that starts on a surface meets another one where it starts, or within a distance of
- * there. The document tells layers apart. */
+/* Whether a ray that starts on a surface meets another surface within a distance of its start. For
+ * layers, the document's order decides. */
 static ALWAYS_INLINE lane_mask surface_met_within(const struct lanes_arrived *ray, lanes distance)
 {
     return lanes_at_most(ray->t * ray->t, distance * distance * ray->inv_dd) &
@@ -71,9 +72,9 @@ static ALWAYS_INLINE lane_mask surface_met_within(const struct lanes_arrived *ra
             lanes_at_most(ray->t, lanes_splat(PEN_FIRST_T)));
 }
 
-/* Whether that is within 16 bounds: at a seam or in a corner. The point is then on the border of
- * both surfaces within rounding, and on which side of others around the corner, it does not tell.
- */
+/* Whether that is within 16 bounds: at a seam or in a corner. Within rounding, the point is then on
+ * the border of both surfaces. It does not show on which side of other surfaces around the corner
+ * it is. */
 static ALWAYS_INLINE lane_mask surface_hardly_left(const struct lanes_arrived *ray, lanes bound)
 {
     return surface_met_within(ray, 0x1p4 * bound);
@@ -81,13 +82,13 @@ static ALWAYS_INLINE lane_mask surface_hardly_left(const struct lanes_arrived *r
 
 enum { MATERIAL_DOUBLES = sizeof(struct pen_material) / sizeof(double) };
 
-/* Whether the materials are those of the points, not those of the scene. */
+/* Whether the materials are those of the points rather than of the scene. */
 static ALWAYS_INLINE bool surface_is_patterned(const struct surface *s, const unsigned fx)
 {
     return (fx & PEN_FX_PATTERNS) && s->patterned;
 }
 
-/* The points' colours of one sort, which is the offset of a member of struct pen_material. */
+/* The points' colours of one sort, given as the offset of a member of struct pen_material. */
 static ALWAYS_INLINE struct lanes3 surface_colours(const struct surface *s,
                                                    const struct pen_scene *scene, size_t sort,
                                                    const unsigned fx)
@@ -117,7 +118,7 @@ static ALWAYS_INLINE void surface_set_colours(struct surface *s, const struct pe
     s->ks = surface_colours(s, scene, offsetof(struct pen_material, ks), fx);
 }
 
-/* Patterns are evaluated later, where the points are known. */
+/* Sets the materials. Patterns are evaluated later, when the points are known. */
 static ALWAYS_INLINE void surface_materials(struct surface *s, const struct pen_scene *scene,
                                             int count, const unsigned fx)
 {
@@ -144,7 +145,8 @@ static ALWAYS_INLINE void surface_patterns(struct surface *s, const struct pen_s
     surface_set_colours(s, scene, fx);
 }
 
-/* Of the points that are left, a bit each, those on the same part of a primitive as the first. */
+/* The points that are on the same part of a primitive as the first of `left`, out of `left`, a bit
+ * each. */
 static ALWAYS_INLINE unsigned surface_points_of_part(const struct surface *s, unsigned left)
 {
     const struct pen_hit *first = &s->hit[__builtin_ctz(left)];
@@ -155,8 +157,8 @@ static ALWAYS_INLINE unsigned surface_points_of_part(const struct surface *s, un
     return same & left;
 }
 
-/* Points that a line seen to pass just inside an outline meets beside it are moved to its border.
- */
+/* Moves points to the border of their outline. A line that is seen to pass just inside an outline
+ * may meet the plane outside it. */
 static ALWAYS_INLINE void surface_keep_in_outlines(struct surface *s, const struct pen_prims *prims,
                                                    const struct path *const *path, int count)
 {
@@ -174,8 +176,8 @@ static ALWAYS_INLINE void surface_keep_in_outlines(struct surface *s, const stru
     s->p = lanes3_load(p);
 }
 
-/* The outward normal of a point that is seen along d. That of the apex of a cone that refracts is
- * the axis: refracted by its side there, a ray might leave the cone where it enters it. */
+/* The outward normal of a point that is seen along d. At the apex of a cone that refracts it is the
+ * axis: refracted by the cone's side there, a ray might leave the cone where it enters. */
 static ALWAYS_INLINE struct pen_vec3 surface_normal(const struct pen_scene *scene,
                                                     struct pen_hit hit, struct pen_vec3 p,
                                                     struct pen_vec3 d)
@@ -185,7 +187,7 @@ static ALWAYS_INLINE struct pen_vec3 surface_normal(const struct pen_scene *scen
     return pen_prim_normal_seen(&scene->prims, hit, p, d);
 }
 
-/* Some points, one by one, as lanes_prim_surface. */
+/* Computes some points one by one, as lanes_prim_surface. */
 static ALWAYS_INLINE void surface_points_singly(struct surface *s, const struct pen_scene *scene,
                                                 const struct path *const *path, unsigned points,
                                                 struct lanes_prim_point *at)
@@ -208,8 +210,8 @@ static ALWAYS_INLINE void surface_points_singly(struct surface *s, const struct 
                                     lanes_load(curvature)};
 }
 
-/* The points that rays have met, and the outward normals: in lanes, one part of a primitive after
- * the other. */
+/* Computes the points that rays have met, and the outward normals: in lanes, one part of a
+ * primitive after the other. */
 static ALWAYS_INLINE struct lanes_prim_point surface_points(struct surface *s,
                                                             const struct pen_scene *scene,
                                                             const struct path *const *path,
@@ -239,7 +241,7 @@ static ALWAYS_INLINE struct lanes_prim_point surface_points(struct surface *s,
     return all;
 }
 
-/* What the rays of some paths started on. */
+/* The origin surfaces of the rays of some paths. */
 static ALWAYS_INLINE struct lanes_origin surface_left(const struct path *const *path, int count)
 {
     struct pen_vec3 toward[LANES], before[LANES];
@@ -257,7 +259,7 @@ static ALWAYS_INLINE struct lanes_origin surface_left(const struct path *const *
                                  lanes_load(toward_bound), lanes_load(before_bound)};
 }
 
-/* The rays of some paths, which are all camera rays or none of them. Sets d to their directions. */
+/* The rays of some paths, all or none of which are camera rays. Sets d to their directions. */
 static ALWAYS_INLINE struct lanes_arrived
 surface_rays(const struct surface *s, const struct path *const *path, int count, struct lanes3 *d)
 {
@@ -332,7 +334,7 @@ static ALWAYS_INLINE lane_mask surface_seen_from_outside(const struct surface *s
     return lane_mask_of(bits);
 }
 
-/* Fills in *s, with the points of up to LANES paths, which are all camera rays or none of them. The
+/* Fills in *s with the points of up to LANES paths, all or none of which are camera rays. The
  * caller has set s->hit. */
 static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *scene,
                                      const struct path *const *path, int count, const unsigned fx)
@@ -357,7 +359,7 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
     s->nv = lanes_select(outside, s->nv, -s->nv);
     /* By rounding, a ray may leave the surface that it has met. */
     s->nv = lanes_select(lanes_less(lanes_splat(0), s->nv), lanes_splat(0), s->nv);
-    /* By how much moving a point by its bound turns the normal. */
+    /* The angle by which the normal turns when a point moves by its bound. */
     const lanes turn = s->bound * at.curvature;
     s->grazing_sine = surface_grazing_sine(turn, outside);
     s->unsure = surface_unsure(turn, outside);
@@ -368,20 +370,21 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
         s->unsure =
             lanes_select(surface_hardly_left(&ray, s->bound), lanes_splat(INFINITY), s->unsure);
     }
-    /* The bound is computed from the point, so it is not finite where the point is not. */
+    /* The bound is computed from the point, so it is not finite if the point is not finite. */
     s->finite = lane_mask_of((1u << count) - 1) &
                 lanes_less(lanes_abs(s->nv - s->bound), lanes_splat(INFINITY));
     if (surface_is_patterned(s, fx))
         surface_patterns(s, scene, count, fx);
 }
 
-/* Whether rounding decides on which side of the surface the viewer is, or of one beside it. */
+/* Whether rounding decides on which side of the surface, or of one beside it, the viewer is. */
 static ALWAYS_INLINE lane_mask surface_viewer_grazes(const struct surface *s)
 {
     return lanes_less(lanes_splat(0), s->unsure) & lane_mask_not(lanes_less(s->unsure, -s->nv));
 }
 
-/* Whether lights contribute: a viewer in the tangent plane is on neither side of it. */
+/* Whether lights contribute. A viewer in the tangent plane is on neither side of it, so they do
+ * not. */
 static ALWAYS_INLINE lane_mask surface_lit(const struct surface *s)
 {
     return s->finite & lanes_less(s->nv, lanes_splat(0)) & lane_mask_not(surface_viewer_grazes(s));
@@ -397,8 +400,8 @@ static ALWAYS_INLINE struct pen_origin_surface surface_origin(const struct surfa
     return origin;
 }
 
-/* The value of a sample that cannot be computed. The film cannot hold it, so it is left out and
- * counted. */
+/* The value of a sample that cannot be computed. The film cannot hold it, so it is left out of the
+ * mean and counted. */
 static ALWAYS_INLINE struct pen_vec3 no_sample(void)
 {
     return pen_vec3(INFINITY, INFINITY, INFINITY);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* The light that a surface reflects to its viewer if nothing occludes the light source: intensity,
- * attenuation, beam, and the diffuse and specular terms (kd and ks); see src/shade/README.md. */
+ * attenuation, beam, and the diffuse and specular terms (kd and ks). See src/shade/README.md. */
 #ifndef PEN_SHADE_INTERNAL_UNSHADOWED_LIGHT_H
 #define PEN_SHADE_INTERNAL_UNSHADOWED_LIGHT_H
 
 #include "math/lanes_fn.h"
 #include "shade/internal/horizon.h"
 
-/* What the points send to the viewer without a light: emission, and ambient light if the rays are
- * primary. */
+/* The radiance that the points send to the viewer without a light: emission, and ambient light if
+ * the rays are primary. */
 static ALWAYS_INLINE struct lanes3 light_emitted(const struct pen_scene *scene,
                                                  const struct surface *s, bool primary,
                                                  const unsigned fx)
@@ -21,18 +21,19 @@ static ALWAYS_INLINE struct lanes3 light_emitted(const struct pen_scene *scene,
     return lanes3_add(emission, lanes3_mul(lanes3_splat(scene->ambient), ka));
 }
 
-/* What one light contributes at the points of a surface. */
+/* The contribution of one light at the points of a surface. */
 struct arriving_light {
-    lane_mask arrives;      /* something, if nothing occludes the light */
-    struct lanes3 term;     /* unshadowed: I (kd |n.l| + ks ...) */
-    struct lanes3 to_light; /* from p: to the light, or against a directional light's direction */
-    bool to_point;          /* to_light ends in the light; else it is only a direction */
-    uint32_t light;         /* number in the frozen scene */
+    lane_mask arrives;  /* some light arrives if nothing occludes the light */
+    struct lanes3 term; /* unshadowed: I (kd |n.l| + ks ...) */
+    /* From p to the light, or opposite to a directional light's direction. */
+    struct lanes3 to_light;
+    bool to_point;  /* to_light ends in the light; else it is a direction */
+    uint32_t light; /* number in the frozen scene */
 };
 
-/* The share of the arriving light that the material reflects to the viewer:
- * kd |n.l| + ks max(0, -v.r)^shininess, with r = l - 2 (n.l) n, so that -v.r = 2 (n.l)(n.v) - v.l.
- * Rounding may lift -v.r above 1, which a large power would amplify, so it is clamped to 1. */
+/* The share of the arriving light that the material reflects to the viewer: kd |n.l| + ks max(0,
+ * -v.r)^shininess, with r = l - 2 (n.l) n, so that -v.r = 2 (n.l)(n.v) - v.l. Rounding may lift
+ * -v.r above 1, which a large power would amplify, so it is limited to 1. */
 static ALWAYS_INLINE struct lanes3 light_towards_viewer(const struct surface *s, struct lanes3 l,
                                                         lanes nl, lane_mask above,
                                                         const unsigned fx)
@@ -90,7 +91,8 @@ static ALWAYS_INLINE void light_of_positional(struct arriving_light *arriving,
         lanes3_mul(intensity, light_towards_viewer(s, l, nq / d, arriving->arrives, fx));
 }
 
-/* For the points `lit` of a surface that the viewer sees from one side: surface_lit. */
+/* Computes the contribution of one light at the points `lit` of a surface (surface_lit), which the
+ * viewer sees from one side. */
 static ALWAYS_INLINE void light_unshadowed(struct arriving_light *arriving,
                                            const struct pen_light *light, const struct surface *s,
                                            lane_mask lit, const unsigned fx)

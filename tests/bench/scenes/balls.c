@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The sphere flake: a sphere carries nine of a third of its radius, each of these nine more, and so
- * on; below them is a floor. The nine touch their sphere at the directions of three triples. A
- * triple is three corners of a cuboctahedron, tilted so that it is symmetric about its middle; the
- * triples are a third of a turn apart about the direction from the parent. */
+/* The sphere flake. A sphere carries nine spheres of a third of its radius, each of these carries
+ * nine more, and so on; below them is a floor. The nine touch their sphere at the directions of
+ * three triples. A triple is three corners of a cuboctahedron, tilted so that it is symmetric about
+ * its middle. The triples are a third of a turn apart about the direction from the parent. */
 #include "bench/scenes/haines.h"
 
 static void make_directions(struct pen_vec3 direction[9])

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A fractal mountain behind a pyramid of four glass spheres. A square of the mountain is cut in
- * four; the middles of its edges and its own are moved up or down by normal deviates (Carpenter's
- * method), which are drawn by a generator that is seeded anew with the place. */
+ * four. The middles of its edges and its own middle are moved up or down by normal deviates
+ * (Carpenter's method). The generator of these is seeded again at each place, with the place. */
 #include "bench/scenes/haines.h"
 
 struct mountain {

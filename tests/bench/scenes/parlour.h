@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: MIT */
-/* Rooms of the kind that a classroom ray tracer was timed with, and scenes of any size. */
+/* Rooms like those that a classroom ray tracer was timed with, and scenes of any size. */
 #ifndef BENCH_SCENES_PARLOUR_H
 #define BENCH_SCENES_PARLOUR_H
 
-/* A room of 77 primitives under two disk lights, 400 x 600 pixels, with light samples on a jittered
- * grid of 15 x 15 in a circle. One light hangs free; the other is in a bulb behind a lampshade,
- * both of which transmit light. The floor and a mirror reflect. */
+/* Writes a room of 77 primitives under two disk lights, of 400 x 600 pixels. Light samples are on a
+ * jittered grid of 15 x 15 in a circle. One light hangs free. The other is in a bulb behind a
+ * lampshade, and both of them transmit light. The floor and a mirror reflect. */
 void parlour_soft(int size);
 
-/* The same room with chairs and a chandelier, 100 primitives, under three hard lights, 1000 x 1400
+/* Writes the same room with chairs and a chandelier: 100 primitives, three hard lights, 1000 x 1400
  * pixels. */
 void parlour_hard(int size);
 
-/* `size` spheres of equal radius at random places in a cube whose view does not depend on their
- * number, under one hard light. The radius shrinks so that they cover about the same part of the
- * picture. */
+/* Writes `size` spheres of equal radius at random places in a cube, under one hard light. The view
+ * does not depend on their number. The radius shrinks so that they always cover about the same part
+ * of the picture. */
 void field(int size);
 
-/* A floor and spheres of a third of their distance in a row of `size` - 1. */
+/* Writes a floor, and a row of `size` - 1 spheres whose size is a third of their distance. */
 void row(int size);
 
-/* The same floor, and `size` - 1 infinite tubes, which lean; cones, which stand. */
+/* tubes: the same floor, and `size` - 1 infinite tubes, which lean. cones: cones, which stand. */
 void tubes(int size);
 void cones(int size);
 

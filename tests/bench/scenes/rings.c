@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Interlocked rings: a figure of six pentagonal rings, each of five cylinders joined by spheres,
- * which lie in the six planes through the middles of a dodecahedron's edges. Figures form a pyramid
+/* Interlocked rings. A figure has six pentagonal rings, each of five cylinders joined by spheres.
+ * They lie in the six planes through the middles of a dodecahedron's edges. Figures form a pyramid
  * whose layers are squares of 1, 4, 9 ... figures, seen from above its tip, with a wall behind. */
 #include "bench/scenes/haines.h"
 

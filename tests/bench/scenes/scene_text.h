@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Writing the scenes of the benchmarks as penumbra-scene/1 documents, a value at a time. Calls come
- * in the document's order: scene_begin, materials, lights, objects, scene_end. Numbers are written
- * in 17 digits, so that the reader gets the same doubles. */
+/* Writes the scenes of the benchmarks as penumbra-scene/1 documents, value by value. Calls come in
+ * the document's order: scene_begin, materials, lights, objects, scene_end. Numbers have 17 digits,
+ * so that the reader gets the same doubles. */
 #ifndef BENCH_SCENES_SCENE_TEXT_H
 #define BENCH_SCENES_SCENE_TEXT_H
 
@@ -12,9 +12,9 @@
 
 struct scene_text {
     FILE *out;
-    const char *section;  /* the list that is open, "" before the first */
-    bool follows;         /* the open list has a member, so that the next one needs a comma */
-    const char *material; /* of the objects to come */
+    const char *section;  /* the open list; "" before the first list */
+    bool follows;         /* the open list has a member, so a comma comes before the next */
+    const char *material; /* of the next objects */
 };
 
 /* A camera whose picture is a rectangle `width` x `height` at distance 1. */
@@ -23,7 +23,7 @@ struct scene_view {
     double width, height;
 };
 
-/* A material, in the words of api/scene-format.md; ka is kd. */
+/* A material, with the names of api/scene-format.md; ka equals kd. */
 struct scene_look {
     struct pen_vec3 kd, emission;
     double ks, shininess, kt, kr;
@@ -37,7 +37,7 @@ void scene_material(struct scene_text *s, const char *name, struct scene_look lo
 void scene_light(struct scene_text *s, struct pen_vec3 position, struct pen_vec3 intensity,
                  double quadratic_attenuation, double radius);
 
-/* The material of the objects that follow. */
+/* Sets the material of the next objects. */
 void scene_use(struct scene_text *s, const char *material);
 void scene_sphere(struct scene_text *s, struct pen_vec3 center, double radius);
 /* Between two points. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Newell's teapot with a bottom, each of its 32 Bezier patches cut into size x size x 2 triangles,
- * on a board of size x size squares. The patches are described by what makes them: profiles turned
- * about the z axis in four quarters, and the halves of handle and spout, mirrored. */
+/* Newell's teapot with a bottom, on a board of size x size squares. Each of its 32 Bezier patches
+ * is cut into size x size x 2 triangles. The patches are described by what generates them: profiles
+ * turned about the z axis in four quarters, and the halves of handle and spout, mirrored. */
 #include "bench/scenes/haines.h"
 
 /* Four points (radius, z) of a profile, and how far along its tangent a quarter circle's inner

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The tetrahedral pyramid: a tetrahedron of four half as large, each of these of four more. A
- * tetrahedron's corners are those of a cube whose signs have the product 1. */
+/* The tetrahedral pyramid: a tetrahedron of four tetrahedra half as large, each of these of four
+ * more. A tetrahedron's corners are those of a cube whose signs have the product 1. */
 #include "bench/scenes/haines.h"
 
 static struct pen_vec3 corner(struct pen_vec3 center, double half, int i)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The block kernel stripped by hand: block_body.h and block_wave.h of src/shade/internal without
+/* The block kernel stripped by hand: block_body.h and block_wave.h of src/shade/internal, without
  * anti-aliasing, lens, sky, refraction, transmission and blur. Shadows are in shadows.h and soft.h,
- * mirrors in kernel_mirror.h.
- */
+ * mirrors in kernel_mirror.h. */
 #ifndef TESTS_EFFECTS_STRIPPED_BLOCK_H
 #define TESTS_EFFECTS_STRIPPED_BLOCK_H
 
@@ -104,7 +103,7 @@ static ALWAYS_INLINE void block_surfaces(const struct pen_kernel_input *input,
     }
 }
 
-/* Sets the radiance without lights. Returns whether lights contribute to some point. */
+/* Sets the radiance without lights. Returns true if lights contribute to any point. */
 static ALWAYS_INLINE bool block_emitted(const struct pen_kernel_input *input,
                                         struct pen_block_scratch *b)
 {
@@ -118,7 +117,7 @@ static ALWAYS_INLINE bool block_emitted(const struct pen_kernel_input *input,
     return any;
 }
 
-/* What a light brings without shadows. Returns the points that it reaches so. */
+/* Adds a light without shadows. Returns the points that it reaches. */
 static ALWAYS_INLINE uint64_t block_unshadowed(const struct pen_kernel_input *input,
                                                struct pen_block_scratch *b, uint32_t light)
 {
@@ -224,7 +223,7 @@ static ALWAYS_INLINE int block_order(struct pen_block_scratch *b, struct pen_rec
     return pixels;
 }
 
-/* Makes the camera rays of a block's pixels. Returns how many pixels there are. */
+/* Makes the camera rays of a block's pixels. Returns the number of pixels. */
 static ALWAYS_INLINE int block_begin(const struct pen_kernel_input *input,
                                      struct pen_block_scratch *b, struct pen_rect rect,
                                      struct pen_ray_counts *counts)
@@ -246,7 +245,7 @@ static ALWAYS_INLINE int block_begin(const struct pen_kernel_input *input,
     return pixels;
 }
 
-/* Adds up what the pixels' surfaces have sent; `alone` renders those that are deferred. */
+/* Sums the radiance of the pixels' surfaces; `alone` renders the deferred pixels. */
 static ALWAYS_INLINE void block_end(const struct pen_kernel_input *input,
                                     struct pen_kernel_scratch *scratch, struct pen_rect rect,
                                     int pixels, double (*rgb)[3], struct pen_ray_counts *counts,

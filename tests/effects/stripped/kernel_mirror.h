@@ -6,7 +6,7 @@
 #include "effects/stripped/shadows.h"
 #include "effects/stripped/stripped.h"
 
-/* Paths that end are kept for reflected ones. */
+/* Paths that end are kept, for reflected paths. */
 static ALWAYS_INLINE void mirror_trace(const struct pen_kernel_input *input,
                                        struct pen_block_scratch *b)
 {
@@ -42,7 +42,7 @@ static ALWAYS_INLINE struct pen_vec3 weight_of(const struct pen_kernel_input *in
     return pen_mul(path->weight, input->scene->materials[s->material[lane]].kr);
 }
 
-/* Of the points of s, those that reflect their paths. */
+/* Returns those points of s that reflect their paths. */
 static ALWAYS_INLINE unsigned reflecting(const struct pen_kernel_input *input,
                                          const struct surface *s, const struct path *const *path,
                                          int count)

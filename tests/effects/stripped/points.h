@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Points and the light at them, for kernels stripped by hand of all effects but ambient and
- * specular light: src/shade/internal/surface.h and unshadowed_light.h without patterns and
- * refraction. What these headers have that knows no effect is taken from them. */
+/* Points and the light at them, for kernels without any effect but ambient and specular light:
+ * src/shade/internal/surface.h and unshadowed_light.h, without patterns and refraction. Code of
+ * these headers that belongs to no effect is used from there. */
 #ifndef TESTS_EFFECTS_STRIPPED_POINTS_H
 #define TESTS_EFFECTS_STRIPPED_POINTS_H
 

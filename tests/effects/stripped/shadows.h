@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Hard shadows of the stripped block kernels: as block_wave.h of src/shade/internal has them,
- * without transmissive surfaces. */
+/* Hard shadows of the stripped block kernels: those of block_wave.h of src/shade/internal, without
+ * transmissive surfaces. */
 #ifndef TESTS_EFFECTS_STRIPPED_SHADOWS_H
 #define TESTS_EFFECTS_STRIPPED_SHADOWS_H
 
@@ -83,7 +83,7 @@ static ALWAYS_INLINE void block_start_at_points(struct pen_block_scratch *b)
     }
 }
 
-/* The wave's points, to which lights may contribute; returns whether they do. */
+/* Marks the wave's points to which lights may contribute; returns true if there are any. */
 static ALWAYS_INLINE bool block_begin_lights(const struct pen_kernel_input *input,
                                              struct pen_block_scratch *b)
 {
@@ -95,7 +95,7 @@ static ALWAYS_INLINE bool block_begin_lights(const struct pen_kernel_input *inpu
     return true;
 }
 
-/* Adds what a light brings to points, of which the shadows are known if it casts any. */
+/* Adds a light to points. If the light casts shadows, they are known. */
 static ALWAYS_INLINE void block_add_shadowed(struct pen_block_scratch *b, uint64_t points,
                                              bool shadows)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Soft shadows of the stripped block kernel: src/shade/internal/soft_shadow.h and shadow_ray.h
- * without transmissive surfaces, so that a ray is blocked or adds 1. */
+ * without transmissive surfaces, so a ray is blocked or adds 1. */
 #ifndef TESTS_EFFECTS_STRIPPED_SOFT_H
 #define TESTS_EFFECTS_STRIPPED_SOFT_H
 
@@ -110,7 +110,7 @@ samples_begin_packet(const struct pen_kernel_input *input, struct pen_kernel_scr
     return visibility;
 }
 
-/* The rays that the packet does not decide are traced by themselves, in order. */
+/* Traces the rays that the packet does not decide one by one, in order. */
 static ALWAYS_INLINE void samples_add_each(const struct pen_kernel_input *input,
                                            struct pen_kernel_scratch *scratch, struct samples *in,
                                            const struct point_list *list, uint64_t unblocked,

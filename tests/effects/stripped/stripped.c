@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The stripped kernels in one file, as the compiled ones are in kernel_isa.c, so that the compiler
- * inlines by the same rules: what several kernels call may remain a function. */
+/* The stripped kernels in one file, like the compiled ones in kernel_isa.c. So the compiler inlines
+ * by the same rules: a function that several kernels call may remain a function. */
 #include "effects/stripped/stripped.h"
 
 #include "effects/stripped/kernel_hard.h"

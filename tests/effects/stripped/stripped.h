@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Block kernels stripped by hand: copies of the kernel's text from which the code of all effects
- * but those of one set is removed, to hold the compiled kernels against. Their effects:
- * ambient and specular light in all; hard: hard shadows; soft: hard and soft ones; mirror: hard
- * ones and mirrors. */
+/* Block kernels stripped by hand, to compare the compiled kernels with. They are copies of the
+ * kernel's text without the code of all effects outside one set. All have ambient and specular
+ * light. `hard` adds hard shadows; `soft` adds hard and soft shadows; `mirror` adds hard shadows
+ * and mirrors. */
 #ifndef TESTS_EFFECTS_STRIPPED_STRIPPED_H
 #define TESTS_EFFECTS_STRIPPED_STRIPPED_H
 
