@@ -31,7 +31,8 @@ static bool add(struct static_files *files, const char *name, const char *type, 
     file->type = type;
     file->blob = blob;
     pen_http_etag(&blob->content, file->etag);
-    blob->gzip = pen_http_blob_gzip(blob); /* now: later a thread of connections would */
+    if (strcmp(type, "image/png") != 0) /* now: later a thread of connections would */
+        blob->gzip = pen_http_blob_gzip(blob);
     return true;
 }
 
