@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The callbacks of libmicrohttpd, which lead a request through its phases (see request.h).
  *
- * A reply is queued in the access callback only, never from another thread: the thread that answers
- * fills the reply and resumes the connection, and libmicrohttpd then calls the callback again. */
+ * A reply is queued in the access callback only, never from another thread. The thread that answers
+ * fills the reply and resumes the connection. libmicrohttpd then calls the callback again. */
 #include "http/internal/listener.h"
 
 #include <gnutls/gnutls.h>

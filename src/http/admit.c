@@ -102,7 +102,10 @@ static bool check_origin(struct request *request, struct pen_status *st)
         return true;
     request->is_cross_origin = http->cors && pen_origin_listed(http->cors, origin);
     return request->is_cross_origin ||
-           pen_fail(st, PEN_FORBIDDEN, "requests from pages of %.200s are not allowed", origin);
+           pen_fail(st, PEN_FORBIDDEN,
+                    "requests from pages of %.200s are not allowed; the daemon's --cors allows "
+                    "another site, --trusted-proxy a proxy",
+                    origin);
 }
 
 /* Job ids are UUIDs. Any other text names no job. */
@@ -173,7 +176,6 @@ static bool check_media(const struct request *request, struct pen_status *st)
     case PEN_MEDIA_NONE:
     case PEN_MEDIA_JSON:
     case PEN_MEDIA_XML:
-    case PEN_MEDIA_XML_UTF16:
         return true;
     case PEN_MEDIA_OTHER:
         break;

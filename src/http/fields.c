@@ -84,7 +84,8 @@ bool pen_origin_listed(const char *list, const char *origin)
     return false;
 }
 
-/* The media type with the charset of its parameters; PEN_MEDIA_OTHER if that is not read. */
+/* The media type, or PEN_MEDIA_OTHER if its parameters name a charset that is not read. The bytes
+ * of an XML document tell whether it is in UTF-16. */
 static enum pen_media with_charset(enum pen_media media, const char *parameters)
 {
     const char *charset = strcasestr(parameters, "charset=");
@@ -99,7 +100,7 @@ static enum pen_media with_charset(enum pen_media media, const char *parameters)
     bool utf16 = (length == 6 && strncasecmp(charset, "utf-16", length) == 0) ||
                  (length == 8 && strncasecmp(charset, "utf-16le", length) == 0) ||
                  (length == 8 && strncasecmp(charset, "utf-16be", length) == 0);
-    return utf16 && media == PEN_MEDIA_XML ? PEN_MEDIA_XML_UTF16 : PEN_MEDIA_OTHER;
+    return utf16 && media == PEN_MEDIA_XML ? media : PEN_MEDIA_OTHER;
 }
 
 enum pen_media pen_media_parse(const char *content_type)

@@ -51,7 +51,7 @@ struct guard {
     pthread_mutex_t lock;
     int top;                /* guarded by lock: the highest descriptor so far */
     int lingering;          /* guarded by lock */
-    int *sorted;            /* the thread's: room for all descriptors */
+    int *sorted;            /* the thread's: space for all descriptors */
     char dropped[64 << 10]; /* the thread's: what lingering connections send */
     struct peer peer[];
 };

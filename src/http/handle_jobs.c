@@ -52,41 +52,9 @@ static struct pen_submission read_submission(const struct request *request)
                                 .traceparent = request->fields.traceparent,
                                 .idempotency_key = request->fields.idempotency_key};
     enum pen_media media = pen_media_parse(request->fields.content_type);
-    in.xml = media == PEN_MEDIA_XML || media == PEN_MEDIA_XML_UTF16 ||
-             (media == PEN_MEDIA_NONE && pen_text_is_xml(in.body, in.bytes));
+    in.xml =
+        media == PEN_MEDIA_XML || (media == PEN_MEDIA_NONE && pen_text_is_xml(in.body, in.bytes));
     return in;
-}
-
-/* Answers a request whose charset is UTF-16 although its body is not. Returns whether it is right.
- */
-static bool check_charset(struct request *request)
-{
-    struct pen_status st;
-    if (pen_media_parse(request->fields.content_type) != PEN_MEDIA_XML_UTF16 ||
-        pen_text_is_utf16((const char *)request->body.data, request->body.bytes))
-        return true;
-    pen_fail(&st, PEN_MEDIA_TYPE,
-             "the charset is UTF-16, but the body does not begin with a byte-order mark of UTF-16; "
-             "application/xml in UTF-8 needs no charset");
-    pen_http_request_fail(request, &st);
-    return false;
-}
-
-bool pen_http_quick_refusal(struct request *request)
-{
-    enum { BYTES_MAX = 128 }; /* of any kind take 6 µs at most, 1 KiB of "[{},{}…" takes 37 */
-    struct pen_errors errors;
-    errors.count = errors.total = 0; /* the list has 16 KB, which need not be cleared */
-    if (request->body.bytes > BYTES_MAX || request->fields.content_encoding ||
-        request->fields.idempotency_key)
-        return false;
-    const struct pen_submission in = read_submission(request);
-    if (!check_charset(request))
-        return true;
-    if (!pen_jobs_refuses(&in, &request->http->limits, &errors))
-        return false;
-    answer_errors(request, &errors);
-    return true;
 }
 
 /* A job that was stored tells what a probe would tell /readyz. If the store has just refused one,
@@ -110,8 +78,6 @@ static bool submit(struct request *request, struct pen_jobs *jobs, bool explain,
     char client[CLIENT_BYTES];
     struct pen_submission in = read_submission(request);
     struct pen_errors errors = {0};
-    if (!check_charset(request))
-        return false;
     in.client = pen_http_request_client(request, client);
     in.explain = explain;
     if (explain)
@@ -150,8 +116,6 @@ enum outcome pen_http_handle_validate(struct request *request, struct pen_jobs *
     struct pen_submission in = read_submission(request);
     struct pen_errors errors = {0};
     json_t *answer = NULL;
-    if (!check_charset(request))
-        return OUTCOME_ANSWERED;
     if (!pen_jobs_validate(jobs, &in, &answer, &errors))
         return answer_errors(request, &errors);
     return pen_http_request_json(request, 200, answer);

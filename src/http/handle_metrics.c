@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* GET /metrics: the state of the queue, of the store and of this process in Prometheus' text format
- * 0.0.4, with base units. Counters of work and of the store are those of all its processes
- * (pen_tally); they begin again at 0 when its -wake file is made anew, which Prometheus takes for a
- * restart. */
+ * 0.0.4, with base units. Counters of work and of the store are sums over all processes of the
+ * store. */
 #include <math.h>
 #include <stdio.h>
 #include <unistd.h>

@@ -68,7 +68,6 @@ enum pen_media {
     PEN_MEDIA_NONE, /* no type, or curl's default type: the body's first byte decides */
     PEN_MEDIA_JSON,
     PEN_MEDIA_XML,
-    PEN_MEDIA_XML_UTF16, /* XML that must begin with a byte-order mark of UTF-16 */
     PEN_MEDIA_OTHER
 };
 enum pen_media pen_media_parse(const char *content_type);

@@ -49,8 +49,8 @@ static const struct param_rule preview_params[] = {{.name = "view", .longest = 2
     }
 
 static const struct route table[] = {
-    ROUTE("POST", "/v1/jobs", SUBMIT, submit, .quick = pen_http_quick_refusal,
-          .queue = QUEUE_CHANGES, .takes_body = true, .submits = true),
+    ROUTE("POST", "/v1/jobs", SUBMIT, submit, .queue = QUEUE_CHANGES, .takes_body = true,
+          .submits = true),
     ROUTE("GET", "/v1/jobs", READ, list, .queue = QUEUE_STORE, .params = list_params),
     ROUTE("GET", "/v1/jobs/{id}", READ, job, .quick = pen_http_quick_job, .queue = QUEUE_STORE,
           .params = job_params),
@@ -68,8 +68,7 @@ static const struct route table[] = {
     ROUTE("GET", "/v1/jobs/{id}/report", READ, report, .queue = QUEUE_COMPUTE),
     ROUTE("GET", "/v1/jobs/{id}/scene", READ, scene, .queue = QUEUE_COMPUTE),
     ROUTE("POST", "/v1/jobs/{id}/cancel", SUBMIT, cancel, .queue = QUEUE_CHANGES),
-    ROUTE("POST", "/v1/validate", READ, validate, .quick = pen_http_quick_refusal,
-          .queue = QUEUE_COMPUTE, .takes_body = true),
+    ROUTE("POST", "/v1/validate", READ, validate, .queue = QUEUE_COMPUTE, .takes_body = true),
     ROUTE("POST", "/v1/explain", SUBMIT, explain, .queue = QUEUE_CHANGES, .takes_body = true,
           .submits = true, .handle_again = true),
     ROUTE("GET", "/v1/scenes", READ, file, .queue = QUEUE_NONE),

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Start and stop. The server stops in this order:
- *   1. no new connections are accepted, and new requests are refused;
- *   2. long polls are answered, and event streams end;
- *   3. requests in progress are finished and sent, for finish_max_ns at most;
- *   4. the executor's threads end, so that no connection is suspended;
- *   5. all connections are closed. */
+ *   1. No new connections are accepted, and new requests are refused.
+ *   2. Long polls are answered, and event streams end.
+ *   3. Requests in progress are finished and sent, for finish_max_ns at most.
+ *   4. The executor's threads end, so that no connection is suspended.
+ *   5. All connections are closed. */
 #include "http/server.h"
 
 #include <sodium.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The HTTP server of the api process, in front of the room jobs. There is one route table;
- * api/openapi.yaml defines every route's method, path, parameters and answers, and a test compares
- * the two. libmicrohttpd serves the connections with a few threads that never block: work on the
- * store runs on threads of its own. README.md lists the files and threads. */
+/* The HTTP server of the api process, in front of the module jobs. There is one route table.
+ * api/openapi.yaml defines every route's method, path, parameters and answers; a test compares the
+ * two. libmicrohttpd serves the connections with a few threads that never block. Work on the store
+ * runs on other threads. README.md lists the files and threads. */
 #ifndef PEN_HTTP_SERVER_H
 #define PEN_HTTP_SERVER_H
 
@@ -41,7 +41,7 @@ bool pen_http_is_address(const char *text);
  * PEN_UNAVAILABLE (sockets, threads), PEN_NO_MEMORY; as pen_tokens_open and pen_tls_open. */
 struct pen_http *pen_http_start(const struct pen_http_options *options, struct pen_status *st);
 
-/* Opens the store, once; may be tried again after a failure, whose reason clients are told.
+/* Opens the store, once; may be tried again after a failure. Clients are told the reason.
  * Threads: the one that has started. Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads),
  * PEN_NO_MEMORY. */
 bool pen_http_open(struct pen_http *http, const struct pen_http_options *options,

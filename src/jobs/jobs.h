@@ -61,13 +61,6 @@ struct pen_submitted {
 bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
                      struct pen_submitted *out, struct pen_errors *errors);
 
-/* Returns true if a body is refused by its first character, because neither an object nor XML
- * begins with it. `errors` then has what pen_jobs_submit and pen_jobs_validate would report.
- * Threads: any.
- * Cost: grows only with the length of the body; the store is not used. */
-bool pen_jobs_refuses(const struct pen_submission *in, const struct pen_limits *limits,
-                      struct pen_errors *errors);
-
 /* Checks a scene or a job without storing it; *answer is {"valid": true, "warnings": […]}. The
  * store is not used. `jobs` NULL stands for the default limits.
  * Owns: *answer is the caller's.

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* Watches the sockets of libmicrohttpd from outside, for what the library lacks: deadlines for
- * heads, bodies and readers, closing idle connections when there are too many, noticing that the
- * client of a suspended request has gone, and lingering closes.
+/* Watches the sockets of libmicrohttpd from outside, for four things that the library lacks:
+ *   - deadlines for heads, bodies and readers;
+ *   - closing idle connections when there are too many;
+ *   - noticing that the client of a suspended request has closed its connection;
+ *   - lingering closes.
  *
  * There is one slot per descriptor. The threads of libmicrohttpd store a state and a time in it,
  * without a lock. The guard's thread looks at all slots four times a second. The lock is taken when
- * a connection comes or goes, and when a suspended request is watched: libmicrohttpd reports the
- * end of a connection before it closes the descriptor, so the guard never shuts down a descriptor
- * that has become somebody else's.
+ * a connection opens or closes, and when a suspended request is watched. libmicrohttpd reports the
+ * end of a connection before it closes the descriptor. So the guard never shuts down a descriptor
+ * that belongs to another connection by then.
  *
- * A suspended connection (PEER_WORK) is in no set of libmicrohttpd, which would not notice a
- * shutdown. The guard tells the request's owner that its client has gone; the owner resumes it.
+ * libmicrohttpd does not poll a suspended connection (PEER_WORK), and would not notice a shutdown.
+ * The guard tells the request's owner that the client is gone; the owner resumes the request.
  *
  * Locks: the guard's lock comes after the watcher's.
  * Threads: any, except start and stop. */
@@ -37,8 +39,8 @@ enum peer_state {
 };
 
 struct guard_options {
-    int connections; /* beyond this number the connections that are idle longest are closed */
-    int descriptors; /* the table's size: connections with higher descriptors are not allowed */
+    int connections; /* beyond this number, those that are idle longest are closed */
+    int descriptors; /* the size of the table; a connection has a descriptor below it */
     int idle_ms, head_ms, body_ms, send_ms;
     unsigned body_bytes, send_bytes; /* the least in each window of body_ms and send_ms */
     /* The client of a watched request has gone. Called once, without a lock. */
@@ -52,7 +54,7 @@ struct guard *pen_guard_start(const struct guard_options *options, struct pen_st
 /* Ends the thread and frees the guard. No connection may be open. NULL is allowed. */
 void pen_guard_stop(struct guard *guard);
 
-/* A connection has come, or is about to be closed. */
+/* A connection is open, or is about to be closed. */
 void pen_guard_opened(struct guard *guard, int fd);
 void pen_guard_closing(struct guard *guard, int fd);
 

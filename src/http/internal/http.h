@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The server: its parts, and the counters that several of them use. Every request points to the
- * server, and so reaches the executor and the watcher; their calls are declared in their own
- * headers only. */
+ * server. Each part declares its calls in its own header. */
 #ifndef PEN_HTTP_INTERNAL_HTTP_H
 #define PEN_HTTP_INTERNAL_HTTP_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The places of queued jobs, and how long they wait. The whole queue is read at once and kept for a
- * time that is twenty times as long as the reading took, so that it costs a twentieth of a thread
- * at most, however many jobs wait and are asked for.
+/* The places of queued jobs, and how long they wait. The front of the queue is read at once. It is
+ * kept for twenty times as long as the reading took. So reading takes a twentieth of a thread at
+ * most, however many requests ask for places.
  *
  * Threads: any. */
 #ifndef PEN_HTTP_INTERNAL_QUEUE_H
@@ -18,10 +18,10 @@ struct queue *pen_http_queue_new(void);
 void pen_http_queue_free(struct queue *queue); /* NULL is allowed */
 
 struct queue_place {
-    int64_t number;     /* 1 for the job that begins next; 0: not known */
-    double eta_seconds; /* until it ends, if it and those before it take as long as the last ones
-                         * that have ended, after what is left of those that run: as far as it is
-                         * known, else half. 0: not known */
+    int64_t number; /* 1 for the job that begins next; 0: not known */
+    /* The time until the job ends: what is left of the running jobs, then the queued ones up to
+     * this one, each as long as the mean of the jobs that ended last. 0: not known. */
+    double eta_seconds;
 };
 
 /* The place of a job when the queue was read last. It is not known if the job was not in the queue

@@ -16,8 +16,8 @@
 #include "base/status.h"
 
 /* Reference-counted bytes: one cached body may be sent to many clients at once. From
- * PEN_BLOB_FILE_BYTES on they are in an unlinked file, mapped into memory, so that the system can
- * write them out when it needs the memory. Threads: any. */
+ * PEN_BLOB_FILE_BYTES on they are in an unlinked file that is mapped into memory. The system can
+ * write such bytes out when it needs the memory. Threads: any. */
 struct blob {
     atomic_int refs; /* atomic: acquire-release, so that the thread that frees sees all reads */
     struct pen_buf content;

@@ -105,10 +105,10 @@ void pen_http_request_admit(struct request *request, size_t head_bytes);
  * missing; the request is answered then, and nothing more of the body may be read. */
 bool pen_http_request_receive(struct request *request, const char *data, size_t bytes);
 
-/* Logs a request that has ended: a line at level info if it has changed the store, at level warn if
- * it failed (5xx other than 503), else at level debug: clients decide how many requests are read or
- * refused, and they must not fill the log. Refused and failed requests are counted for /metrics.
- * `streamed`: bytes of its event stream; complete: the whole answer was sent. In access_log.c. */
+/* Logs a request that has ended, in access_log.c. The level is info if it has changed the store,
+ * warn if it failed (5xx other than 503), else debug: clients must not be able to fill the log.
+ * Counts refused and failed requests for /metrics. `streamed`: bytes of its event stream;
+ * `complete`: the whole answer was sent. */
 void pen_http_access_log_add(const struct request *request, uint64_t streamed, bool complete);
 
 /* Takes the client's own request id if it can be written into logs safely, else makes one. */
@@ -118,13 +118,13 @@ void pen_http_request_name(struct request *request);
  * reason. */
 bool pen_http_request_has_store(const struct request *request, struct pen_status *st);
 
-/* Takes the reason out of *st, why the daemon is not ready, unless the client has a token. */
+/* Takes the reason why the daemon is not ready out of *st, unless the client has a token. */
 void pen_http_request_hide_reason(const struct request *request, struct pen_status *st);
 
 /* Suspends the connection, for another thread to answer the request. Threads: libmicrohttpd's. */
 void pen_http_suspend(struct request *request);
 
-/* The request is answered, or more of its stream is there: libmicrohttpd goes on with it. The
+/* Gives a request back to libmicrohttpd: it is answered, or its stream has something to send. The
  * caller must not touch it afterwards. Threads: the one that has the request. */
 void pen_http_resume(struct request *request);
 

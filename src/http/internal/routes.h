@@ -35,7 +35,7 @@ route_handler pen_http_handle_events;
 route_handler pen_http_handle_validate, pen_http_handle_file, pen_http_handle_workers,
     pen_http_handle_healthz, pen_http_handle_readyz;
 route_handler pen_http_handle_metrics;
-route_quick pen_http_quick_job, pen_http_quick_refusal;
+route_quick pen_http_quick_job;
 
 /* Where a handler runs. */
 enum queue_id {
@@ -46,9 +46,11 @@ enum queue_id {
                     * checking them, and whatever has a large body */
 };
 
-/* What a query parameter may be: if `allowed` is set, one of these words; else, if high > 0, a
- * number from low to high; else, if is_job, the id of a job, which must be given; else a text of 1
- * to `longest` characters. */
+/* What a query parameter may be. The first of these that applies:
+ *   allowed   one of these words
+ *   high      a number from low to high
+ *   is_job    the id of a job; this parameter must be given
+ *   longest   a text of 1 to so many characters */
 struct param_rule {
     const char *name;
     const char *const *allowed; /* ends with NULL */
@@ -65,8 +67,7 @@ struct route {
     enum queue_id queue;
     bool takes_body;   /* a scene or a job; otherwise a body is discarded */
     bool submits;      /* refused while draining */
-    bool handle_again; /* a request that has waited in the watcher goes to the handler again,
-                        * instead of being answered with its job */
+    bool handle_again; /* after its wait the handler runs again; otherwise the answer is the job */
     const struct param_rule *params; /* ends with a NULL name; NULL: none */
 };
 
@@ -82,8 +83,8 @@ const struct route *pen_http_route_find(const char *method, const struct pen_tar
 bool pen_http_route_check_params(const struct route *route, const struct pen_target *target,
                                  struct pen_status *st);
 
-/* The queue for a request whose body was received. The picture that a worker has stored, that of a
- * view as PNG, needs no compute thread. */
+/* The queue for a request whose body was received. A stored picture, a view as PNG, needs no
+ * compute thread. */
 enum queue_id pen_http_route_queue(const struct route *route, const struct request *request);
 
 #endif

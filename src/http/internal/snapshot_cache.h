@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* A cache of jobs as they were last read, each valid for one value of the store's change counter.
- * While the counter stays the same the jobs stay the same, and a poll is answered from the cache
- * without a store thread. A change notification may get lost, so a snapshot is not used for longer
- * than a second.
+/* A cache of jobs as they were read last. A snapshot is valid for one value of the store's change
+ * counter: while that stays the same, no job has changed. A poll is then answered from the cache,
+ * without a store thread. Since a change notification may get lost, a snapshot is used for a second
+ * at most.
  *
  * Threads: any. */
 #ifndef PEN_HTTP_INTERNAL_SNAPSHOT_CACHE_H
@@ -43,8 +43,8 @@ bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes
                                   struct pen_jobs *jobs, const char *id, struct snapshot *out,
                                   struct pen_status *st);
 
-/* Whether a GET that waits for its job can be answered, as pen_http_snapshot_is_due tells. What is
- * not in the cache is read from the store, but for the job's text. Fails: as pen_jobs_state. */
+/* As pen_http_snapshot_is_due. A job that is not in the cache is read from the store, without its
+ * text. Fails: as pen_jobs_state. */
 bool pen_http_snapshot_cache_check(struct snapshot_cache *cache, uint32_t changes,
                                    struct pen_jobs *jobs, const struct request *request, bool *due,
                                    struct pen_status *st);

@@ -24,7 +24,7 @@ struct static_files;
 struct static_files *pen_http_static_files_new(struct pen_status *st);
 void pen_http_static_files_free(struct static_files *files); /* NULL is allowed */
 
-/* The file of that name, or NULL. */
+/* NULL: there is no file of that name. */
 const struct static_file *pen_http_static_files_find(const struct static_files *files,
                                                      const char *name);
 

@@ -36,9 +36,9 @@ struct stream_texts {
 };
 void pen_http_stream_texts_release(struct stream_texts *texts);
 
-/* Gives a waiting stream the events that it has not been sent yet; if there are none and its
- * heartbeat is due, that. `changes` is the store's change counter from before the call. Returns
- * whether the stream has something to send, or ends. Threads: the watcher's. */
+/* Gives a waiting stream its next events, or a heartbeat if there are none and it is due. `changes`
+ * is the store's change counter from before the call. Returns whether the stream has something to
+ * send, or ends. Threads: the watcher's. */
 bool pen_http_stream_advance(struct request *request, struct pen_jobs *jobs, uint32_t changes,
                              struct stream_texts *texts);
 

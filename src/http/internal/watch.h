@@ -38,10 +38,10 @@ enum watch_result {
     WATCH_CLOSED    /* the daemon is stopping, or the client has gone */
 };
 
-/* Gives a request to the watcher until its job has changed, or request->deadline_ns, where 0 means
- * now. `changes` is
- * the change counter from before the caller read the job; thus no change between reading and
- * waiting is missed. A stream's connection is suspended here, a poll's is so already. */
+/* Gives a request to the watcher until its job has changed, or until request->deadline_ns (0: now).
+ * `changes` is the change counter from before the caller read the job, so that no change between
+ * reading and waiting is missed. Suspends the connection of a stream; that of a poll is suspended
+ * already. */
 enum watch_result pen_http_watch_add(struct watch *watch, struct request *request,
                                      uint32_t changes);
 
