@@ -78,7 +78,7 @@ SVC_SRC := $(filter-out $(if $(filter 1,$(FARM)),,src/store/db_postgres%),$(fore
 ISA_SRC := $(filter %_isa.c,$(LIB_SRC))
 ISA_OBJ := $(foreach isa,$(ISAS),$(ISA_SRC:%.c=$(BUILD)/%_$(isa).o))
 LIB_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(ISA_SRC),$(LIB_SRC))) $(ISA_OBJ) $(BUILD)/gen/builtin_scenes.o
-SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o $(BUILD)/gen/schema.o
+SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o $(BUILD)/gen/report_files.o $(BUILD)/gen/schema.o
 CMD_COMMON := $(sort $(wildcard src/cmd/*.c))
 CMD_OBJ := $(CMD_COMMON:%.c=$(BUILD)/%.o)
 CLIENT_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard src/cmd/client/*.c)))
@@ -154,6 +154,9 @@ $(BUILD)/gen/builtin_scenes.c: $(sort $(wildcard scenes/*.json)) deploy/embed.sh
 $(BUILD)/gen/api_files.c: $(sort $(wildcard api/*.yaml api/*.json)) deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_api_files $(sort $(wildcard api/*.yaml api/*.json)) > $@.tmp && mv $@.tmp $@
+$(BUILD)/gen/report_files.c: $(sort $(wildcard api/page/report.*)) deploy/embed.sh
+	@mkdir -p $(@D)
+	$(Q)sh deploy/embed.sh pen_report_files $(sort $(wildcard api/page/report.*)) > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/schema.c: src/store/schema.sql deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_store_schema src/store/schema.sql > $@.tmp && mv $@.tmp $@

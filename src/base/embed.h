@@ -20,4 +20,7 @@ extern const struct pen_embedded_file pen_builtin_files[];
 /* The files api/ *.yaml and *.json. The last entry's name is NULL. Not part of libpenumbra. */
 extern const struct pen_embedded_file pen_api_files[];
 
+/* The files api/page/report.*: the template of reports. Not part of libpenumbra. */
+extern const struct pen_embedded_file pen_report_files[];
+
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* An accuracy study in the worker. */
 #include <math.h>
-#include <string.h>
 
 #include "jobs/accuracy_spec.h"
 #include "jobs/internal/study.h"
@@ -53,20 +52,17 @@ static bool read_spec(struct accuracy *a, struct pen_status *st)
     return true;
 }
 
-static bool write_format(const void *user, const char *format, struct pen_buf *out,
-                         struct pen_status *st)
-{
-    const struct accuracy *a = user;
-    return strcmp(format, "html") == 0 ? pen_accuracy_write_html(&a->accuracy, a->report, out, st)
-                                       : pen_accuracy_write(a->report, format, out, st);
-}
-
 static bool write_report(struct accuracy *a, struct pen_batch_output *output, struct pen_status *st)
 {
     const char *name = a->study.desc.name;
+    struct pen_buf figures = {0};
     a->report = pen_accuracy_json(&a->accuracy, name ? name : "");
-    return a->report ? pen_study_store_report(&a->study, write_format, a, output, st)
-                     : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
+    const bool ok = a->report
+                        ? pen_accuracy_figures(&a->accuracy, a->report, &figures, st) &&
+                              pen_study_store_report(&a->study, a->report, &figures, output, st)
+                        : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
+    pen_buf_release(&figures);
+    return ok;
 }
 
 bool pen_batch_accuracy(struct pen_batch_context *context, struct pen_batch_output *output,

@@ -4,7 +4,6 @@
  * priority waits. */
 #include "jobs/bench_spec.h"
 #include "jobs/internal/study.h"
-#include "study/report.h"
 
 struct benchmark {
     struct pen_study study; /* the first member: progress and keep take it for the study */
@@ -64,10 +63,9 @@ static bool write_report(struct benchmark *benchmark, struct pen_batch_output *o
         pen_bench_report_new(&benchmark->bench, &benchmark->result,
                              pen_bench_spec_head(&benchmark->spec, &benchmark->bench,
                                                  &benchmark->study.context->request.settings));
-    bool ok = report ? pen_bench_report_write(report, "json", &output->artefact, st)
+    bool ok = report ? pen_study_store_report(&benchmark->study, report, NULL, output, st)
                      : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
     json_decref(report);
-    pen_batch_set_artefact(output, PEN_REPORT_LAYER, PEN_REPORT_FORMAT);
     return ok;
 }
 

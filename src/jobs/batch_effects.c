@@ -8,12 +8,17 @@ struct effects {
     struct pen_bill bill;
 };
 
-static bool write_format(const void *user, const char *format, struct pen_buf *out,
-                         struct pen_status *st)
+static bool write_report(struct effects *e, struct pen_batch_output *output, struct pen_status *st)
 {
-    const struct effects *e = user;
     const char *scene = e->study.desc.name;
-    return pen_bill_write(&e->bill, scene ? scene : "", format, out, st);
+    struct pen_buf figures = {0};
+    json_t *report = pen_bill_json(&e->bill, scene ? scene : "");
+    pen_bill_figures(&e->bill, &figures);
+    const bool ok = report ? pen_study_store_report(&e->study, report, &figures, output, st)
+                           : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
+    pen_buf_release(&figures);
+    json_decref(report);
+    return ok;
 }
 
 static bool make_bill(struct effects *e, struct pen_batch_output *output, struct pen_status *st)
@@ -35,7 +40,7 @@ static bool make_bill(struct effects *e, struct pen_batch_output *output, struct
                                        .pixel_user = context};
     const bool ok =
         pen_batch_hook_done(context, pen_bill_make(&task, bill, st), st) &&
-        pen_study_store_report(&e->study, write_format, e, output, st) &&
+        write_report(e, output, st) &&
         pen_study_write_stats(&e->study, &bill->whole, &bill->accel, bill->build_ms, output, st);
     pen_bill_release(bill);
     return ok;

@@ -154,7 +154,7 @@ bool pen_jobs_tiles(struct pen_jobs *jobs, const char *id, int64_t after, pen_jo
  * Fails: PEN_NOT_FOUND; PEN_GONE (removed with its statistics); PEN_CONFLICT (it has not ended). */
 json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
-/* The report of a job in one of the formats of pen_bench_report_formats. Fails: PEN_CONFLICT
+/* The report of a job in one of the formats of pen_report_formats. Fails: PEN_CONFLICT
  * (unfinished, failed, cancelled); PEN_NOT_FOUND (no such job, or of a kind without a report);
  * PEN_ACCEPT (an explanation in another format than "json"). */
 bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,

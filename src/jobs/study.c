@@ -167,18 +167,16 @@ const struct pen_kept_study *pen_study_kept(struct pen_study *study)
     return &study->kept;
 }
 
-bool pen_study_store_report(struct pen_study *study, pen_study_write_fn *write, const void *user,
-                            struct pen_batch_output *output, struct pen_status *st)
+bool pen_study_store_report(struct pen_study *study, const json_t *report,
+                            const struct pen_buf *figures, struct pen_batch_output *output,
+                            struct pen_status *st)
 {
-    bool ok = true;
-    for (int i = 0; ok && pen_bench_report_formats[i]; i++) {
-        const char *format = pen_bench_report_formats[i];
-        const bool committed = strcmp(format, PEN_REPORT_FORMAT) == 0;
-        struct pen_buf text = {0};
-        ok = write(user, format, committed ? &output->artefact : &text, st) &&
-             (committed || pen_batch_store(study->context, PEN_REPORT_LAYER, format, &text, st));
-        pen_buf_release(&text);
-    }
+    struct pen_buf page = {0};
+    const bool ok =
+        pen_report_write(report, PEN_REPORT_FORMAT, NULL, &output->artefact, st) &&
+        (!figures || (pen_report_write(report, "html", figures, &page, st) &&
+                      pen_batch_store(study->context, PEN_REPORT_LAYER, "html", &page, st)));
+    pen_buf_release(&page);
     pen_batch_set_artefact(output, PEN_REPORT_LAYER, PEN_REPORT_FORMAT);
     return ok;
 }

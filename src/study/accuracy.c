@@ -15,9 +15,9 @@
 #include "study/accuracy_summary.h"
 #include "study/host.h"
 #include "study/internal/accuracy_run.h"
-#include "study/internal/accuracy_words.h"
 #include "study/internal/calibration.h"
 #include "study/internal/random_order.h"
+#include "study/internal/report_values.h"
 #include "study/verdict.h"
 
 enum { CALIBRATIONS = 11 };
@@ -45,7 +45,9 @@ bool pen_accuracy_leave_out(struct pen_accuracy_state *state, int row, const cha
                             struct pen_status *st)
 {
     struct pen_buf name = {0};
-    pen_accuracy_write_settings(state->task->rows[row].varied, &name);
+    json_t *named = json_pack("{s:O}", "settings", state->task->rows[row].varied);
+    pen_write_row_name(named, &name);
+    json_decref(named);
     const bool ok = pen_accuracy_left_out(
         state->out, json_sprintf("%s: %s", name.data ? (const char *)name.data : "", why), st);
     pen_buf_release(&name);

@@ -168,17 +168,9 @@ void pen_accuracy_release(struct pen_accuracy *accuracy);
  * NULL when out of memory. */
 json_t *pen_accuracy_json(const struct pen_accuracy *accuracy, const char *scene);
 
-/* Appends a report, as pen_accuracy_json made it: "text" for a terminal, "csv", "md" or "json".
- * Fails: PEN_NO_MEMORY. */
-bool pen_accuracy_write(const json_t *report, const char *format, struct pen_buf *out,
-                        struct pen_status *st);
-
-/* Appends the report as one page without scripts or references to other files, with plots, the
- * rows' pictures and their error maps. Fails: PEN_NO_MEMORY. */
-bool pen_accuracy_write_html(const struct pen_accuracy *accuracy, const json_t *report,
-                             struct pen_buf *out, struct pen_status *st);
-
-/* Appends the plot of error against time alone, as an SVG file. Fails: PEN_NO_MEMORY. */
-bool pen_accuracy_write_svg(const json_t *report, struct pen_buf *out, struct pen_status *st);
+/* Appends the pictures of the report's page: of the reference, of each row and its error map, and
+ * of the time of pixels. `report` is what pen_accuracy_json made. Fails: PEN_NO_MEMORY. */
+bool pen_accuracy_figures(const struct pen_accuracy *accuracy, const json_t *report,
+                          struct pen_buf *out, struct pen_status *st);
 
 #endif

@@ -1,42 +1,33 @@
 /* SPDX-License-Identifier: MIT */
-#include "study/internal/accuracy_words.h"
-
+/* What the report of an accuracy study has to say. */
 #include <math.h>
 #include <string.h>
 
 #include "study/accuracy.h"
+#include "study/internal/report_kind.h"
 
-static const char *const titles[PEN_METRIC_COUNT] = {
-    [PEN_METRIC_RMSE] = "RMSE", [PEN_METRIC_RELATIVE_MSE] = "relative MSE",
-    [PEN_METRIC_PSNR] = "PSNR", [PEN_METRIC_SSIM] = "SSIM",
-    [PEN_METRIC_FLIP] = "FLIP", [PEN_METRIC_MAX_ERROR] = "largest error"};
-
-const char *pen_accuracy_metric_title(const char *metric)
+/* The metric of that name; PEN_METRIC_COUNT: there is none. */
+static enum pen_accuracy_metric metric_of(const char *name)
 {
-    for (int m = 0; m < PEN_METRIC_COUNT; m++)
-        if (strcmp(pen_accuracy_metrics[m], metric) == 0)
-            return titles[m];
-    return metric;
+    int m = 0;
+    while (m < PEN_METRIC_COUNT && strcmp(pen_accuracy_metrics[m], name) != 0)
+        m++;
+    return (enum pen_accuracy_metric)m;
 }
 
-static bool rises(const char *metric)
+static const char *title_of(const char *name)
 {
-    for (int m = 0; m < PEN_METRIC_COUNT; m++)
-        if (strcmp(pen_accuracy_metrics[m], metric) == 0)
-            return pen_accuracy_metric_rises((enum pen_accuracy_metric)m);
-    return false;
+    static const char *const titles[PEN_METRIC_COUNT + 1] = {
+        [PEN_METRIC_RMSE] = "RMSE",      [PEN_METRIC_RELATIVE_MSE] = "relative MSE",
+        [PEN_METRIC_PSNR] = "PSNR",      [PEN_METRIC_SSIM] = "SSIM",
+        [PEN_METRIC_FLIP] = "FLIP",      [PEN_METRIC_MAX_ERROR] = "largest error",
+        [PEN_METRIC_COUNT] = "no metric"};
+    return titles[metric_of(name)];
 }
 
-void pen_accuracy_write_settings(const json_t *settings, struct pen_buf *out)
+static bool rises(const char *name)
 {
-    const char *key, *separator = "";
-    json_t *value;
-    json_object_foreach((json_t *)(uintptr_t)settings, key, value)
-    {
-        pen_buf_printf(out, "%s%s ", separator, key);
-        pen_bench_write_value(value, out);
-        separator = ", ";
-    }
+    return pen_accuracy_metric_rises(metric_of(name));
 }
 
 /* "--set light_samples=64 --set light_pattern=grid" */
@@ -47,36 +38,19 @@ static void write_options(const json_t *settings, struct pen_buf *out)
     json_object_foreach((json_t *)(uintptr_t)settings, key, value)
     {
         pen_buf_printf(out, " --set %s=", key);
-        pen_bench_write_value(value, out);
+        pen_write_value(value, out);
     }
-}
-
-static bool was_run(const json_t *row)
-{
-    return pen_bench_report_number(row, "runs") > 0;
-}
-
-bool pen_accuracy_is_recommended(const json_t *report, const json_t *row)
-{
-    const json_t *number = pen_bench_report_member(report, "recommended.row");
-    return number && pen_bench_report_number(row, "row") == json_number_value(number);
-}
-
-void pen_accuracy_write_error(double error, struct pen_buf *out)
-{
-    pen_buf_printf(out, "%.3g", error);
 }
 
 /* The row that comes nearest to the target; NULL if no row's error is known. */
 static const json_t *nearest(const json_t *report, const char *metric)
 {
     const json_t *best = NULL;
-    for (size_t i = 0; i < pen_bench_report_row_count(report); i++) {
-        const json_t *row = pen_bench_report_row(report, i);
+    for (size_t i = 0; i < pen_report_row_count(report); i++) {
+        const json_t *row = pen_report_row(report, i);
         if (!json_is_number(json_object_get(row, metric)))
             continue;
-        const double here = pen_bench_report_number(row, metric),
-                     there = pen_bench_report_number(best, metric);
+        const double here = pen_report_number(row, metric), there = pen_report_number(best, metric);
         if (!best || (rises(metric) ? here > there : here < there))
             best = row;
     }
@@ -85,20 +59,20 @@ static const json_t *nearest(const json_t *report, const char *metric)
 
 static void write_row(const json_t *row, struct pen_buf *out)
 {
-    pen_accuracy_write_settings(json_object_get(row, "settings"), out);
-    pen_buf_printf(out, " (row %.0f, ", pen_bench_report_number(row, "row"));
-    pen_bench_write_number(pen_bench_report_number(row, "median_ms"), " ", out);
+    pen_write_row_name(row, out);
+    pen_buf_printf(out, " (row %.0f, ", pen_report_number(row, "row"));
+    pen_write_number(pen_report_number(row, "median_ms"), out);
     pen_buf_puts(out, " ms)");
 }
 
 static struct pen_runs_use use_of(const json_t *report)
 {
-    return (struct pen_runs_use){.runs = (int)pen_bench_report_number(report, "timing.runs"),
-                                 .spoiled = (int)pen_bench_report_number(report, "timing.spoiled"),
-                                 .used = pen_bench_report_number(report, "timing.cpu_share")};
+    return (struct pen_runs_use){.runs = (int)pen_report_number(report, "timing.runs"),
+                                 .spoiled = (int)pen_report_number(report, "timing.spoiled"),
+                                 .used = pen_report_number(report, "timing.cpu_share")};
 }
 
-bool pen_accuracy_is_spoiled(const json_t *report)
+static bool is_spoiled(const json_t *report)
 {
     const struct pen_runs_use use = use_of(report);
     return pen_runs_spoiled(&use);
@@ -115,10 +89,10 @@ static void write_spoiled(const json_t *report, struct pen_buf *out)
 
 static void write_recommended(const json_t *report, const json_t *row, struct pen_buf *out)
 {
-    const char *metric = pen_bench_report_string(report, "target.metric");
-    pen_buf_printf(out, "The cheapest row with %s %s %g in 95 %% of its runs: ",
-                   pen_accuracy_metric_title(metric), rises(metric) ? "at least" : "at most",
-                   pen_bench_report_number(report, "target.value"));
+    const char *metric = pen_report_string(report, "target.metric");
+    pen_buf_printf(out, "The cheapest row with %s %s %g in 95 %% of its runs: ", title_of(metric),
+                   rises(metric) ? "at least" : "at most",
+                   pen_report_number(report, "target.value"));
     write_row(row, out);
     pen_buf_puts(out, ". To get it:");
     write_options(json_object_get(row, "settings"), out);
@@ -127,46 +101,44 @@ static void write_recommended(const json_t *report, const json_t *row, struct pe
 /* "; samples_per_pixel 43 would be needed, with which a picture is expected to take 2.1 s" */
 static void write_needed(const json_t *report, struct pen_buf *out)
 {
-    const json_t *settings = pen_bench_report_member(report, "needed.settings");
+    const json_t *settings = pen_report_member(report, "needed.settings");
     if (!settings)
         return;
     pen_buf_puts(out, ": ");
-    pen_accuracy_write_settings(settings, out);
+    pen_write_settings(settings, out);
     pen_buf_printf(out, " would be needed, with which a picture is expected to take %.2g s",
-                   pen_bench_report_number(report, "needed.expected_ms") / 1000);
+                   pen_report_number(report, "needed.expected_ms") / 1000);
 }
 
-void pen_accuracy_write_answer(const json_t *report, struct pen_buf *out)
+static void write_answer(const json_t *report, struct pen_buf *out)
 {
-    const char *metric = pen_bench_report_string(report, "target.metric");
-    const json_t *number = pen_bench_report_member(report, "recommended.row");
+    const char *metric = pen_report_string(report, "target.metric");
+    const json_t *number = pen_report_member(report, "recommended.row");
     if (json_is_integer(number) && json_integer_value(number) >= 0) {
-        write_recommended(report, pen_bench_report_row(report, (size_t)json_integer_value(number)),
-                          out);
+        write_recommended(report, pen_report_row(report, (size_t)json_integer_value(number)), out);
         return;
     }
-    if (pen_accuracy_is_spoiled(report)) {
+    if (is_spoiled(report)) {
         write_spoiled(report, out);
         return;
     }
     pen_buf_printf(out, "None %s the target, %s %g in 95 %% of its runs, in %g s",
-                   rises(metric) ? "above" : "below", pen_accuracy_metric_title(metric),
-                   pen_bench_report_number(report, "target.value"),
-                   pen_bench_report_number(report, "budget_seconds"));
+                   rises(metric) ? "above" : "below", title_of(metric),
+                   pen_report_number(report, "target.value"),
+                   pen_report_number(report, "budget_seconds"));
     write_needed(report, out);
     const json_t *row = nearest(report, metric);
     if (row) {
         pen_buf_puts(out, ". The nearest, with ");
-        pen_accuracy_write_error(pen_bench_report_number(row, metric), out);
-        pen_buf_puts(out, ", is ");
+        pen_buf_printf(out, "%.3g, is ", pen_report_number(row, metric));
         write_row(row, out);
     }
     pen_buf_puts(out, ".");
 }
 
-void pen_accuracy_write_method(const json_t *report, struct pen_buf *out)
+static void write_method(const json_t *report, struct pen_buf *out)
 {
-    const double seeds = pen_bench_report_number(report, "seeds");
+    const double seeds = pen_report_number(report, "seeds");
     pen_buf_puts(out, "Times are of rendering, without building the tree: ");
     if (seeds == 1)
         pen_buf_puts(out, "of one run of each row, in a random order. ");
@@ -178,21 +150,21 @@ void pen_accuracy_write_method(const json_t *report, struct pen_buf *out)
     pen_buf_puts(out, "Errors are medians over the seeds, against the reference; spreads are from "
                       "5 to 95 %. Efficiency is 1 / (MSE · s). Rows that times do not distinguish "
                       "are distinguished by their rays. ");
-    if (!pen_accuracy_is_spoiled(report))
+    if (!is_spoiled(report))
         write_spoiled(report, out);
 }
 
-void pen_accuracy_write_reference(const json_t *report, struct pen_buf *out)
+static void write_reference(const json_t *report, struct pen_buf *out)
 {
     static const char *const keys[] = {"samples_per_pixel", "light_samples", "blur_samples",
                                        "lens_samples",      "max_depth",     "min_contribution"};
-    const double error = pen_bench_report_number(report, "reference.error");
+    const double error = pen_report_number(report, "reference.error");
     const char *separator = "";
     pen_buf_puts(out, "Reference: the mean of two renders with seeds of their own and ");
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
         char path[64];
         snprintf(path, sizeof path, "reference.settings.%s", keys[i]);
-        pen_buf_printf(out, "%s%s %g", separator, keys[i], pen_bench_report_number(report, path));
+        pen_buf_printf(out, "%s%s %g", separator, keys[i], pen_report_number(report, path));
         separator = ", ";
     }
     if (error > 0) {
@@ -203,7 +175,7 @@ void pen_accuracy_write_reference(const json_t *report, struct pen_buf *out)
     } else {
         pen_buf_puts(out, ". The two are equal: nothing in it is sampled at random.");
     }
-    if (pen_bench_report_number(report, "reference.settings.samples_per_pixel") == 1)
+    if (pen_report_number(report, "reference.settings.samples_per_pixel") == 1)
         pen_buf_puts(out, " All rows and the reference see the scene through the pixels' centres: "
                           "jagged edges are not part of the error.");
 }
@@ -211,8 +183,8 @@ void pen_accuracy_write_reference(const json_t *report, struct pen_buf *out)
 /* Why a study took so many times as long as expected. */
 static void write_overrun(const json_t *report, double times, struct pen_buf *out)
 {
-    const double used = pen_bench_report_number(report, "timing.cpu_share"),
-                 factor = pen_bench_report_number(report, "reference.factor");
+    const double used = pen_report_number(report, "timing.cpu_share"),
+                 factor = pen_report_number(report, "reference.factor");
     pen_buf_printf(out, " That is %.3g times as long: ", times);
     if (used > 0 && used < 0.95)
         pen_buf_printf(out, "other programs used the processors, of which the study had %.0f %%.",
@@ -226,14 +198,14 @@ static void write_overrun(const json_t *report, double times, struct pen_buf *ou
         pen_buf_puts(out, "the forecast, which renders a few pixels of each row, was too low.");
 }
 
-void pen_accuracy_write_forecast(const json_t *report, struct pen_buf *out)
+static void write_forecast(const json_t *report, struct pen_buf *out)
 {
-    const double expected = pen_bench_report_number(report, "forecast.expected_seconds"),
-                 high = pen_bench_report_number(report, "forecast.high"),
-                 actual = pen_bench_report_number(report, "forecast.actual"),
-                 budget = pen_bench_report_number(report, "budget_seconds");
+    const double expected = pen_report_number(report, "forecast.expected_seconds"),
+                 high = pen_report_number(report, "forecast.high"),
+                 actual = pen_report_number(report, "forecast.actual"),
+                 budget = pen_report_number(report, "budget_seconds");
     pen_buf_printf(out, "Expected to take %.3g s (%.3g to %.3g); took %.3g s, of at most %g s.",
-                   expected, pen_bench_report_number(report, "forecast.low"), high, actual, budget);
+                   expected, pen_report_number(report, "forecast.low"), high, actual, budget);
     if (expected > 0 && actual > fmin(fmax(1.5 * expected, high), 1.1 * budget))
         write_overrun(report, actual / fmin(expected, budget), out);
 }
@@ -256,13 +228,13 @@ static const char *error_of_setting(const char *setting)
 static void write_floor(const json_t *series, const json_t *floor, struct pen_buf *out)
 {
     const json_t *settings = json_object_get(floor, "settings");
-    const char *own = pen_bench_report_string(series, "setting"), *key, *separator = "";
+    const char *own = pen_report_string(series, "setting"), *key, *separator = "";
     json_t *value;
     pen_buf_printf(out,
                    ": the error stays at %.2g, however many there are. %.0f %% of what is left"
                    " (of its square) does not come from %s",
-                   pen_bench_report_number(floor, "rmse"),
-                   100 * pen_bench_report_number(floor, "share"), error_of_setting(own));
+                   pen_report_number(floor, "rmse"), 100 * pen_report_number(floor, "share"),
+                   error_of_setting(own));
     json_object_foreach((json_t *)(uintptr_t)settings, key, value)
     {
         pen_buf_printf(out, "%s%s", *separator ? " or " : ", but from ", error_of_setting(key));
@@ -270,7 +242,7 @@ static void write_floor(const json_t *series, const json_t *floor, struct pen_bu
     }
     if (json_object_size(settings) > 0) {
         pen_buf_puts(out, ", which take more than ");
-        pen_accuracy_write_settings(settings, out);
+        pen_write_settings(settings, out);
     }
     pen_buf_puts(out, ".");
 }
@@ -278,26 +250,26 @@ static void write_floor(const json_t *series, const json_t *floor, struct pen_bu
 static void write_power(const json_t *series, struct pen_buf *out)
 {
     const json_t *interval = json_object_get(series, "interval");
-    const double slope = pen_bench_report_number(series, "slope"),
+    const double slope = pen_report_number(series, "slope"),
                  digit = slope < 0 ? pow(10, -1 / slope) : HUGE_VAL;
     pen_buf_printf(out,
                    ": the error is proportional to N to the power of %.2f (95 %%: %.2f to %.2f; "
                    "expected: %.2f)",
                    slope, json_number_value(json_array_get(interval, 0)),
                    json_number_value(json_array_get(interval, 1)),
-                   pen_bench_report_number(series, "expected"));
+                   pen_report_number(series, "expected"));
     if (digit < 1e6)
         pen_buf_printf(out, "; one more digit takes %.2g times the samples", digit);
     pen_buf_puts(out, ".");
 }
 
-void pen_accuracy_write_slope(const json_t *series, struct pen_buf *out)
+static void write_slope(const json_t *series, struct pen_buf *out)
 {
     const json_t *with = json_object_get(series, "with"), *floor = json_object_get(series, "floor");
-    pen_buf_puts(out, pen_bench_report_string(series, "setting"));
+    pen_buf_puts(out, pen_report_string(series, "setting"));
     if (json_object_size(with) > 0) {
         pen_buf_puts(out, " with ");
-        pen_accuracy_write_settings(with, out);
+        pen_write_settings(with, out);
     }
     if (json_is_object(floor))
         write_floor(series, floor, out);
@@ -305,73 +277,48 @@ void pen_accuracy_write_slope(const json_t *series, struct pen_buf *out)
         write_power(series, out);
 }
 
-static void write_times(const json_t *row, struct pen_buf *out)
+/* All lines behind the tables. */
+static void write_notes(const json_t *report, struct pen_buf *out)
 {
-    if (!was_run(row))
-        return;
-    pen_bench_write_number(pen_bench_report_number(row, "min_ms"), " ", out);
-    pen_buf_puts(out, "\xE2\x80\x93");
-    pen_bench_write_number(pen_bench_report_number(row, "max_ms"), " ", out);
+    static pen_words_fn *const words[] = {write_method, write_reference, write_forecast};
+    size_t i;
+    json_t *series;
+    json_array_foreach(json_object_get(report, "convergence"), i, series)
+    {
+        write_slope(series, out);
+        pen_buf_puts(out, "\n");
+    }
+    for (i = 0; i < sizeof words / sizeof words[0]; i++) {
+        words[i](report, out);
+        pen_buf_puts(out, "\n");
+    }
+    pen_write_list(json_object_get(report, "left_out"), "left out: ", out);
+    pen_write_host(report, out);
+    pen_write_shared(report, out);
 }
 
-static void write_metric(const json_t *row, const char *metric, struct pen_buf *out)
+static void write_lead(const json_t *report, struct pen_buf *out)
 {
-    const json_t *value = json_object_get(row, metric);
-    if (json_is_number(value))
-        pen_accuracy_write_error(json_number_value(value), out);
+    write_answer(report, out);
+    pen_buf_puts(out, "\nFLIP tells how different two pictures look, from 0 (equal) to 1. At 0.02 "
+                      "they look alike side by side; slight noise shows if one flips between "
+                      "them.\n");
 }
 
+/* The error, or its bound if the row is unresolved. */
 static void write_rmse(const json_t *row, struct pen_buf *out)
 {
-    if (json_is_false(json_object_get(row, "resolved")))
-        pen_buf_puts(out, "below ");
-    write_metric(row, json_is_false(json_object_get(row, "resolved")) ? "rmse_below" : "rmse", out);
-}
-
-static void write_spread(const json_t *row, struct pen_buf *out)
-{
-    const json_t *spread = pen_bench_report_member(row, "spread.rmse");
-    if (json_array_size(spread) != 2)
-        return;
-    pen_accuracy_write_error(json_number_value(json_array_get(spread, 0)), out);
-    pen_buf_puts(out, "\xE2\x80\x93");
-    pen_accuracy_write_error(json_number_value(json_array_get(spread, 1)), out);
-}
-
-static void write_flip(const json_t *row, struct pen_buf *out)
-{
-    write_metric(row, "flip", out);
-}
-
-static void write_psnr(const json_t *row, struct pen_buf *out)
-{
-    const json_t *value = json_object_get(row, "psnr");
-    if (json_is_number(value))
-        pen_buf_printf(out, "%.1f", json_number_value(value));
-}
-
-static void write_ssim(const json_t *row, struct pen_buf *out)
-{
-    const json_t *value = json_object_get(row, "ssim");
-    if (json_is_number(value))
-        pen_buf_printf(out, "%.4f", json_number_value(value));
-}
-
-static void write_largest(const json_t *row, struct pen_buf *out)
-{
-    write_metric(row, "max_error", out);
-}
-
-static void write_relative(const json_t *row, struct pen_buf *out)
-{
-    write_metric(row, "relative_mse", out);
+    const bool unresolved = json_is_false(json_object_get(row, "resolved"));
+    const char *key = unresolved ? "rmse_below" : "rmse";
+    if (pen_report_has_number(row, key))
+        pen_buf_printf(out, "%s%.3g", unresolved ? "below " : "", pen_report_number(row, key));
 }
 
 static void write_remark(const json_t *row, struct pen_buf *out)
 {
     const size_t spoiled = json_array_size(json_object_get(row, "spoiled_runs"));
     const char *separator = "";
-    if (!was_run(row)) {
+    if (!(pen_report_number(row, "runs") > 0)) {
         pen_buf_puts(out, "left out");
         return;
     }
@@ -385,22 +332,39 @@ static void write_remark(const json_t *row, struct pen_buf *out)
     }
     if (spoiled > 0)
         pen_buf_printf(out, "%s%zu of %.0f spoiled", separator, spoiled,
-                       pen_bench_report_number(row, "runs"));
+                       pen_report_number(row, "runs"));
 }
 
-const struct pen_bench_column pen_accuracy_columns[] = {
-    {"ms", .number = "median_ms"},
-    {"range", .write = write_times},
-    {"RMSE", .write = write_rmse},
-    {"5\xE2\x80\x93"
+static const struct pen_column columns[] = {
+    {"runs", NULL, "runs", 0},
+    {"median_ms", "ms", "median_ms", 0},
+    {"min_ms", "range", "min_ms", 0, .to = "max_ms"},
+    {"max_ms", NULL, "max_ms", 0},
+    {"rays_primary", NULL, "rays.primary", 0},
+    {"rays_shadow", NULL, "rays.shadow", 0},
+    {"rays_reflection", NULL, "rays.reflection", 0},
+    {"rays_transmission", NULL, "rays.transmission", 0},
+    {"rays_total", "rays", "rays.total", PEN_CELL_COUNT},
+    {"rmse", "RMSE", "rmse", 0, .write = write_rmse},
+    {"rmse_5",
+     "5\xE2\x80\x93"
      "95 %",
-     .write = write_spread},
-    {"FLIP", .write = write_flip},
-    {"SSIM", .write = write_ssim},
-    {"PSNR", .write = write_psnr},
-    {"largest", .write = write_largest},
-    {"relative MSE", .write = write_relative},
-    {"efficiency", .number = "efficiency"},
-    {"rays", .count = "rays.total"},
-    {"remark", .write = write_remark, .words = true},
+     "spread.rmse.0", PEN_CELL_SHORT, .to = "spread.rmse.1"},
+    {"rmse_95", NULL, "spread.rmse.1", 0},
+    {"relative_mse", "relative MSE", "relative_mse", PEN_CELL_SHORT},
+    {"psnr", "PSNR", "psnr", PEN_CELL_TENTH},
+    {"ssim", "SSIM", "ssim", PEN_CELL_FOURTH},
+    {"flip", "FLIP", "flip", PEN_CELL_SHORT},
+    {"max_error", "largest", "max_error", PEN_CELL_SHORT},
+    {"efficiency", "efficiency", "efficiency", 0},
+    {"pareto", "remark", "pareto", PEN_CELL_TEXT, .write = write_remark},
+    {"resolved", NULL, "resolved", 0},
+    {"rmse_below", NULL, "rmse_below", 0},
     {0}};
+
+const struct pen_report_kind pen_kind_accuracy = {.name = "accuracy",
+                                                  .title = "Accuracy",
+                                                  .columns = columns,
+                                                  .caption = "All rows",
+                                                  .answer = write_lead,
+                                                  .notes = write_notes};

@@ -87,13 +87,12 @@ bool pen_bill_check(const struct pen_limits *limits, const struct pen_scene_desc
 bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, struct pen_status *st);
 void pen_bill_release(struct pen_bill *bill);
 
-/* The bill as JSON, without pictures. `scene` is the scene's name. Fails: NULL when out of memory.
+/* The report as JSON, without pictures. `scene` is the scene's name. Fails: NULL when out of
+ * memory.
  */
 json_t *pen_bill_json(const struct pen_bill *bill, const char *scene);
 
-/* Appends a report: "text" for a terminal, "csv", "md", "json", or "html": one page without
- * references to other files, with the pictures beside bars of time. Fails: PEN_NO_MEMORY. */
-bool pen_bill_write(const struct pen_bill *bill, const char *scene, const char *format,
-                    struct pen_buf *out, struct pen_status *st);
+/* Appends the pictures of the report's page: the whole one, and that without each effect. */
+void pen_bill_figures(const struct pen_bill *bill, struct pen_buf *out);
 
 #endif

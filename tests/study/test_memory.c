@@ -22,8 +22,8 @@ static bool work(const struct pen_bench *bench, struct pen_status *st)
     json_t *report = ok ? pen_bench_report_new(bench, &result, json_object()) : NULL;
     if (ok && !report)
         ok = pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
-    for (int i = 0; ok && pen_bench_report_formats[i]; i++) {
-        ok = pen_bench_report_write(report, pen_bench_report_formats[i], &text, st);
+    for (int i = 0; ok && pen_report_formats[i]; i++) {
+        ok = pen_report_write(report, pen_report_formats[i], &text, st);
         pen_buf_release(&text);
     }
     json_decref(report);

@@ -60,7 +60,7 @@ static const char *write_as(const json_t *report, const char *format)
 {
     struct pen_status st;
     pen_buf_release(&out);
-    ck_assert(pen_bench_report_write(report, format, &out, &st));
+    ck_assert(pen_report_write(report, format, &out, &st));
     return (const char *)out.data;
 }
 
@@ -340,11 +340,11 @@ START_TEST(test_report__any_json_can_be_written)
     struct random r = random_begin(41);
     for (int i = 0; i < 2000; i++) {
         json_t *report = any_value(&r, 5);
-        for (int format = 0; pen_bench_report_formats[format]; format++) {
+        for (int format = 0; pen_report_formats[format]; format++) {
             struct pen_status st;
             pen_buf_release(&out);
             ck_assert_msg(
-                pen_bench_report_write(report, pen_bench_report_formats[format], &out, &st),
+                pen_report_write(report, pen_report_formats[format], &out, &st),
                 "PEN_SEED=%llu: %s", (unsigned long long)r.seed, st.msg);
         }
         json_decref(report);

@@ -273,7 +273,7 @@ static bool result_path(struct pen_client *client, const char *id, const struct 
         pen_errors_add(errors, &st);
         return false;
     }
-    *accept = fetch->report ? pen_bench_report_media_type(format) : NULL;
+    *accept = fetch->report ? pen_report_media_type(format) : NULL;
     return (fetch->report ? job_path(client, id, "/report", path)
                           : image_path(client, id, fetch, format, path)) ||
            out_of_memory(errors);

@@ -45,13 +45,12 @@ bool pen_study_keep(void *user, const struct pen_unfinished *unfinished);
  * `state` is NULL. Owns: the study. */
 const struct pen_kept_study *pen_study_kept(struct pen_study *study);
 
-/* Writes a report with pictures, which are gone after the study, in all formats: JSON for the
- * commit, and the others into the store; a worker that makes the study again, because the commit
- * failed, replaces them. `write` appends one format. Fails: as `write`, and pen_batch_store. */
-typedef bool pen_study_write_fn(const void *user, const char *format, struct pen_buf *out,
-                                struct pen_status *st);
-bool pen_study_store_report(struct pen_study *study, pen_study_write_fn *write, const void *user,
-                            struct pen_batch_output *output, struct pen_status *st);
+/* Writes a report as JSON for the commit. One with figures (study/report.h), which are gone after
+ * the study, is also stored as a page; a worker that makes the study again, because the commit
+ * failed, replaces it. Fails: as pen_report_write, and pen_batch_store. */
+bool pen_study_store_report(struct pen_study *study, const json_t *report,
+                            const struct pen_buf *figures, struct pen_batch_output *output,
+                            struct pen_status *st);
 
 /* The statistics of a render as those of the job. Fails: PEN_NO_MEMORY. */
 bool pen_study_write_stats(const struct pen_study *study, const struct pen_render_stats *render,

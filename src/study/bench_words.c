@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/* What a benchmark's report has to say. */
+#include <string.h>
+
+#include "study/internal/report_kind.h"
+
+static void write_method(const json_t *report, struct pen_buf *out)
+{
+    const int repeats = pen_report_whole(report, "repeats"),
+              warmup = pen_report_whole(report, "warmup");
+    pen_buf_printf(out,
+                   "Milliseconds to build the tree and render%s, median of %d run%s of each row, "
+                   "interleaved in a random order (least and largest beside it)",
+                   json_array_size(json_object_get(report, "views")) > 1 ? " all views" : "",
+                   repeats, repeats == 1 ? "" : "s");
+    if (warmup > 0)
+        pen_buf_printf(out, ", after %d that %s not counted", warmup, warmup == 1 ? "is" : "are");
+    pen_buf_puts(out, ". Time ratio: a row's time over that of the baseline, median of the pairs "
+                      "of one repeat, with its 95 % interval");
+    if (pen_report_has_number(report, "least_effect"))
+        pen_buf_printf(out, "; what differs by less than %g %% counts as the same",
+                       pen_report_number(report, "least_effect") * 100);
+    pen_buf_puts(out, ".\n");
+}
+
+/* Why the repeats ended, if they were to go on until the intervals are narrow. */
+static void write_end(const json_t *report, struct pen_buf *out)
+{
+    const char *end = pen_report_string(report, "ended_by");
+    if (!pen_report_has_number(report, "interval"))
+        return;
+    if (strcmp(end, "budget") == 0)
+        pen_buf_printf(out, " The budget of %g s ended before all intervals were",
+                       pen_report_number(report, "budget_seconds"));
+    else
+        pen_buf_puts(out, strcmp(end, "interval") == 0
+                              ? " All intervals are"
+                              : " After the most repeats not all intervals were");
+    pen_buf_printf(out, " as narrow as %g.", pen_report_number(report, "interval"));
+}
+
+static void write_noise(const json_t *report, struct pen_buf *out)
+{
+    const json_t *noise = json_object_get(report, "noise");
+    if (pen_report_has_number(noise, "median")) {
+        pen_buf_puts(out, "Noise floor: the baseline against itself ");
+        pen_write_ratio(noise, out);
+        if (pen_report_has_number(noise, "half_width"))
+            pen_buf_printf(out, ", that is \xC2\xB1%.2g %%",
+                           pen_report_number(noise, "half_width") * 100);
+        pen_buf_puts(out, ".");
+    } else {
+        pen_buf_puts(out, "Noise floor: not measured, which takes 10 repeats or an interval.");
+    }
+    write_end(report, out);
+    pen_buf_puts(out, "\n");
+}
+
+static void write_notes(const json_t *report, struct pen_buf *out)
+{
+    write_method(report, out);
+    write_noise(report, out);
+    pen_write_list(json_object_get(report, "notes"), "note: ", out);
+    pen_write_host(report, out);
+    pen_write_shared(report, out);
+}
+
+static void write_picture(const json_t *row, struct pen_buf *out)
+{
+    const int with = pen_report_whole(row, "compared_with");
+    if (with == pen_report_whole(row, "row"))
+        pen_buf_puts(out, "reference");
+    else if (json_is_true(pen_report_member(row, "identical")))
+        pen_buf_printf(out, "identical to row %d", with);
+    else
+        pen_buf_printf(out, "max %.3g, rmse %.3g from row %d",
+                       pen_report_number(row, "max_difference"), pen_report_number(row, "rmse"),
+                       with);
+}
+
+static void write_speedup(const json_t *row, struct pen_buf *out)
+{
+    const double times = pen_report_number(row, "speedup");
+    pen_buf_printf(out, "%.*f\xC3\x97", times < 0.1 ? 3 : times < 100 ? 2 : 0, times);
+}
+
+static void write_ratio(const json_t *row, struct pen_buf *out)
+{
+    pen_write_ratio(json_object_get(row, "ratio"), out);
+}
+
+static const struct pen_column columns[] = {
+    {"threads_worked", NULL, "threads", 0},
+    {"median_ms", "median ms", "median_ms", 0},
+    {"min_ms", "range", "min_ms", 0, .to = "max_ms"},
+    {"max_ms", NULL, "max_ms", 0},
+    {"speedup", "speed-up", "speedup", 0, .write = write_speedup},
+    {"ratio", "time ratio", "ratio.median", 0, .write = write_ratio},
+    {"ratio_low", NULL, "ratio.low", 0},
+    {"ratio_high", NULL, "ratio.high", 0},
+    {"pairs", NULL, "ratio.pairs", 0},
+    {"spoiled_pairs", NULL, "ratio.spoiled", 0},
+    {"verdict", "verdict", "verdict", PEN_CELL_TEXT},
+    {"build_ms", "build ms", "build_ms", 0},
+    {"render_ms", NULL, "render_ms", 0},
+    {"cpu_ms", "cpu ms", "cpu_ms", 0},
+    {"cpu_share", NULL, "cpu_share", 0},
+    {"steal_ms", NULL, "steal_ms", 0},
+    {"rays_primary", "primary rays", "rays.primary", PEN_CELL_COUNT, .aside = true},
+    {"rays_shadow", "shadow", "rays.shadow", PEN_CELL_COUNT, .aside = true},
+    {"rays_reflection", "reflection", "rays.reflection", PEN_CELL_COUNT, .aside = true},
+    {"rays_transmission", "transmission", "rays.transmission", PEN_CELL_COUNT, .aside = true},
+    {"rays_total", "all rays", "rays.total", PEN_CELL_COUNT, .aside = true},
+    {"mrays_per_second", "Mray/s", "mrays_per_second", 0},
+    {"box_tests", NULL, "tests.boxes", 0},
+    {"primitive_tests", NULL, "tests.primitives", 0},
+    {"box_tests_per_ray", "boxes/ray", "accelerator.box_tests_per_ray", 0},
+    {"primitive_tests_per_ray", "primitives/ray", "accelerator.primitive_tests_per_ray", 0},
+    {"nodes", "nodes", "accelerator.nodes", PEN_CELL_COUNT, .aside = true},
+    {"leaves", "leaves", "accelerator.leaves", PEN_CELL_COUNT, .aside = true},
+    {"depth", "depth", "accelerator.depth", PEN_CELL_COUNT, .aside = true},
+    {"tree_bytes", "tree bytes", "accelerator.bytes", PEN_CELL_COUNT, .aside = true},
+    {"sah_cost", NULL, "accelerator.sah_cost", 0},
+    {"tree_build_ms", NULL, "accelerator.build_ms", 0},
+    {"kernel", NULL, "kernel", PEN_CELL_TEXT},
+    {"compared_with", "picture", "compared_with", PEN_CELL_TEXT, .write = write_picture},
+    {"identical", NULL, "identical", 0},
+    {"max_difference", NULL, "max_difference", 0},
+    {"rmse", NULL, "rmse", 0},
+    {"picture_hash", "picture hash", "picture_hash", PEN_CELL_TEXT},
+    {0}};
+
+const struct pen_report_kind pen_kind_benchmark = {.name = "benchmark",
+                                                   .title = "Benchmark",
+                                                   .columns = columns,
+                                                   .caption = "Times, tests and pictures",
+                                                   .aside = "Rays by kind, and the accelerator",
+                                                   .notes = write_notes};
