@@ -84,17 +84,17 @@ static void write_picture(const json_t *row, struct pen_buf *out)
 }
 
 static const struct pen_column columns[] = {
-    {"before_ms", "before ms", "before_ms", 0},
-    {"after_ms", "after ms", "after_ms", 0},
-    {"ratio", "time ratio", "ratio.median", 0, .write = write_ratio},
-    {"calibrated_ratio", "calibrated", "calibrated_ratio", PEN_CELL_FOURTH},
-    {NULL, "counters", NULL, PEN_CELL_TEXT, .write = write_work},
-    {"picture", "picture", "picture", PEN_CELL_TEXT, .write = write_picture},
-    {"rmse_before", "RMSE", "errors.rmse.0", PEN_CELL_SHORT, .to = "errors.rmse.1"},
-    {"rmse_after", NULL, "errors.rmse.1", 0},
-    {"flip_before", "FLIP", "errors.flip.0", PEN_CELL_SHORT, .to = "errors.flip.1"},
-    {"flip_after", NULL, "errors.flip.1", 0},
-    {"verdict", "verdict", "verdict", PEN_CELL_TEXT},
+    {"before_ms", "before ms", "before_ms", .cell = PEN_CELL_NUMBER},
+    {"after_ms", "after ms", "after_ms", .cell = PEN_CELL_NUMBER},
+    {"ratio", "time ratio", "ratio.median", .write = write_ratio},
+    {"calibrated_ratio", "calibrated", "calibrated_ratio", .cell = PEN_CELL_FOURTH},
+    {NULL, "counters", NULL, .cell = PEN_CELL_TEXT, .write = write_work},
+    {"picture", "picture", "picture", .cell = PEN_CELL_TEXT, .write = write_picture},
+    {"rmse_before", "RMSE", "errors.rmse.0", .cell = PEN_CELL_SHORT, .to = "errors.rmse.1"},
+    {"rmse_after", NULL, "errors.rmse.1", .cell = PEN_CELL_NUMBER},
+    {"flip_before", "FLIP", "errors.flip.0", .cell = PEN_CELL_SHORT, .to = "errors.flip.1"},
+    {"flip_after", NULL, "errors.flip.1", .cell = PEN_CELL_NUMBER},
+    {"verdict", "verdict", "verdict", .cell = PEN_CELL_TEXT},
     {0}};
 
 const struct pen_report_kind pen_kind_comparison = {.name = "comparison",

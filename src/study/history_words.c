@@ -96,14 +96,14 @@ static void write_build(const json_t *row, struct pen_buf *out)
 }
 
 static const struct pen_column columns[] = {
-    {"began_at", "date", "of.began_at", PEN_CELL_TEXT, .write = write_date},
-    {"version", "version", "of.version", PEN_CELL_TEXT},
-    {"build", "build", "of.build", PEN_CELL_TEXT, .write = write_build},
-    {"host", "host", "of.host", PEN_CELL_COUNT},
-    {"median_ms", "median ms", "median_ms", 0},
-    {"low_ms", "95 %", "low_ms", 0, .to = "high_ms"},
-    {"high_ms", NULL, "high_ms", 0},
-    {"calibrated", "over calibration", "calibrated", 0},
+    {"began_at", "date", "of.began_at", .cell = PEN_CELL_TEXT, .write = write_date},
+    {"version", "version", "of.version", .cell = PEN_CELL_TEXT},
+    {"build", "build", "of.build", .cell = PEN_CELL_TEXT, .write = write_build},
+    {"host", "host", "of.host", .cell = PEN_CELL_COUNT},
+    {"median_ms", "median ms", "median_ms", .cell = PEN_CELL_NUMBER},
+    {"low_ms", "95 %", "low_ms", .to = "high_ms"},
+    {"high_ms", NULL, "high_ms", .cell = PEN_CELL_NUMBER},
+    {"calibrated", "over calibration", "calibrated", .cell = PEN_CELL_NUMBER},
     {0}};
 
 const struct pen_report_kind pen_kind_history = {.name = "history",

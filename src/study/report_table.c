@@ -103,7 +103,7 @@ static void cells_release(struct cells *cells)
 static bool cells_init(struct cells *cells, const json_t *rows, const struct pen_column *columns,
                        bool aside)
 {
-    static const struct pen_column settings = {NULL, "settings", NULL, PEN_CELL_TEXT,
+    static const struct pen_column settings = {NULL, "settings", NULL, .cell = PEN_CELL_TEXT,
                                                .write = pen_write_row_name};
     const bool named = have_settings(rows);
     size_t count = 1 + named, at_column = 1;

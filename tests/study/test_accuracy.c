@@ -10,6 +10,7 @@
 #include "jobs/accuracy_spec.h"
 #include "study/accuracy.h"
 #include "study/accuracy_summary.h"
+#include "study/report.h"
 #include "support/kit.h"
 #include "support/suite.h"
 #include "support/unfinished.h"
@@ -294,7 +295,7 @@ START_TEST(test_accuracy__edges_are_named_where_they_are_what_is_left)
     make(&task);
     json_t *report = pen_accuracy_json(&accuracy, "s");
     struct pen_buf out = {0};
-    ck_assert(pen_accuracy_write(report, "text", &out, &st));
+    ck_assert(pen_report_write(report, "text", NULL, &out, &st));
     const char *text = (const char *)out.data;
     ck_assert_msg(strstr(text, "does not come from soft shadows, but from edges, which take more "
                                "than samples_per_pixel 4."),
@@ -337,7 +338,7 @@ START_TEST(test_accuracy__spoiled_runs_are_repeated_and_recommend_nothing)
     ck_assert(json_is_null(json_object_get(report, "recommended")));
     for (int i = 0; i < 2; i++) {
         struct pen_buf out = {0};
-        ck_assert(pen_accuracy_write(report, formats[i], &out, &st));
+        ck_assert(pen_report_write(report, formats[i], NULL, &out, &st));
         const char *words = strstr((const char *)out.data, " runs are spoiled: other programs");
         ck_assert_ptr_nonnull(words);
         ck_assert_ptr_nonnull(strstr(words, "No row is recommended"));
@@ -361,11 +362,12 @@ START_TEST(test_accuracy__overruns_are_commented)
                  {322, 1, 8, "the forecast, which renders a few pixels"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct pen_buf out = {0};
-        json_t *report = json_pack(
-            "{s:f, s:{s:f, s:f, s:f, s:f}, s:{s:f}, s:{s:f}}", "budget_seconds", 600.0, "forecast",
-            "expected_seconds", 24.0, "low", 20.0, "high", 30.0, "actual", cases[i].took, "timing",
-            "cpu_share", cases[i].share, "reference", "factor", cases[i].factor);
-        ck_assert(pen_accuracy_write(report, "text", &out, &st));
+        json_t *report =
+            json_pack("{s:s, s:f, s:{s:f, s:f, s:f, s:f}, s:{s:f}, s:{s:f}}", "kind", "accuracy",
+                      "budget_seconds", 600.0, "forecast", "expected_seconds", 24.0, "low", 20.0,
+                      "high", 30.0, "actual", cases[i].took, "timing", "cpu_share", cases[i].share,
+                      "reference", "factor", cases[i].factor);
+        ck_assert(pen_report_write(report, "text", NULL, &out, &st));
         const char *text = (const char *)out.data;
         if (cases[i].words)
             ck_assert_msg(strstr(text, cases[i].words) != NULL, "%s", text);
@@ -439,10 +441,10 @@ START_TEST(test_accuracy__budget_leaves_out_the_dearest_and_says_so)
     ck_assert_ptr_nonnull(strstr(text, "light_samples 100000000: one run is expected to take"));
     json_t *report = pen_accuracy_json(&accuracy, "s");
     struct pen_buf out = {0};
-    ck_assert(pen_accuracy_write(report, "text", &out, &st));
+    ck_assert(pen_report_write(report, "text", NULL, &out, &st));
     ck_assert_ptr_nonnull(strstr((const char *)out.data, "left out: light_samples 100000000"));
     pen_buf_release(&out);
-    ck_assert(pen_accuracy_write_html(&accuracy, report, &out, &st));
+    ck_assert(pen_accuracy_figures(&accuracy, report, &out, &st));
     pen_buf_release(&out);
     json_decref(report);
     release();
@@ -465,23 +467,23 @@ START_TEST(test_accuracy__formats)
     json_t *report = pen_accuracy_json(&accuracy, "a<b>");
     struct pen_buf out = {0};
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
-        ck_assert(pen_accuracy_write(report, formats[i].format, &out, &st));
+        ck_assert(pen_report_write(report, formats[i].format, NULL, &out, &st));
         const char *words =
             strcmp(formats[i].format, "md") == 0 ? "# Accuracy: a&lt;b\\>" : formats[i].words;
         ck_assert_msg(strstr((const char *)out.data, words) != NULL, "%s: %s", formats[i].format,
                       (const char *)out.data);
         pen_buf_release(&out);
     }
-    ck_assert(pen_accuracy_write_html(&accuracy, report, &out, &st));
+    struct pen_buf figures = {0};
+    ck_assert(pen_accuracy_figures(&accuracy, report, &figures, &st));
+    ck_assert(pen_report_write(report, "html", &figures, &out, &st));
     const char *page = (const char *)out.data;
     ck_assert_ptr_nonnull(strstr(page, "<h1>Accuracy: a&lt;b&gt;</h1>"));
-    ck_assert_ptr_null(strstr(page, "<script"));
-    ck_assert_ptr_null(strstr(page, "http://") == strstr(page, "http://www.w3.org/2000/svg")
-                           ? NULL
-                           : strstr(page, "http://"));
-    ck_assert_ptr_null(strstr(page, "https://"));
-    ck_assert_ptr_nonnull(strstr(page, "id=\"time-flip\""));
-    ck_assert_ptr_nonnull(strstr(page, "id=\"convergence\""));
+    ck_assert_ptr_nonnull(strstr(page, "<figure class=\"reference\""));
+    ck_assert_ptr_nonnull(strstr(page, "<figure class=\"picture\" data-row=\"2\""));
+    ck_assert_ptr_nonnull(strstr(page, "<figure class=\"map\" data-row=\"2\""));
+    ck_assert_ptr_nonnull(strstr(page, "pale yellow a FLIP of "));
+    pen_buf_release(&figures);
     pen_buf_release(&out);
     json_decref(report);
     release();

@@ -23,7 +23,7 @@ static bool work(const struct pen_bench *bench, struct pen_status *st)
     if (ok && !report)
         ok = pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
     for (int i = 0; ok && pen_report_formats[i]; i++) {
-        ok = pen_report_write(report, pen_report_formats[i], &text, st);
+        ok = pen_report_write(report, pen_report_formats[i], NULL, &text, st);
         pen_buf_release(&text);
     }
     json_decref(report);
