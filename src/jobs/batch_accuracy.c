@@ -35,20 +35,11 @@ static bool read_spec(struct accuracy *a, struct pen_status *st)
         return false;
     }
     a->task = pen_accuracy_of_spec(&a->spec);
-    a->task.desc = &a->study.desc;
+    a->task.frame = pen_study_frame_of(&a->study, a);
     a->task.settings = &request->settings;
     a->task.view = a->study.views[0];
-    a->task.scene_cap_bytes = context->options->scene_cap_bytes;
     a->task.limits = pen_limits_default();
-    a->task.pool = context->pool;
-    a->task.cancel = pen_heartbeat_cancel_flag(context->heart);
     a->task.forecast = forecast;
-    a->task.progress = pen_study_progress;
-    a->task.between = pen_study_keep;
-    a->task.kept = pen_study_kept(&a->study);
-    a->task.user = a;
-    a->task.pixel_begins = pen_batch_pixel_hook(context);
-    a->task.pixel_user = context;
     return true;
 }
 

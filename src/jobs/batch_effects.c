@@ -25,19 +25,10 @@ static bool make_bill(struct effects *e, struct pen_batch_output *output, struct
 {
     struct pen_batch_context *context = e->study.context;
     struct pen_bill *bill = &e->bill;
-    const struct pen_bill_task task = {.desc = &e->study.desc,
+    const struct pen_bill_task task = {.frame = pen_study_frame_of(&e->study, e),
                                        .settings = &context->request.settings,
                                        .view = e->study.views[0],
-                                       .repeats = context->request.repeats,
-                                       .scene_cap_bytes = context->options->scene_cap_bytes,
-                                       .pool = context->pool,
-                                       .cancel = pen_heartbeat_cancel_flag(context->heart),
-                                       .progress = pen_study_progress,
-                                       .between = pen_study_keep,
-                                       .kept = pen_study_kept(&e->study),
-                                       .user = e,
-                                       .pixel_begins = pen_batch_pixel_hook(context),
-                                       .pixel_user = context};
+                                       .repeats = context->request.repeats};
     const bool ok =
         pen_batch_hook_done(context, pen_bill_make(&task, bill, st), st) &&
         write_report(e, output, st) &&

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "film/error_map.h"
-#include "film/flip.h"
 #include "render/transfer.h"
 #include "study/accuracy.h"
 #include "study/internal/report_values.h"
@@ -23,21 +22,6 @@ static struct pen_film film_of(const struct pen_accuracy *accuracy, const float 
 static enum pen_transfer transfer_of(const struct pen_accuracy *accuracy)
 {
     return pen_settings_transfer(accuracy->task->settings);
-}
-
-/* FLIP's error of each pixel of a row's picture. */
-static bool measure(const struct pen_accuracy *accuracy, int row, float *errors,
-                    struct pen_status *st)
-{
-    const struct pen_film a = film_of(accuracy, accuracy->row[row].rgb),
-                          b = film_of(accuracy, accuracy->reference.rgb);
-    struct pen_picture *left = pen_picture_of_film(&a, transfer_of(accuracy), st);
-    struct pen_picture *right = left ? pen_picture_of_film(&b, transfer_of(accuracy), st) : NULL;
-    struct pen_flip flip;
-    const bool ok = right && pen_picture_flip(left, right, errors, &flip, st);
-    pen_picture_free(left);
-    pen_picture_free(right);
-    return ok;
 }
 
 static int by_value(const void *a, const void *b)
@@ -62,8 +46,9 @@ static bool write_map(const struct pen_accuracy *accuracy, int row, float *error
 {
     const struct pen_settings *s = accuracy->task->settings;
     const size_t count = (size_t)s->width * (size_t)s->height;
+    double ignored[PEN_METRIC_COUNT];
     char caption[80];
-    if (!measure(accuracy, row, errors, st))
+    if (!pen_study_measure(s, accuracy->row[row].rgb, accuracy->reference.rgb, ignored, errors, st))
         return false;
     memcpy(sorted, errors, count * sizeof *errors);
     const double scale = scale_of(sorted, count);

@@ -28,9 +28,8 @@ static json_t *spread_json(const struct pen_accuracy_row_result *row)
 {
     json_t *json = json_object();
     for (int m = 0; m < PEN_METRIC_COUNT; m++) {
-        const struct pen_accuracy_spread e =
-            pen_accuracy_error_of(row, (enum pen_accuracy_metric)m);
-        json = pen_json_with(json, pen_accuracy_metrics[m],
+        const struct pen_accuracy_spread e = pen_accuracy_error_of(row, (enum pen_metric)m);
+        json = pen_json_with(json, pen_metrics[m],
                              json_pack("[o, o]", rounded(e.low), rounded(e.high)));
     }
     return json;
@@ -42,9 +41,8 @@ static json_t *with_errors(json_t *json, const struct pen_accuracy *accuracy,
 {
     const bool resolved = pen_accuracy_resolved(accuracy, row);
     for (int m = 0; m < PEN_METRIC_COUNT; m++) {
-        const double median = pen_accuracy_error_of(row, (enum pen_accuracy_metric)m).median;
-        json =
-            pen_json_with(json, pen_accuracy_metrics[m], resolved ? rounded(median) : json_null());
+        const double median = pen_accuracy_error_of(row, (enum pen_metric)m).median;
+        json = pen_json_with(json, pen_metrics[m], resolved ? rounded(median) : json_null());
     }
     json = pen_json_with(json, "resolved", json_boolean(resolved));
     if (!resolved)
@@ -222,16 +220,16 @@ json_t *pen_accuracy_json(const struct pen_accuracy *accuracy, const char *scene
         "{s:s, s:s, s:I, s:o, s:s, s:i, s:f, s:{s:s, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:{s:o, "
         "s:o, "
         "s:o, s:o}, s:O, s:o, s:i, s:f, s:{s:o}, s:o}",
-        "kind", "accuracy", "scene", scene, "primitives", (json_int_t)task->desc->primitive_count,
-        "began_at", began_json(accuracy), "view", task->desc->views[task->view].name, "seeds",
-        task->seeds, "budget_seconds", task->budget_ms / 1000, "target", "metric",
-        pen_accuracy_metrics[task->metric], "value", task->target, "recommended",
-        recommended_json(accuracy), "needed", needed_json(accuracy), "timing",
-        timing_json(accuracy), "rows", rows_json(accuracy), "reference",
+        "kind", "accuracy", "scene", scene, "primitives",
+        (json_int_t)task->frame.desc->primitive_count, "began_at", began_json(accuracy), "view",
+        task->frame.desc->views[task->view].name, "seeds", task->seeds, "budget_seconds",
+        task->budget_ms / 1000, "target", "metric", pen_metrics[task->metric], "value",
+        task->target, "recommended", recommended_json(accuracy), "needed", needed_json(accuracy),
+        "timing", timing_json(accuracy), "rows", rows_json(accuracy), "reference",
         reference_json(&accuracy->reference), "convergence", convergence_json(accuracy), "forecast",
         "expected_seconds", seconds(f->expected_ms), "low", seconds(f->low_ms), "high",
         seconds(f->high_ms), "actual", seconds(accuracy->spent_ms), "left_out", accuracy->left_out,
         "render", pen_settings_json(task->settings), "pool_threads",
-        pen_thread_pool_size(task->pool), "least_effect", PEN_LEAST_EFFECT, "calibration",
+        pen_thread_pool_size(task->frame.pool), "least_effect", PEN_LEAST_EFFECT, "calibration",
         "median_ms", pen_figure(accuracy->calibration_ms), "host", pen_host_json());
 }

@@ -7,12 +7,12 @@
 #include "study/internal/report_kind.h"
 
 /* The metric of that name; PEN_METRIC_COUNT: there is none. */
-static enum pen_accuracy_metric metric_of(const char *name)
+static enum pen_metric metric_of(const char *name)
 {
     int m = 0;
-    while (m < PEN_METRIC_COUNT && strcmp(pen_accuracy_metrics[m], name) != 0)
+    while (m < PEN_METRIC_COUNT && strcmp(pen_metrics[m], name) != 0)
         m++;
-    return (enum pen_accuracy_metric)m;
+    return (enum pen_metric)m;
 }
 
 static const char *title_of(const char *name)
@@ -27,7 +27,7 @@ static const char *title_of(const char *name)
 
 static bool rises(const char *name)
 {
-    return pen_accuracy_metric_rises(metric_of(name));
+    return pen_metric_rises(metric_of(name));
 }
 
 /* "--set light_samples=64 --set light_pattern=grid" */

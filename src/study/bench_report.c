@@ -20,7 +20,8 @@ static bool add_note(json_t *notes, json_t *text)
 static bool note_threads(const struct pen_bench *bench, const struct pen_bench_result *result,
                          int row, json_t *notes)
 {
-    int requested = bench->rows[row].settings.threads, pool = pen_thread_pool_size(bench->pool);
+    int requested = bench->rows[row].settings.threads,
+        pool = pen_thread_pool_size(bench->frame.pool);
     int used = result->rows[row].stats.threads;
     int granted = requested > 0 && requested < pool ? requested : pool;
     if (requested > pool &&
@@ -286,7 +287,7 @@ json_t *pen_bench_report_new(const struct pen_bench *bench, const struct pen_ben
     json_t *rest =
         json_pack("{s:o, s:o, s:o, s:i, s:{s:o, s:o}, s:o, s:o}", "rows", rows_json(bench, result),
                   "notes", notes_json(bench, result), "host", pen_host_json(), "pool_threads",
-                  pen_thread_pool_size(bench->pool), "load_average", "before",
+                  pen_thread_pool_size(bench->frame.pool), "load_average", "before",
                   load_json(result->load_before), "after", load_json(result->load_after),
                   "began_at", time_json(result->began_ms), "ended_at", time_json(result->ended_ms));
     const bool ok = head && method && rest && json_object_update(head, method) == 0 &&

@@ -112,7 +112,7 @@ void pen_bench_summarize(const struct pen_bench *bench, struct pen_bench_result 
             result->rows[bench->baseline].median_ms / result->rows[row].median_ms;
     pen_bench_find_ratios(bench, result, values);
     for (int i = 0; i < count; i++)
-        values[i] = result->calibration_ms[i];
+        values[i] = result->rows[0].runs[i].calibration_ms;
     result->calibration = pen_median_interval(values, count, 0, 0.05);
 }
 

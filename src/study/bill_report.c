@@ -73,7 +73,7 @@ json_t *pen_bill_json(const struct pen_bill *bill, const char *scene)
     for (int i = 0; i < bill->rows; i++)
         json_array_append_new(rows, row_json(bill, &bill->row[i]));
     return json_pack("{s:s, s:s, s:s, s:i, s:{s:i, s:i, s:o}, s:o, s:o, s:o}", "kind", "effects",
-                     "scene", scene, "view", task->desc->views[task->view].name, "repeats",
+                     "scene", scene, "view", task->frame.desc->views[task->view].name, "repeats",
                      task->repeats, "timing", "runs", bill->use.runs, "spoiled", bill->use.spoiled,
                      "cpu_share", pen_figure(bill->use.used), "rows",
                      pen_json_all(rows, (size_t)bill->rows), "render",

@@ -182,7 +182,7 @@ static bool fail_different(const struct pen_bench_pictures *pictures, int row, i
         st, PEN_DIFFERENT,
         "the pictures of %s and %s must be the same, but differ: view %s, pixel %zu,%zu,"
         " %s is %.9g in the one and %.9g in the other",
-        a, b, bench->desc->views[bench->views[view]].name, pixel % width, pixel / width,
+        a, b, bench->frame.desc->views[bench->views[view]].name, pixel % width, pixel / width,
         channels[value % 3], (double)(*reference_of(pictures, first, view))[value],
         (double)pictures->target[view][value]);
 }

@@ -48,10 +48,10 @@ static struct pen_accuracy_task task_of(const char *members)
     pool = pen_thread_pool_new(THREADS, &st);
     ck_assert_ptr_nonnull(pool);
     struct pen_accuracy_task task = pen_accuracy_of_spec(&spec);
-    task.desc = &kit.desc;
+    task.frame.desc = &kit.desc;
     task.settings = &kit.settings;
     task.limits = pen_limits_default();
-    task.pool = pool;
+    task.frame.pool = pool;
     return task;
 }
 
@@ -228,7 +228,7 @@ static void add_rung(struct ladder *l, int camera, int light, double rmse)
     l->rows[i].settings.samples_per_pixel = camera;
     l->rows[i].settings.light_samples = light;
     l->row[i] = row_of(&l->run[i], 10, rmse);
-    l->task.desc = &kit.desc;
+    l->task.frame.desc = &kit.desc;
     l->task.rows = l->rows;
     l->task.metric = PEN_METRIC_RMSE;
     l->accuracy.task = &l->task;
@@ -325,8 +325,8 @@ START_TEST(test_accuracy__spoiled_runs_are_repeated_and_recommend_nothing)
     struct pen_accuracy_task task =
         task_of("{\"ladder\": {\"light_samples\": [1, 4]}, \"seeds\": 2, \"target\": "
                 "{\"metric\": \"flip\", \"value\": 1}}");
-    task.pixel_begins = wait_a_little;
-    task.pixel_user = &renders;
+    task.frame.pixel_begins = wait_a_little;
+    task.frame.pixel_user = &renders;
     task.budget_ms = 1e6;
     make(&task);
     const struct pen_runs_use use = pen_accuracy_use(&accuracy);
@@ -502,9 +502,9 @@ START_TEST(test_accuracy__can_be_cancelled)
     make_scene();
     struct pen_accuracy_task task = task_of("{\"ladder\": {\"light_samples\": [1, 4, 16]}}");
     atomic_bool cancel = false;
-    task.cancel = &cancel;
-    task.progress = cancel_after_two;
-    task.user = &cancel;
+    task.frame.cancel = &cancel;
+    task.frame.progress = cancel_after_two;
+    task.frame.user = &cancel;
     ck_assert(!pen_accuracy_make(&task, &accuracy, &st));
     ck_assert_int_eq(st.code, PEN_CANCELLED);
     release();
@@ -552,7 +552,7 @@ static void check_same_row(const struct pen_accuracy_row_result *a,
         ck_assert(b->run[run].time.ms > 0);
         for (int m = 0; m < PEN_METRIC_COUNT; m++)
             ck_assert_msg(b->run[run].error[m] == a->run[run].error[m], "run %d: %s", run,
-                          pen_accuracy_metrics[m]);
+                          pen_metrics[m]);
     }
 }
 
@@ -568,12 +568,12 @@ START_TEST(test_accuracy__interrupted_study_has_the_results_of_a_whole_one)
     task.target = 1.01 * whole.row[2].run[0].error[PEN_METRIC_RMSE];
     const struct pen_accuracy_task whole_task = task;
     whole.task = &whole_task;
-    task.between = unfinished_keep;
-    task.user = &bed;
+    task.frame.between = unfinished_keep;
+    task.frame.user = &bed;
     for (bed.runs_left = 1; !pen_accuracy_make(&task, &accuracy, &st); bed.runs_left = 1) {
         ck_assert_msg(st.code == PEN_UNAVAILABLE, "%s", st.msg);
         pen_accuracy_release(&accuracy);
-        task.kept = &bed.kept;
+        task.frame.kept = &bed.kept;
         interruptions++;
     }
     /* The runs of three rows with three seeds, and two renders of 9 tiles or more. */
@@ -599,7 +599,7 @@ END_TEST
 /* Whether the study goes on with a state, whose first row took this long with the first seed. */
 static bool goes_on_with(struct pen_accuracy_task *task, const struct pen_kept_study *kept)
 {
-    task->kept = kept;
+    task->frame.kept = kept;
     make(task);
     const bool goes_on = accuracy.row[0].run[0].time.ms == 1e6;
     pen_accuracy_release(&accuracy);
@@ -609,44 +609,42 @@ static bool goes_on_with(struct pen_accuracy_task *task, const struct pen_kept_s
 START_TEST(test_accuracy__what_is_kept_of_another_study_is_not_used)
 {
     static const char *const changes[][2] = {{"/version", "99"},
-                                             {"/seeds", "2"},
+                                             {"/kind", "\"benchmark\""},
                                              {"/pool_threads", "7"},
                                              {"/host", "{}"},
                                              {"/elapsed_ms", "-1"},
-                                             {"/forecast", "[1, 2]"},
-                                             {"/threads_ms", "[1]"},
+                                             {"/expected_ms", "[1, 2]"},
                                              {"/left_out", "1"},
                                              {"/done", "-1"},
                                              {"/pass", "4"},
                                              {"/pass", "0"},
                                              {"/place", "4"},
-                                             {"/order", "[0, 1, 1]"},
-                                             {"/order", "[0, 1, 3]"},
-                                             {"/reference", "null"},
-                                             {"/reference/halves", "1"},
-                                             {"/reference/tiles", "1"},
-                                             {"/reference/factor", "0"},
-                                             {"/reference/hashes/0", "\"0123456789abcdef\""},
+                                             {"/rows/2/next", "9"},
+                                             {"/rows/2/next", "-1"},
+                                             {"/halves", "1"},
+                                             {"/tiles", "1"},
+                                             {"/factor", "0"},
+                                             {"/first_hash", "\"0123456789abcdef\""},
                                              {"/rows", "[]"},
                                              {"/rows/2/wanted", "false"},
                                              {"/rows/2/runs", "[]"},
-                                             {"/rows/2/runs", "[[1, 1, 0, 1, 1, 1, 1, 1, 1], [1]]"},
-                                             {"/rows/2/threads", "9"},
-                                             {"/rows/2/rays", "[-1, 1, 1, 1, 1, 1, 1]"},
-                                             {"/rows/2/hash", "\"\""},
+                                             {"/rows/2/runs", "[{}]"},
+                                             {"/rows/2/threads", "-9"},
+                                             {"/rows/2/shadow", "-1"},
+                                             {"/rows/2/picture_hash", "\"\""},
                                              {"/rows/2/expected_ms", "\"\""}};
     struct unfinished_bed bed = {0};
     struct pen_accuracy_task task = patient_task(), first = task;
     task.at_once_ms = 0;
     first.at_once_ms = 0;
-    first.between = unfinished_keep;
-    first.user = &bed;
+    first.frame.between = unfinished_keep;
+    first.frame.user = &bed;
     make(&first);
     pen_accuracy_release(&accuracy);
     bed.runs_left = bed.calls - 2; /* before the last two runs of the last pass */
     ck_assert(!pen_accuracy_make(&first, &accuracy, &st));
     pen_accuracy_release(&accuracy);
-    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0/0", "1e6");
+    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0/ms", "1e6");
     struct pen_kept_study kept = bed.kept;
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
         json_t *changed = unfinished_changed(marked, changes[i][0], changes[i][1]);

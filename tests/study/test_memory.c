@@ -43,13 +43,12 @@ START_TEST(test_memory__every_failed_allocation_is_reported)
         rows[i].settings.max_depth = i + 1;
         rows[i].varied = json_pack("{s:i, s:s}", "max_depth", i + 1, "transfer", "srgb");
     }
-    struct pen_bench bench = {.desc = &kit.desc,
+    struct pen_bench bench = {.frame = {.desc = &kit.desc, .pool = pen_thread_pool_new(1, &st)},
                               .views = views,
                               .view_count = 1,
                               .rows = rows,
                               .row_count = 2,
-                              .repeats = 2,
-                              .pool = pen_thread_pool_new(1, &st)};
+                              .repeats = 2};
     ck_assert(work(&bench, &st)); /* waits until the pool's thread has started, which allocates */
     for (long n = 0;; n += random_all() || n < 300 ? 1 : 5) {
         ck_assert_int_lt(n, 100000);
@@ -61,7 +60,7 @@ START_TEST(test_memory__every_failed_allocation_is_reported)
         if (!refused)
             break;
     }
-    pen_thread_pool_free(bench.pool);
+    pen_thread_pool_free(bench.frame.pool);
     for (int i = 0; i < 2; i++)
         json_decref((json_t *)(uintptr_t)rows[i].varied);
 }

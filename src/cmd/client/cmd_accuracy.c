@@ -112,12 +112,12 @@ static bool prepare(struct study *s, struct pen_errors *errors)
     if (!read_spec(s, errors))
         return false;
     s->task = pen_accuracy_of_spec(&s->spec);
-    s->task.desc = desc;
+    s->task.frame.desc = desc;
     s->task.settings = &desc->settings;
     s->task.limits = pen_limits_default();
     s->task.forecast = show_forecast;
-    s->task.progress = show_progress;
-    s->task.user = s;
+    s->task.frame.progress = show_progress;
+    s->task.frame.user = s;
     if (s->values->view)
         s->task.view = pen_scene_input_view(&s->input, s->values->view, &st);
     if (s->task.view >= 0 && pen_accuracy_check(&s->task, "", &st))
@@ -130,7 +130,7 @@ static bool measure(struct study *s, struct pen_status *st)
 {
     if (!(s->pool = pen_thread_pool_new(s->values->threads, st)))
         return false;
-    s->task.pool = s->pool;
+    s->task.frame.pool = s->pool;
     pen_progress_begin(&s->progress, s->input.source.label, s->values->quiet);
     const bool ok = pen_accuracy_make(&s->task, &s->accuracy, st);
     pen_progress_end(&s->progress);

@@ -190,7 +190,7 @@ static bool prepare(struct benchmark *b, struct pen_errors *errors)
     if (!read_spec(b, errors))
         return false;
     b->bench = pen_bench_of_spec(&b->spec);
-    b->bench.desc = &b->input.desc;
+    b->bench.frame.desc = &b->input.desc;
     if (choose_views(b, &st) &&
         pen_bench_spec_check(&b->spec, &limits, &b->input.desc, b->bench.view_count, &st))
         return true;
@@ -210,9 +210,9 @@ static bool run_here(struct benchmark *b, struct pen_status *st)
         pen_thread_pool_new(b->values->threads < 0 ? 0 : b->values->threads, st);
     if (!pool)
         return false;
-    b->bench.pool = pool;
-    b->bench.progress = show_progress;
-    b->bench.user = &b->progress;
+    b->bench.frame.pool = pool;
+    b->bench.frame.progress = show_progress;
+    b->bench.frame.user = &b->progress;
     pen_progress_begin(&b->progress, b->input.source.label, b->values->quiet);
     bool ok = pen_bench_run(&b->bench, &b->result, st);
     pen_progress_end(&b->progress);

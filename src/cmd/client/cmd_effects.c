@@ -67,18 +67,17 @@ static bool make_bill(struct effects *e, struct pen_status *st)
     struct pen_scene_desc *desc = &e->input.desc;
     if (!pen_set_options_apply(&e->values->set, &desc->settings, st))
         return false;
-    e->task = (struct pen_bill_task){.desc = desc,
-                                     .settings = &desc->settings,
-                                     .repeats = e->values->repeats,
-                                     .progress = show_progress,
-                                     .user = &e->progress};
+    e->task = (struct pen_bill_task){
+        .frame = {.desc = desc, .progress = show_progress, .user = &e->progress},
+        .settings = &desc->settings,
+        .repeats = e->values->repeats};
     if (e->values->view)
         e->task.view = pen_scene_input_view(&e->input, e->values->view, st);
     if (e->task.view < 0 ||
         !pen_bill_check(&limits, desc, e->task.view, &desc->settings, e->values->repeats, "", st) ||
         !(e->pool = pen_thread_pool_new(e->values->threads, st)))
         return false;
-    e->task.pool = e->pool;
+    e->task.frame.pool = e->pool;
     pen_progress_begin(&e->progress, e->input.source.label, e->values->quiet);
     const bool ok = pen_bill_make(&e->task, &e->bill, st);
     pen_progress_end(&e->progress);

@@ -3,7 +3,7 @@
  * themselves, instead of taking a frozen scene from the cache, and store their progress in runs.
  *
  * A study is one batch. Between two runs, never during one, its progress is stored, and what it has
- * measured is kept (study/unfinished.h), so that a worker that ends loses a run and not the study.
+ * measured is kept (study/study.h), so that a worker that ends loses a run and not the study.
  * When a batch of higher priority waits, a study that is kept is given back, to go on later. An
  * explanation, which is short, is not kept. Runs may last milliseconds: so nothing is kept more
  * than four times a second, nor for more than a twentieth of the time. */
@@ -12,7 +12,7 @@
 
 #include "jobs/internal/batch.h"
 #include "jobs/internal/keep.h"
-#include "study/unfinished.h"
+#include "study/study.h"
 
 struct pen_study {
     struct pen_batch_context *context;
@@ -37,13 +37,10 @@ void pen_study_end(struct pen_study *study);
  * succeed, and the heartbeat notices a lost lease. */
 void pen_study_progress(void *user, int done, int total);
 
-/* Keeps the study, if that is due: pen_between_fn; `user` is the study. A failure is ignored, as
- * above. */
-bool pen_study_keep(void *user, const struct pen_unfinished *unfinished);
-
-/* What an earlier worker has kept of the study. What is damaged counts as nothing, for which
- * `state` is NULL. Owns: the study. */
-const struct pen_kept_study *pen_study_kept(struct pen_study *study);
+/* What the study is told: of its scene and context, how it is kept, and what an earlier worker has
+ * kept of it. What is damaged counts as nothing. `user` is whose first member the study is. Owns:
+ * the study. */
+struct pen_study_frame pen_study_frame_of(struct pen_study *study, void *user);
 
 /* Writes a report as JSON for the commit. One with figures (study/report.h), which are gone after
  * the study, is also stored as a page; a worker that makes the study again, because the commit
