@@ -92,8 +92,8 @@ static struct pen_study_picture picture(const void *study, int place)
 static const struct pen_kept_member study_members[] = {
     {"halves", PEN_KEPT_INT, OF_STATE(halves)},
     {"tiles", PEN_KEPT_INT, OF_STATE(tiles)},
-    {"first_hash", PEN_KEPT_HASH, OF_STATE(half_hash[0])},
-    {"second_hash", PEN_KEPT_HASH, OF_STATE(half_hash[1])},
+    {"first_hash", PEN_KEPT_COUNT, OF_STATE(half_hash[0])},
+    {"second_hash", PEN_KEPT_COUNT, OF_STATE(half_hash[1])},
     {"pass", PEN_KEPT_INT, OF_STATE(pass)},
     {"place", PEN_KEPT_INT, OF_STATE(place)},
     {0}};
@@ -116,7 +116,7 @@ static const struct pen_kept_member row_members[] = {
     {"next", PEN_KEPT_INT, OF_ROW(next)},
     {"expected_ms", PEN_KEPT_NUMBER, OF_ROW(expected_ms)},
     {"threads", PEN_KEPT_INT, OF_ROW(threads)},
-    {"picture_hash", PEN_KEPT_HASH, OF_ROW(picture_hash)},
+    {"picture_hash", PEN_KEPT_COUNT, OF_ROW(picture_hash)},
     PEN_KEPT_RAYS(struct pen_accuracy_row_result, rays),
     {0}};
 

@@ -65,26 +65,18 @@ static void write_row(const json_t *row, struct pen_buf *out)
     pen_buf_puts(out, " ms)");
 }
 
-static struct pen_runs_use use_of(const json_t *report)
-{
-    return (struct pen_runs_use){.runs = (int)pen_report_number(report, "timing.runs"),
-                                 .spoiled = (int)pen_report_number(report, "timing.spoiled"),
-                                 .used = pen_report_number(report, "timing.cpu_share")};
-}
-
 static bool is_spoiled(const json_t *report)
 {
-    const struct pen_runs_use use = use_of(report);
-    return pen_runs_spoiled(&use);
+    return 2 * pen_report_number(report, "timing.spoiled") >
+           pen_report_number(report, "timing.runs");
 }
 
 static void write_spoiled(const json_t *report, struct pen_buf *out)
 {
-    const struct pen_runs_use use = use_of(report);
-    pen_runs_use_write(&use,
-                       "No row is recommended. Repeat the study when nothing else runs, or with "
-                       "fewer threads.",
-                       out);
+    pen_write_spoiled(report,
+                      "No row is recommended. Repeat the study when nothing else runs, or "
+                      "with fewer threads.",
+                      out);
 }
 
 static void write_recommended(const json_t *report, const json_t *row, struct pen_buf *out)

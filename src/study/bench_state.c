@@ -49,7 +49,7 @@ static const struct pen_kept_member study_members[] = {
 
 static const struct pen_kept_member row_members[] = {
     {"threads", PEN_KEPT_INT, offsetof(struct pen_bench_row_result, stats.threads)},
-    {"picture_hash", PEN_KEPT_HASH, offsetof(struct pen_bench_row_result, picture_hash)},
+    {"picture_hash", PEN_KEPT_COUNT, offsetof(struct pen_bench_row_result, picture_hash)},
     {0}};
 
 static const struct pen_kept_member run_members[] = {

@@ -61,7 +61,7 @@ static struct pen_study_picture picture(const void *study, int row)
 
 static const struct pen_kept_member row_members[] = {
     {"kernel", PEN_KEPT_KERNEL, offsetof(struct pen_bill_row, kernel)},
-    {"picture_hash", PEN_KEPT_HASH, offsetof(struct pen_bill_row, hash)},
+    {"picture_hash", PEN_KEPT_COUNT, offsetof(struct pen_bill_row, hash)},
     PEN_KEPT_RAYS(struct pen_bill_row, rays),
     {0}};
 

@@ -1,21 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* What the report of a bill has to say. */
 #include "study/internal/report_kind.h"
-#include "study/run_time.h"
 
 static void write_answer(const json_t *report, struct pen_buf *out)
 {
-    const struct pen_runs_use use = {.runs = (int)pen_report_number(report, "timing.runs"),
-                                     .spoiled = (int)pen_report_number(report, "timing.spoiled"),
-                                     .used = pen_report_number(report, "timing.cpu_share")};
     const json_t *whole = pen_report_row(report, 0);
-    if (use.spoiled > 0) {
-        pen_runs_use_write(&use,
-                           "No cost in time is told. Repeat the bill when nothing else runs, or "
-                           "with fewer threads.",
-                           out);
+    if (pen_write_spoiled(report,
+                          "No cost in time is told. Repeat the bill when nothing else "
+                          "runs, or with fewer threads.",
+                          out))
         pen_buf_puts(out, "\n");
-    }
     pen_buf_printf(out,
                    "All effects: %.1f ms (%.1f to %.1f), median of %.0f, at %.0f \xC3\x97 %.0f "
                    "pixels.\n",

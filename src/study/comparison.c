@@ -265,54 +265,41 @@ static bool match_rows(struct pair *pair, bool *taken, json_t *rows, json_t *mis
     return ok;
 }
 
-/* "different" if any row is, else "unknown" if all are, else "same". */
-static const char *all_pictures(const json_t *rows)
+/* How many rows differ. */
+struct totals {
+    size_t pictures, unknown, counters;
+    int slower;
+};
+
+static struct totals count_rows(const json_t *rows)
 {
-    size_t i, unknown = 0;
+    struct totals totals = {0};
+    size_t i;
     json_t *row;
     json_array_foreach(rows, i, row)
     {
         const char *picture = pen_report_string(row, "picture");
-        if (strcmp(picture, "different") == 0)
-            return picture;
-        unknown += strcmp(picture, "unknown") == 0;
+        totals.pictures += strcmp(picture, "different") == 0;
+        totals.unknown += strcmp(picture, "unknown") == 0;
+        totals.counters += json_array_size(json_object_get(row, "differences")) > 0;
+        totals.slower += strcmp(pen_report_string(row, "verdict"), "slower") == 0;
     }
-    return unknown == json_array_size(rows) ? "unknown" : "same";
-}
-
-static const char *all_counters(const json_t *rows)
-{
-    size_t i;
-    json_t *row;
-    json_array_foreach(rows, i, row)
-    {
-        if (json_array_size(json_object_get(row, "differences")) > 0)
-            return "different";
-    }
-    return "same";
-}
-
-static int slower_rows(const json_t *rows)
-{
-    size_t i;
-    json_t *row;
-    int slower = 0;
-    json_array_foreach(rows, i, row)
-    {
-        slower += strcmp(pen_report_string(row, "verdict"), "slower") == 0;
-    }
-    return slower;
+    return totals;
 }
 
 static json_t *comparison_json(const struct pair *pair, json_t *hosts, json_t *rows,
                                json_t *missing, json_t *added)
 {
-    const char *pictures = all_pictures(rows), *counted = all_counters(rows);
+    const struct totals totals = count_rows(rows);
     return json_pack("{s:s, s:s, s:o, s:o, s:O, s:O, s:O, s:O, s:s, s:s, s:i}", "kind",
                      "comparison", "scene", pen_report_string(pair->after, "scene"), "before",
                      identity_json(pair->before), "after", identity_json(pair->after),
                      "host_differences", hosts, "rows", rows, "missing", missing, "added", added,
-                     "counters", counted, "pictures", pictures, "slower", slower_rows(rows));
+                     "counters", totals.counters > 0 ? "different" : "same", "pictures",
+                     totals.pictures > 0                       ? "different"
+                     : totals.unknown == json_array_size(rows) ? "unknown"
+                                                               : "same",
+                     "slower", totals.slower);
 }
 
 json_t *pen_comparison_new(const json_t *before, const json_t *after, struct pen_status *st)

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "study/internal/making.h"
 
-#include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
@@ -12,7 +10,7 @@
 #include "shade/kernel.h"
 #include "study/host.h"
 
-enum { VERSION = 3, COUNT_MAX = 1 << 30, HASH_DIGITS = 16 };
+enum { VERSION = 3, COUNT_MAX = 1 << 30 };
 static const double elapsed_max_ms = 1e12;
 
 bool pen_making_begin(struct pen_making *making, struct pen_status *st)
@@ -70,8 +68,6 @@ static json_t *member_json(const struct pen_kept_member *member, const void *rec
     case PEN_KEPT_SAME:
     case PEN_KEPT_COUNT:
         return json_integer((json_int_t) * (const uint64_t *)at);
-    case PEN_KEPT_HASH:
-        return json_sprintf("%016" PRIx64, *(const uint64_t *)at);
     case PEN_KEPT_KERNEL:
         return json_string(*(const char *const *)at ? *(const char *const *)at : "");
     case PEN_KEPT_LIST:
@@ -147,16 +143,6 @@ static bool read_int(const json_t *value, int *out)
     return true;
 }
 
-static bool read_hash(const json_t *value, uint64_t *out)
-{
-    const char *digits = json_string_value(value);
-    char *end;
-    if (!digits || strlen(digits) != HASH_DIGITS)
-        return false;
-    *out = strtoull(digits, &end, 16);
-    return *end == '\0';
-}
-
 /* This program's name of a kernel; NULL: it has none of that name. */
 static const char *kernel_name(const char *name)
 {
@@ -183,9 +169,7 @@ static bool read_member(const struct pen_kept_member *member, void *record, cons
         return json_is_null(value) || json_is_number(value);
     case PEN_KEPT_COUNT:
         *(uint64_t *)at = (uint64_t)json_integer_value(value);
-        return json_is_integer(value) && json_integer_value(value) >= 0;
-    case PEN_KEPT_HASH:
-        return read_hash(value, at);
+        return json_is_integer(value);
     case PEN_KEPT_KERNEL:
         *(const char **)at = kernel_name(json_string_value(value));
         return json_is_string(value) && (*(const char **)at || !*json_string_value(value));
@@ -207,13 +191,10 @@ static bool read_record(const struct pen_kept_member *member, void *record, cons
 /* Sets the members of a record to zero. */
 static void clear_record(const struct pen_kept_member *member, void *record)
 {
-    static const size_t bytes[] = {[PEN_KEPT_INT] = sizeof(int),
-                                   [PEN_KEPT_BOOL] = sizeof(bool),
-                                   [PEN_KEPT_NUMBER] = sizeof(double),
-                                   [PEN_KEPT_COUNT] = sizeof(uint64_t),
-                                   [PEN_KEPT_HASH] = sizeof(uint64_t),
-                                   [PEN_KEPT_KERNEL] = sizeof(char *),
-                                   [PEN_KEPT_LIST] = 0};
+    static const size_t bytes[] = {
+        [PEN_KEPT_INT] = sizeof(int),       [PEN_KEPT_BOOL] = sizeof(bool),
+        [PEN_KEPT_NUMBER] = sizeof(double), [PEN_KEPT_COUNT] = sizeof(uint64_t),
+        [PEN_KEPT_KERNEL] = sizeof(char *), [PEN_KEPT_LIST] = 0};
     for (; member && member->name; member++) {
         void *at = (char *)record + member->offset;
         if (member->type == PEN_KEPT_LIST)

@@ -48,15 +48,6 @@ const char *pen_report_policy(void)
     return policy;
 }
 
-static void write_data(const json_t *report, struct pen_buf *out)
-{
-    char *text = json_dumps(report, JSON_ENCODE_ANY | JSON_COMPACT | JSON_REAL_PRECISION(15));
-    out->failed |= !text;
-    for (const char *c = text; c && *c; c++)
-        pen_buf_puts(out, *c == '<' ? "\\u003c" : (const char[]){*c, '\0'});
-    free(text);
-}
-
 /* What a page is made of. */
 struct page {
     const struct pen_report_kind *kind;
@@ -64,10 +55,42 @@ struct page {
     const struct pen_buf *figures;
 };
 
+static void write_data(const struct page *page, struct pen_buf *out)
+{
+    char *text = json_dumps(page->report, JSON_ENCODE_ANY | JSON_COMPACT | JSON_REAL_PRECISION(15));
+    out->failed |= !text;
+    for (const char *c = text; c && *c; c++)
+        pen_buf_puts(out, *c == '<' ? "\\u003c" : (const char[]){*c, '\0'});
+    free(text);
+}
+
 static void write_title(const struct page *page, struct pen_buf *out)
 {
     pen_buf_printf(out, "%s: ", page->kind->title);
     pen_layout_text(PEN_LAYOUT_HTML, pen_report_string(page->report, "scene"), out);
+}
+
+static void write_policy(const struct page *page, struct pen_buf *out)
+{
+    (void)page;
+    pen_layout_text(PEN_LAYOUT_HTML, pen_report_policy(), out);
+}
+
+static void write_style(const struct page *page, struct pen_buf *out)
+{
+    (void)page;
+    pen_buf_puts(out, (const char *)file_of("report.css")->data);
+}
+
+static void write_script(const struct page *page, struct pen_buf *out)
+{
+    (void)page;
+    pen_buf_puts(out, (const char *)file_of("report.js")->data);
+}
+
+static void write_answer(const struct page *page, struct pen_buf *out)
+{
+    pen_layout_lines(PEN_LAYOUT_HTML, page->kind->answer, page->report, out);
 }
 
 static void write_tables(const struct page *page, struct pen_buf *out)
@@ -80,45 +103,23 @@ static void write_tables(const struct page *page, struct pen_buf *out)
     pen_layout_lines(PEN_LAYOUT_HTML, pen_kind_comparison.notes, comparison, out);
 }
 
-/* Appends a part by its name in the template. */
-static void write_part(const struct page *page, const char *name, size_t length,
-                       struct pen_buf *out)
+static void write_notes(const struct page *page, struct pen_buf *out)
 {
-    static const char *const names[] = {"title", "policy",  "style", "answer", "tables",
-                                        "notes", "figures", "data",  "script"};
-    size_t part = 0;
-    while (strlen(names[part]) != length || memcmp(names[part], name, length) != 0)
-        part++;
-    switch (part) {
-    case 0:
-        write_title(page, out);
-        break;
-    case 1:
-        pen_layout_text(PEN_LAYOUT_HTML, pen_report_policy(), out);
-        break;
-    case 2:
-        pen_buf_puts(out, (const char *)file_of("report.css")->data);
-        break;
-    case 3:
-        pen_layout_lines(PEN_LAYOUT_HTML, page->kind->answer, page->report, out);
-        break;
-    case 4:
-        write_tables(page, out);
-        break;
-    case 5:
-        pen_layout_lines(PEN_LAYOUT_HTML, page->kind->notes, page->report, out);
-        break;
-    case 6:
-        if (page->figures)
-            pen_buf_add(out, page->figures->data, page->figures->bytes);
-        break;
-    case 7:
-        write_data(page->report, out);
-        break;
-    default:
-        pen_buf_puts(out, (const char *)file_of("report.js")->data);
-    }
+    pen_layout_lines(PEN_LAYOUT_HTML, page->kind->notes, page->report, out);
 }
+
+static void write_figures(const struct page *page, struct pen_buf *out)
+{
+    if (page->figures)
+        pen_buf_add(out, page->figures->data, page->figures->bytes);
+}
+
+static const struct {
+    const char *name;
+    void (*write)(const struct page *page, struct pen_buf *out);
+} parts[] = {{"title", write_title},     {"policy", write_policy}, {"style", write_style},
+             {"answer", write_answer},   {"tables", write_tables}, {"notes", write_notes},
+             {"figures", write_figures}, {"data", write_data},     {"script", write_script}};
 
 void pen_page_write(const struct pen_report_kind *kind, const json_t *report,
                     const struct pen_buf *figures, struct pen_buf *out)
@@ -126,8 +127,11 @@ void pen_page_write(const struct pen_report_kind *kind, const json_t *report,
     const struct page page = {kind, report, figures};
     const char *text = (const char *)file_of("report.html")->data, *begin;
     for (; (begin = strstr(text, "{{")) != NULL; text = strstr(begin, "}}") + 2) {
+        size_t part = 0;
         pen_buf_add(out, text, (size_t)(begin - text));
-        write_part(&page, begin + 2, (size_t)(strstr(begin, "}}") - begin - 2), out);
+        while (strncmp(begin + 2, parts[part].name, strlen(parts[part].name)) != 0)
+            part++;
+        parts[part].write(&page, out);
     }
     pen_buf_puts(out, text);
 }

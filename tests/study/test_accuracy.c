@@ -624,13 +624,13 @@ START_TEST(test_accuracy__what_is_kept_of_another_study_is_not_used)
                                              {"/halves", "1"},
                                              {"/tiles", "1"},
                                              {"/factor", "0"},
-                                             {"/first_hash", "\"0123456789abcdef\""},
+                                             {"/first_hash", "7"},
                                              {"/rows", "[]"},
                                              {"/rows/2/wanted", "false"},
                                              {"/rows/2/runs", "[]"},
                                              {"/rows/2/runs", "[{}]"},
                                              {"/rows/2/threads", "-9"},
-                                             {"/rows/2/shadow", "-1"},
+                                             {"/rows/2/shadow", "1.5"},
                                              {"/rows/2/picture_hash", "\"\""},
                                              {"/rows/2/expected_ms", "\"\""}};
     struct unfinished_bed bed = {0};

@@ -486,7 +486,7 @@ START_TEST(test_bench__one_bit_of_difference_fails_it_and_is_named)
     bench.tamper = flip_bit;
     ck_assert(!pen_bench_run(&bench, &result, &st));
     ck_assert_int_eq(st.code, PEN_DIFFERENT);
-    ck_assert_ptr_nonnull(strstr(st.msg, "row 0 (accelerator \"none\")"));
+    ck_assert_ptr_nonnull(strstr(st.msg, "row 0 (accelerator none)"));
     char other[40];
     snprintf(other, sizeof other, "row %d (accelerator ", seen[3]);
     ck_assert_ptr_nonnull(strstr(st.msg, other));
@@ -585,7 +585,7 @@ START_TEST(test_bench__what_is_kept_of_another_benchmark_is_not_used)
         {"/passes", "100"},        {"/passes", "-1"},
         {"/place", "2"},           {"/rows", "[1]"},
         {"/rows/1/runs", "[]"},    {"/rows/1/runs", "[1, 2]"},
-        {"/rows/1/threads", "-1"}, {"/rows/0/picture_hash", "1"},
+        {"/rows/1/threads", "-1"}, {"/rows/0/picture_hash", "\"\""},
         {"/elapsed_ms", "-1"}};
     struct pen_kept_study last;
     set_up(1);
@@ -620,7 +620,7 @@ START_TEST(test_bench__pictures_must_stay_the_same_over_an_interruption)
     ck_assert(!pen_bench_run(&bench, &result, &st));
     pen_bench_result_release(&bench, &result);
     json_object_set_new(json_array_get(json_object_get(bed.state, "rows"), 0), "picture_hash",
-                        json_string("0123456789abcdef"));
+                        json_integer(7));
     bench.frame.between = NULL;
     bench.frame.kept = &bed.kept;
     ck_assert(!pen_bench_run(&bench, &result, &st));

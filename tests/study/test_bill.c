@@ -311,9 +311,9 @@ START_TEST(test_bill__what_is_kept_of_another_one_is_not_used)
                                              {"/rows", "[]"},
                                              {"/rows/3/runs", "[1, 2]"},
                                              {"/rows/3/runs", "[{}]"},
-                                             {"/rows/3/primary", "-1"},
-                                             {"/rows/3/picture_hash", "1"},
-                                             {"/rows/3/picture_hash", "\"0123456789abcdef\""},
+                                             {"/rows/3/primary", "1.5"},
+                                             {"/rows/3/picture_hash", "\"\""},
+                                             {"/rows/3/picture_hash", "7"},
                                              {"/rows/3/kernel", "\"none\""}};
     struct pen_status st;
     struct pen_bill bill;

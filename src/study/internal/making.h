@@ -19,8 +19,7 @@ enum pen_kept_type {
     PEN_KEPT_INT,    /* int, at least 0 */
     PEN_KEPT_BOOL,   /* bool */
     PEN_KEPT_NUMBER, /* double; null if it is not finite */
-    PEN_KEPT_COUNT,  /* uint64_t */
-    PEN_KEPT_HASH,   /* uint64_t, as 16 hexadecimal digits */
+    PEN_KEPT_COUNT,  /* uint64_t, also a hash */
     PEN_KEPT_KERNEL, /* const char *, the name of a kernel */
     PEN_KEPT_LIST    /* json_t *, a list */
 };

@@ -41,7 +41,7 @@ void pen_write_settings(const json_t *settings, struct pen_buf *out);
  * 0, and the numbers of samples in whose place a target error stands. */
 void pen_write_row_name(const json_t *row, struct pen_buf *out);
 
-/* Appends "; " between, and then a ratio with its interval, if it has one: "0.982 (0.976–0.991)".
+/* Appends a ratio with its interval, if it has one: "0.982 (0.976–0.991)".
  */
 void pen_write_ratio(const json_t *ratio, struct pen_buf *out);
 
@@ -49,10 +49,26 @@ void pen_write_ratio(const json_t *ratio, struct pen_buf *out);
  * …". */
 void pen_write_host(const json_t *report, struct pen_buf *out);
 
+/* Appends how many runs are spoiled, and why; `withheld` says what does not follow if over half
+ * are. Returns whether any is. */
+bool pen_write_spoiled(const json_t *report, const char *withheld, struct pen_buf *out);
+
 /* Appends each text of a list as a line that begins so. */
 void pen_write_list(const json_t *list, const char *begin, struct pen_buf *out);
 
 /* Appends the settings that all rows share as a line. */
 void pen_write_shared(const json_t *report, struct pen_buf *out);
+
+/* Values of a report that is made. Each returns a new reference; NULL when out of memory. */
+
+/* The first object with the members of the second. Takes the references to both. */
+json_t *pen_joined_json(json_t *object, json_t *more);
+
+/* A list of lines, each ended by a line feed. Releases the buffer. */
+json_t *pen_lines_json(struct pen_buf *lines);
+
+/* A hash in 16 hexadecimal digits; a time as RFC 3339 has it. */
+json_t *pen_report_hash_json(uint64_t hash);
+json_t *pen_report_time_json(int64_t wall_ms);
 
 #endif
