@@ -26,7 +26,7 @@ endif
 VERSION := 0.1.0
 VERSION_DATE := 2026-11-22
 RENDER_ROOMS := base math geom accel scene shade film render io embed
-SERVICE_ROOMS := study store jobs access http
+SERVICE_ROOMS := report study store jobs access http
 # A room's files: those in its folder and in folders of that.
 room_files = $(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c))
 

@@ -7,7 +7,7 @@
 #include "http/internal/request.h"
 #include "http/internal/routes.h"
 #include "io/document.h"
-#include "study/report.h"
+#include "report/report.h"
 
 static const char forever[] = "private, max-age=86400, immutable";
 

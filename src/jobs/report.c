@@ -7,7 +7,7 @@
 #include "jobs/internal/ids.h"
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/kind.h"
-#include "study/report.h"
+#include "report/report.h"
 
 /* Fails unless the job is of a kind that has a report in this format, and has succeeded. */
 static bool check_job(const struct pen_job_record *job, const char *form, enum pen_job_kind *kind,

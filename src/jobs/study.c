@@ -7,7 +7,7 @@
 
 #include "base/clock.h"
 #include "film/film.h"
-#include "study/report.h"
+#include "report/report.h"
 
 enum { PROGRESS_MS = 250 };          /* the shortest time between two reports of progress */
 enum { KEEP_MS = 250, ASK_MS = 50 }; /* the shortest time between two states that are kept */

@@ -9,11 +9,11 @@
 #include "base/clock.h"
 #include "film/film.h"
 #include "render/layers.h"
+#include "report/values.h"
 #include "study/accuracy_summary.h"
 #include "study/internal/accuracy_run.h"
 #include "study/internal/calibration.h"
 #include "study/internal/random_order.h"
-#include "study/internal/report_values.h"
 #include "study/verdict.h"
 
 enum { CALIBRATIONS = 11 };

@@ -7,9 +7,9 @@
 
 #include "film/error_map.h"
 #include "render/transfer.h"
+#include "report/report.h"
+#include "report/values.h"
 #include "study/accuracy.h"
-#include "study/internal/report_values.h"
-#include "study/report.h"
 
 static const double shown_share = 0.995; /* of the pixels, whose errors the scale of a map covers */
 

@@ -9,7 +9,7 @@
 #include "study/accuracy_summary.h"
 #include "study/host.h"
 #include "study/internal/accuracy_run.h"
-#include "study/internal/report_values.h"
+#include "study/internal/report_json.h"
 
 /* Four significant digits; null if it is not finite. */
 static json_t *rounded(double value)

@@ -7,7 +7,7 @@
 #include "io/json_build.h"
 #include "study/bench.h"
 #include "study/host.h"
-#include "study/internal/report_values.h"
+#include "study/internal/report_json.h"
 
 /* Notes if fewer threads worked on a row than it requests. */
 static void note_threads(const struct pen_bench *bench, const struct pen_bench_result *result,

@@ -7,8 +7,8 @@
 #include "io/json_build.h"
 #include "io/settings_json.h"
 #include "render/transfer.h"
+#include "report/report.h"
 #include "study/bill.h"
-#include "study/report.h"
 
 static const char *name_of(const struct pen_bill_row *row)
 {

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "io/json_build.h"
+#include "report/values.h"
 #include "study/internal/report_rows.h"
-#include "study/internal/report_values.h"
 #include "study/verdict.h"
 
 /* Of each of two medians, so that their quotient errs with 5 %. */

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "io/json_build.h"
+#include "report/values.h"
 #include "study/internal/report_rows.h"
-#include "study/internal/report_values.h"
 #include "study/verdict.h"
 
 /* A row of the history while it is made. */

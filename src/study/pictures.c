@@ -12,7 +12,7 @@
 #include "film/film.h"
 #include "film/metrics.h"
 #include "render/transfer.h"
-#include "study/internal/report_values.h"
+#include "report/values.h"
 
 struct pen_bench_pictures {
     const struct pen_bench *bench;

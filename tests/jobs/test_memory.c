@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "study/report.h"
+#include "report/report.h"
 #include "support/alloc.h"
 #include "support/jobs.h"
 #include "support/store_rows.h"

@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "report/report.h"
 #include "scene/scene.h"
-#include "study/report.h"
 #include "support/jobs.h"
 #include "support/suite.h"
 

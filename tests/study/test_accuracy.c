@@ -8,9 +8,9 @@
 
 #include "film/encode.h"
 #include "jobs/accuracy_spec.h"
+#include "report/report.h"
 #include "study/accuracy.h"
 #include "study/accuracy_summary.h"
-#include "study/report.h"
 #include "support/kit.h"
 #include "support/suite.h"
 #include "support/unfinished.h"

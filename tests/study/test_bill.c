@@ -6,9 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "report/report.h"
 #include "study/bill.h"
 #include "study/leave_out.h"
-#include "study/report.h"
 #include "support/kit.h"
 #include "support/suite.h"
 #include "support/unfinished.h"

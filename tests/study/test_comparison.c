@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "report/report.h"
 #include "study/comparison.h"
-#include "study/report.h"
 #include "support/random.h"
 #include "support/suite.h"
 

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "report/report.h"
 #include "study/history.h"
-#include "study/report.h"
 #include "support/random.h"
 #include "support/suite.h"
 

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "report/report.h"
 #include "study/bench.h"
-#include "study/report.h"
 #include "support/alloc.h"
 #include "support/kit.h"
 #include "support/random.h"

@@ -9,7 +9,7 @@
 #include "cmd/client/scene_input.h"
 #include "cmd/client/setting_options.h"
 #include "cmd/report.h"
-#include "study/report.h"
+#include "report/report.h"
 
 struct values {
     struct pen_accuracy_values accuracy;

@@ -16,8 +16,8 @@
 #include "cmd/client/scene_input.h"
 #include "cmd/client/setting_options.h"
 #include "cmd/report.h"
+#include "report/report.h"
 #include "study/comparison.h"
-#include "study/report.h"
 
 struct values {
     struct pen_bench_values bench;

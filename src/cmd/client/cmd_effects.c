@@ -8,8 +8,8 @@
 #include "cmd/client/scene_input.h"
 #include "cmd/client/setting_options.h"
 #include "cmd/report.h"
+#include "report/report.h"
 #include "study/bill.h"
-#include "study/report.h"
 
 struct values {
     const char *format, *view;

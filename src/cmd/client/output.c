@@ -7,7 +7,7 @@
 
 #include "cmd/files.h"
 #include "render/transfer.h"
-#include "study/report.h"
+#include "report/report.h"
 
 const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
 const char *const pen_output_all_formats[] = {"png", "png16", "pfm",  "json",

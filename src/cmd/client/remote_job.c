@@ -9,7 +9,7 @@
 #include "cmd/client/output.h"
 #include "cmd/client/progress.h"
 #include "cmd/files.h"
-#include "study/report.h"
+#include "report/report.h"
 
 enum {
     ANSWER_S = 30,

@@ -7,7 +7,7 @@
 #include "cmd/client/output.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
-#include "study/report.h"
+#include "report/report.h"
 
 bool pen_report_output_check(const struct pen_report_output *output, struct pen_status *st)
 {

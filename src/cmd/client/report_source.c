@@ -8,8 +8,8 @@
 #include "cmd/client/remote_job.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
+#include "report/report.h"
 #include "study/comparison.h"
-#include "study/report.h"
 
 enum { REPORT_BYTES_MAX = 64 << 20, ID_LENGTH = 36 };
 

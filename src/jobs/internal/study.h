@@ -42,7 +42,7 @@ void pen_study_progress(void *user, int done, int total);
  * the study. */
 struct pen_study_frame pen_study_frame_of(struct pen_study *study, void *user);
 
-/* Writes a report as JSON for the commit. One with figures (study/report.h), which are gone after
+/* Writes a report as JSON for the commit. One with figures (report/report.h), which are gone after
  * the study, is also stored as a page; a worker that makes the study again, because the commit
  * failed, replaces it. Fails: as pen_report_write, and pen_batch_store. */
 bool pen_study_store_report(struct pen_study *study, const json_t *report,

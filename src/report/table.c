@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/utf8.h"
-#include "study/internal/report_kind.h"
+#include "report/internal/kind.h"
 
 enum { TERMINAL_COLUMNS = 80, GAP = 2 };
 

@@ -2,7 +2,7 @@
 /* What a comparison of two reports has to say. */
 #include <string.h>
 
-#include "study/internal/report_kind.h"
+#include "report/internal/kind.h"
 
 /* "before: 2026-…, version 0.1.0, build …" */
 static void write_identity(const json_t *comparison, const char *which, struct pen_buf *out)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a history has to say. Its table has a row for each point of each series. */
 #include "io/json_build.h"
-#include "study/internal/report_kind.h"
+#include "report/internal/kind.h"
 
 /* The report of a point. */
 static json_t *report_of(const json_t *history, const json_t *point)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads the members of a report, and writes its values as people read them. A member that is
  * missing or of the wrong type reads as 0, "" or an empty list. */
-#ifndef PEN_STUDY_INTERNAL_REPORT_VALUES_H
-#define PEN_STUDY_INTERNAL_REPORT_VALUES_H
+#ifndef PEN_REPORT_VALUES_H
+#define PEN_REPORT_VALUES_H
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -58,17 +58,5 @@ void pen_write_list(const json_t *list, const char *begin, struct pen_buf *out);
 
 /* Appends the settings that all rows share as a line. */
 void pen_write_shared(const json_t *report, struct pen_buf *out);
-
-/* Values of a report that is made. Each returns a new reference; NULL when out of memory. */
-
-/* The first object with the members of the second. Takes the references to both. */
-json_t *pen_joined_json(json_t *object, json_t *more);
-
-/* A list of lines, each ended by a line feed. Releases the buffer. */
-json_t *pen_lines_json(struct pen_buf *lines);
-
-/* A hash in 16 hexadecimal digits; a time as RFC 3339 has it. */
-json_t *pen_report_hash_json(uint64_t hash);
-json_t *pen_report_time_json(int64_t wall_ms);
 
 #endif

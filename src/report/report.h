@@ -8,8 +8,8 @@
  *
  * A report may come from a store or a network. All text in it is escaped as the format needs; a
  * member that is missing or of the wrong type reads as 0, "" or an empty list. */
-#ifndef PEN_STUDY_REPORT_H
-#define PEN_STUDY_REPORT_H
+#ifndef PEN_REPORT_REPORT_H
+#define PEN_REPORT_REPORT_H
 
 #include <jansson.h>
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* The kinds of reports, and the formats. */
-#include "study/report.h"
+#include "report/report.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "study/internal/report_kind.h"
+#include "report/internal/kind.h"
 
 const char *const pen_report_formats[] = {"json", "csv", "md", "html", NULL};
 

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "base/embed.h"
-#include "study/internal/report_kind.h"
-#include "study/report.h"
+#include "report/internal/kind.h"
+#include "report/report.h"
 
 enum {
     PICTURE_WIDTH = 640,

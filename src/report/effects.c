@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the report of a bill has to say. */
-#include "study/internal/report_kind.h"
+#include "report/internal/kind.h"
 
 static void write_answer(const json_t *report, struct pen_buf *out)
 {

@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "study/internal/report_values.h"
+#include "report/values.h"
 
 #include <ctype.h>
-#include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/clock.h"
-#include "io/json_build.h"
 
 const json_t *pen_report_member(const json_t *object, const char *path)
 {
@@ -233,37 +229,4 @@ void pen_write_shared(const json_t *report, struct pen_buf *out)
     pen_buf_puts(out, "Settings of all rows: ");
     pen_write_settings(json_object_get(report, "render"), out);
     pen_buf_puts(out, "\n");
-}
-
-json_t *pen_joined_json(json_t *object, json_t *more)
-{
-    const bool ok = object && more && json_object_update(object, more) == 0;
-    json_decref(more);
-    if (ok)
-        return object;
-    json_decref(object);
-    return NULL;
-}
-
-json_t *pen_lines_json(struct pen_buf *lines)
-{
-    json_t *list = lines->failed ? NULL : json_array();
-    const char *line = lines->data ? (const char *)lines->data : "";
-    size_t count = 0;
-    for (; *line; line += strcspn(line, "\n") + 1, count++)
-        json_array_append_new(list, json_stringn(line, strcspn(line, "\n")));
-    pen_buf_release(lines);
-    return pen_json_all(list, count);
-}
-
-json_t *pen_report_hash_json(uint64_t hash)
-{
-    return json_sprintf("%016" PRIx64, hash);
-}
-
-json_t *pen_report_time_json(int64_t wall_ms)
-{
-    char text[25];
-    pen_clock_format(wall_ms, text);
-    return json_string(text);
 }

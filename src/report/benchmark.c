@@ -2,7 +2,7 @@
 /* What a benchmark's report has to say. */
 #include <string.h>
 
-#include "study/internal/report_kind.h"
+#include "report/internal/kind.h"
 
 static void write_method(const json_t *report, struct pen_buf *out)
 {

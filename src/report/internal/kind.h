@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* What a kind of report has to say, without form: titles, sentences and tables, which
- * report_table.c and report_page.c write in every format. */
-#ifndef PEN_STUDY_INTERNAL_REPORT_KIND_H
-#define PEN_STUDY_INTERNAL_REPORT_KIND_H
+ * table.c and page.c write in every format. */
+#ifndef PEN_REPORT_INTERNAL_KIND_H
+#define PEN_REPORT_INTERNAL_KIND_H
 
-#include "study/internal/report_values.h"
+#include "report/values.h"
 
 /* How people read a value. Programs read it as it is in the report. */
 enum pen_cell {

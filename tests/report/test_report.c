@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "study/report.h"
+#include "report/report.h"
 #include "support/random.h"
 #include "support/suite.h"
 

@@ -3,31 +3,23 @@
 #include <math.h>
 #include <string.h>
 
-#include "study/accuracy.h"
-#include "study/internal/report_kind.h"
+#include "report/internal/kind.h"
 
-/* The metric of that name; PEN_METRIC_COUNT: there is none. */
-static enum pen_metric metric_of(const char *name)
+static const char *title_of(const char *metric)
 {
-    int m = 0;
-    while (m < PEN_METRIC_COUNT && strcmp(pen_metrics[m], name) != 0)
-        m++;
-    return (enum pen_metric)m;
+    static const char *const titles[][2] = {{"rmse", "RMSE"}, {"relative_mse", "relative MSE"},
+                                            {"psnr", "PSNR"}, {"ssim", "SSIM"},
+                                            {"flip", "FLIP"}, {"max_error", "largest error"}};
+    for (size_t i = 0; i < sizeof titles / sizeof titles[0]; i++)
+        if (strcmp(titles[i][0], metric) == 0)
+            return titles[i][1];
+    return "no metric";
 }
 
-static const char *title_of(const char *name)
+/* Whether more of it is better. */
+static bool rises(const char *metric)
 {
-    static const char *const titles[PEN_METRIC_COUNT + 1] = {
-        [PEN_METRIC_RMSE] = "RMSE",      [PEN_METRIC_RELATIVE_MSE] = "relative MSE",
-        [PEN_METRIC_PSNR] = "PSNR",      [PEN_METRIC_SSIM] = "SSIM",
-        [PEN_METRIC_FLIP] = "FLIP",      [PEN_METRIC_MAX_ERROR] = "largest error",
-        [PEN_METRIC_COUNT] = "no metric"};
-    return titles[metric_of(name)];
-}
-
-static bool rises(const char *name)
-{
-    return pen_metric_rises(metric_of(name));
+    return strcmp(metric, "psnr") == 0 || strcmp(metric, "ssim") == 0;
 }
 
 /* "--set light_samples=64 --set light_pattern=grid" */
