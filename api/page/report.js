@@ -43,7 +43,7 @@
             .filter(
                 ([key, value]) =>
                     key !== skip &&
-                    !(key === 'target_error' && !(value > 0) && entries.length > 1) &&
+                    !(key === 'target_error' && !(value > 0)) &&
                     !(target && SAMPLES.includes(key)),
             )
             .map(([key, value]) => `${key} ${typeof value === 'string' ? value : JSON.stringify(value)}`)
@@ -622,13 +622,16 @@
         return pair;
     };
 
+    const whenLoaded = (image) =>
+        image.complete ? Promise.resolve() : new Promise((done) => image.addEventListener('load', done));
+
     const showPictures = async () => {
         const figures = [...document.querySelectorAll('.pictures .picture')],
             reference = document.querySelector('.pictures .reference');
         const viewer = document.getElementById('viewer');
         if (figures.length === 0 || !reference) return;
         const images = [...document.querySelectorAll('.pictures img')];
-        await Promise.all(images.map((image) => image.decode().catch(() => {})));
+        await Promise.all(images.map(whenLoaded));
         const hasMaps = document.querySelector('.pictures .map') !== null;
         const original = reference.querySelector('img');
         const fixed = hasMaps ? findCrop(figures[0].querySelector('img'), original) : null;

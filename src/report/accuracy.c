@@ -249,12 +249,13 @@ static void write_power(const json_t *series, struct pen_buf *out)
 
 static void write_slope(const json_t *series, struct pen_buf *out)
 {
-    const json_t *with = json_object_get(series, "with"), *floor = json_object_get(series, "floor");
-    pen_buf_puts(out, pen_report_string(series, "setting"));
-    if (json_object_size(with) > 0) {
-        pen_buf_puts(out, " with ");
-        pen_write_settings(with, out);
-    }
+    const json_t *floor = json_object_get(series, "floor");
+    struct pen_buf with = {0};
+    pen_write_settings(json_object_get(series, "with"), &with);
+    pen_buf_printf(out, "%s%s%s", pen_report_string(series, "setting"), with.bytes ? " with " : "",
+                   with.bytes ? (const char *)with.data : "");
+    out->failed |= with.failed;
+    pen_buf_release(&with);
     if (json_is_object(floor))
         write_floor(series, floor, out);
     else

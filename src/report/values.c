@@ -108,27 +108,28 @@ static void write_threads(const json_t *row, struct pen_buf *out)
         pen_buf_printf(out, "%d of %d", used, requested);
 }
 
-/* Whether a setting says nothing beside the others. */
+/* Whether a setting says nothing beside the others: a target error of 0, or a number of samples in
+ * whose place a target error stands. */
 static bool is_silent(const json_t *settings, const char *key, const json_t *value)
 {
     static const char *const samples[] = {"samples_per_pixel", "lens_samples", "light_samples",
                                           "blur_samples"};
     if (strcmp(key, "target_error") == 0)
-        return json_object_size(settings) > 1 && json_number_value(value) == 0;
+        return json_number_value(value) == 0;
     for (int i = 0; i < 4; i++)
         if (strcmp(key, samples[i]) == 0)
             return pen_report_number(settings, "target_error") > 0;
     return false;
 }
 
-/* `row`: whose settings these are; NULL: of no row, so that all are written. */
+/* `row`: whose settings these are; NULL: of no row. */
 static void write_settings(const json_t *settings, const json_t *row, struct pen_buf *out)
 {
     const char *key, *separator = "";
     json_t *value;
     json_object_foreach((json_t *)(uintptr_t)settings, key, value)
     {
-        if (row && is_silent(settings, key, value))
+        if (is_silent(settings, key, value))
             continue;
         pen_buf_printf(out, "%s%s ", separator, key);
         if (row && strcmp(key, "threads") == 0)
@@ -146,11 +147,10 @@ void pen_write_settings(const json_t *settings, struct pen_buf *out)
 
 void pen_write_row_name(const json_t *row, struct pen_buf *out)
 {
-    const json_t *settings = json_object_get(row, "settings");
-    if (json_object_size(settings) == 0)
+    const size_t before = out->bytes;
+    write_settings(json_object_get(row, "settings"), row, out);
+    if (out->bytes == before)
         pen_buf_puts(out, "the scene's settings");
-    else
-        write_settings(settings, row, out);
 }
 
 void pen_write_ratio(const json_t *ratio, struct pen_buf *out)

@@ -34,11 +34,11 @@ void pen_write_number(double value, struct pen_buf *out);
 /* Appends a whole number with all its digits, in groups. */
 void pen_write_count(double value, struct pen_buf *out);
 
-/* Appends settings in words: "light_samples 64, light_pattern grid". */
+/* Appends settings in words: "light_samples 64, light_pattern grid"; without those that say
+ * nothing: a target error of 0, and the numbers of samples in whose place a target error stands. */
 void pen_write_settings(const json_t *settings, struct pen_buf *out);
 
-/* Appends a row's settings in words, without those that say nothing in this row: a target error of
- * 0, and the numbers of samples in whose place a target error stands. */
+/* Appends the settings of a row in words. */
 void pen_write_row_name(const json_t *row, struct pen_buf *out);
 
 /* Appends a ratio with its interval, if it has one: "0.982 (0.976–0.991)".

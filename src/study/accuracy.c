@@ -33,9 +33,7 @@ bool pen_accuracy_leave_out(struct pen_accuracy_state *state, int row, const cha
                             struct pen_status *st)
 {
     struct pen_buf name = {0};
-    json_t *named = json_pack("{s:O}", "settings", state->task->rows[row].varied);
-    pen_write_row_name(named, &name);
-    json_decref(named);
+    pen_write_settings(state->task->rows[row].varied, &name);
     const bool ok = pen_accuracy_left_out(
         state->out, json_sprintf("%s: %s", name.data ? (const char *)name.data : "", why), st);
     pen_buf_release(&name);
