@@ -285,9 +285,10 @@ static void write_notes(const json_t *report, struct pen_buf *out)
 static void write_lead(const json_t *report, struct pen_buf *out)
 {
     write_answer(report, out);
-    pen_buf_puts(out, "\nFLIP tells how different two pictures look, from 0 (equal) to 1. At 0.02 "
-                      "they look alike side by side; slight noise shows if one flips between "
-                      "them.\n");
+    pen_buf_puts(
+        out, "\nFLIP tells how different two pictures look, from 0 (equal) to 1, as the mean of "
+             "all pixels. At 0.02 one sees grain in soft shadows and blurred parts, and the "
+             "rest looks equal.\n");
 }
 
 /* The error, or its bound if the row is unresolved. */
