@@ -145,6 +145,6 @@ enum outcome pen_http_handle_report(struct request *request, struct pen_jobs *jo
         return answer_status(request, jobs, &st);
     pen_http_reply_field(&request->reply, "Vary", "Accept, Accept-Encoding");
     if (strcmp(format, "html") == 0)
-        pen_http_reply_field(&request->reply, "Content-Security-Policy", pen_report_policy());
+        pen_http_reply_field(&request->reply, "Content-Security-Policy", "%s", pen_report_policy());
     return answer_image(request, &report, forever);
 }
