@@ -26,7 +26,7 @@ endif
 VERSION := 0.1.0
 VERSION_DATE := 2026-11-22
 RENDER_MODULES := base math geom accel scene shade film render io embed
-SERVICE_MODULES := study store jobs access http
+SERVICE_MODULES := report study store jobs access http
 # A module's files: those in its folder and in folders of that.
 module_files = $(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c))
 
@@ -78,7 +78,7 @@ SVC_SRC := $(filter-out $(if $(filter 1,$(FARM)),,src/store/db_postgres%),$(fore
 ISA_SRC := $(filter %_isa.c,$(LIB_SRC))
 ISA_OBJ := $(foreach isa,$(ISAS),$(ISA_SRC:%.c=$(BUILD)/%_$(isa).o))
 LIB_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(ISA_SRC),$(LIB_SRC))) $(ISA_OBJ) $(BUILD)/gen/builtin_scenes.o
-SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o $(BUILD)/gen/page_files.o $(BUILD)/gen/schema.o
+SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o $(BUILD)/gen/page_files.o $(BUILD)/gen/report_files.o $(BUILD)/gen/schema.o
 CMD_COMMON := $(sort $(wildcard src/cmd/*.c))
 CMD_OBJ := $(CMD_COMMON:%.c=$(BUILD)/%.o)
 CLIENT_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard src/cmd/client/*.c)))
@@ -158,6 +158,9 @@ PAGE_FILES := $(sort $(filter-out api/page/report.%,$(wildcard api/page/*)))
 $(BUILD)/gen/page_files.c: $(PAGE_FILES) deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_page_files $(PAGE_FILES) > $@.tmp && mv $@.tmp $@
+$(BUILD)/gen/report_files.c: $(sort $(wildcard api/page/report.*)) deploy/embed.sh
+	@mkdir -p $(@D)
+	$(Q)sh deploy/embed.sh pen_report_files $(sort $(wildcard api/page/report.*)) > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/schema.c: src/store/schema.sql deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_store_schema src/store/schema.sql > $@.tmp && mv $@.tmp $@

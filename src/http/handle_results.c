@@ -7,6 +7,7 @@
 #include "http/internal/request.h"
 #include "http/internal/routes.h"
 #include "io/document.h"
+#include "report/report.h"
 
 static const char forever[] = "private, max-age=86400, immutable";
 
@@ -189,7 +190,6 @@ enum outcome pen_http_handle_report(struct request *request, struct pen_jobs *jo
         return answer_status(request, jobs, &st);
     pen_http_reply_field(&request->reply, "Vary", "Accept, Accept-Encoding");
     if (strcmp(format, "html") == 0)
-        pen_http_reply_field(&request->reply, "Content-Security-Policy",
-                             "default-src 'none'; style-src 'unsafe-inline'; img-src data:");
+        pen_http_reply_field(&request->reply, "Content-Security-Policy", "%s", pen_report_policy());
     return answer_image(request, &report, forever);
 }

@@ -176,7 +176,7 @@ json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status 
  * batches. */
 json_t *pen_jobs_stats_so_far(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
-/* Returns the report of a job in one of the formats of pen_bench_report_formats.
+/* Returns the report of a job in one of the formats of pen_report_formats.
  * Fails: PEN_CONFLICT (unfinished, failed, cancelled), PEN_NOT_FOUND (no such job, or of a kind
  * without a report), PEN_ACCEPT (an explanation in another format than "json"). */
 bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,

@@ -29,28 +29,11 @@
 #define PEN_STUDY_ACCURACY_H
 
 #include <jansson.h>
-#include <stdatomic.h>
 
 #include "base/buf.h"
 #include "io/scene_json.h"
-#include "render/render.h"
 #include "study/run_time.h"
-#include "study/unfinished.h"
-
-/* How far a picture is from the reference: see film/metrics.h, ssim.h, flip.h. */
-enum pen_accuracy_metric {
-    PEN_METRIC_RMSE,
-    PEN_METRIC_RELATIVE_MSE,
-    PEN_METRIC_PSNR,
-    PEN_METRIC_SSIM,
-    PEN_METRIC_FLIP, /* the mean */
-    PEN_METRIC_MAX_ERROR,
-    PEN_METRIC_COUNT
-};
-extern const char *const pen_accuracy_metrics[PEN_METRIC_COUNT + 1]; /* ends with NULL */
-
-/* Whether more of it is better: PSNR and SSIM. */
-bool pen_accuracy_metric_rises(enum pen_accuracy_metric metric);
+#include "study/study.h"
 
 struct pen_accuracy_row {
     struct pen_settings settings;
@@ -65,7 +48,9 @@ struct pen_accuracy_run {
 };
 
 struct pen_accuracy_row_result {
-    int runs; /* made; 0: the row was left out */
+    bool wanted; /* it is not left out */
+    int runs;    /* made; 0: the row was left out */
+    int next;    /* the row in this place of the pass that is being made */
     struct pen_accuracy_run *run;
     double expected_ms; /* of one run, as the forecast had it */
     struct pen_ray_counts rays;
@@ -89,36 +74,22 @@ struct pen_accuracy_forecast {
 
 /* What to do; everything is borrowed. */
 struct pen_accuracy_task {
-    const struct pen_scene_desc *desc;
+    struct pen_study_frame frame;
     const struct pen_settings *settings;
     int view;
     const struct pen_accuracy_row *rows;
     int row_count;
     const json_t *reference; /* settings of the reference, a `render` object; NULL: none is given */
-    enum pen_accuracy_metric metric; /* of the target */
+    enum pen_metric metric;  /* of the target */
     double target;
     int seeds; /* runs of each row; at least 1 */
     double budget_ms;
-    size_t scene_cap_bytes; /* as pen_scene_freeze; 0: none */
     struct pen_limits limits;
-    struct pen_thread_pool *pool;
-    const atomic_bool *cancel; /* may be NULL */
-    /* Called once, after step 1; may be NULL. */
+    /* Called once, after step 1, with frame.user; may be NULL. */
     void (*forecast)(void *user, const struct pen_accuracy_forecast *forecast);
-    /* Called between runs, with done = 0 before the first; may be NULL. */
-    void (*progress)(void *user, int done, int total);
-    void *user;
-    /* Called after each run and some times within the reference, also with `user`; may be NULL. */
-    pen_between_fn *between;
-    /* What an earlier process has kept; it is not used if it is of another study, host or build, or
-     * damaged. May be NULL. A process that goes on throws its first run away. */
-    const struct pen_kept_study *kept;
-    /* How long the reference is rendered between two calls of `between`, as it is expected; 0: 5 s.
-     */
+    /* How long the reference is rendered between two calls of frame.between, as it is expected; 0:
+     * 5 s. */
     double at_once_ms;
-    /* As in pen_render_task; may be NULL. */
-    void (*pixel_begins)(void *user, int thread, int x, int y);
-    void *pixel_user;
 };
 
 enum { PEN_ACCURACY_ROWS_MAX = 64, PEN_ACCURACY_SEEDS_MAX = 64 };
@@ -168,17 +139,9 @@ void pen_accuracy_release(struct pen_accuracy *accuracy);
  * NULL when out of memory. */
 json_t *pen_accuracy_json(const struct pen_accuracy *accuracy, const char *scene);
 
-/* Appends a report, as pen_accuracy_json made it: "text" for a terminal, "csv", "md" or "json".
- * Fails: PEN_NO_MEMORY. */
-bool pen_accuracy_write(const json_t *report, const char *format, struct pen_buf *out,
-                        struct pen_status *st);
-
-/* Appends the report as one page without scripts or references to other files, with plots, the
- * rows' pictures and their error maps. Fails: PEN_NO_MEMORY. */
-bool pen_accuracy_write_html(const struct pen_accuracy *accuracy, const json_t *report,
-                             struct pen_buf *out, struct pen_status *st);
-
-/* Appends the plot of error against time alone, as an SVG file. Fails: PEN_NO_MEMORY. */
-bool pen_accuracy_write_svg(const json_t *report, struct pen_buf *out, struct pen_status *st);
+/* Appends the pictures of the report's page: of the reference, of each row and its error map, and
+ * of the time of pixels. `report` is what pen_accuracy_json made. Fails: PEN_NO_MEMORY. */
+bool pen_accuracy_figures(const struct pen_accuracy *accuracy, const json_t *report,
+                          struct pen_buf *out, struct pen_status *st);
 
 #endif

@@ -19,11 +19,11 @@ static bool forecast_row(struct pen_accuracy_state *state, int row, struct row_f
                                                     .view = task->view,
                                                     .settings = &task->rows[row].settings,
                                                     .quick = true,
-                                                    .cancel = task->cancel,
-                                                    .pixel_begins = task->pixel_begins,
-                                                    .pixel_user = task->pixel_user};
+                                                    .cancel = task->frame.cancel,
+                                                    .pixel_begins = task->frame.pixel_begins,
+                                                    .pixel_user = task->frame.pixel_user};
     struct pen_forecast forecast;
-    if (!pen_forecast_make(task->pool, &forecast_task, &forecast, st))
+    if (!pen_forecast_make(task->frame.pool, &forecast_task, &forecast, st))
         return false;
     *out = (struct row_forecast){forecast.time_ms, forecast.spent_ms};
     pen_forecast_release(&forecast);
@@ -34,7 +34,7 @@ static bool forecast_row(struct pen_accuracy_state *state, int row, struct row_f
 static double work_of(const struct pen_accuracy_task *task, int row)
 {
     const struct pen_settings s = pen_settings_sampling(&task->rows[row].settings);
-    return pen_work_per_pixel(task->desc, &s);
+    return pen_work_per_pixel(task->frame.desc, &s);
 }
 
 /* The rows by their work, the least first. */
@@ -87,7 +87,7 @@ static bool make_forecast(struct pen_accuracy_state *state, struct pen_status *s
     }
     add_forecast(&state->out->forecast, &dearest.ms, PEN_ACCURACY_REFERENCE_RUNS);
     if (task->forecast)
-        task->forecast(task->user, &state->out->forecast);
+        task->forecast(task->frame.user, &state->out->forecast);
     return true;
 }
 
@@ -96,16 +96,15 @@ static bool make_forecast(struct pen_accuracy_state *state, struct pen_status *s
  * left out, until that is so. One row stays. */
 static bool choose_rows(struct pen_accuracy_state *state, struct pen_status *st)
 {
-    bool *wanted = state->wanted;
     const struct pen_accuracy_task *task = state->task;
-    const struct pen_accuracy_row_result *rows = state->out->row;
+    struct pen_accuracy_row_result *rows = state->out->row;
     for (int i = 0; i < task->row_count; i++)
-        wanted[i] = true;
+        rows[i].wanted = true;
     for (int left = task->row_count; left > 1; left--) {
         double sum = 0;
         int dearest = -1;
         for (int i = 0; i < task->row_count; i++) {
-            if (!wanted[i])
+            if (!rows[i].wanted)
                 continue;
             sum += rows[i].expected_ms;
             if (dearest < 0 || rows[i].expected_ms > rows[dearest].expected_ms)
@@ -116,7 +115,7 @@ static bool choose_rows(struct pen_accuracy_state *state, struct pen_status *st)
         char why[80];
         snprintf(why, sizeof why, "one run is expected to take %.3g s",
                  rows[dearest].expected_ms / 1000);
-        wanted[dearest] = false;
+        rows[dearest].wanted = false;
         if (!pen_accuracy_leave_out(state, dearest, why, st))
             return false;
     }

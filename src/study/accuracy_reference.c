@@ -69,7 +69,7 @@ static void set_cutoffs(const struct pen_accuracy_task *task, struct pen_setting
         return;
     struct pen_settings deeper = *s;
     deeper.max_depth = 2 * s->max_depth;
-    if (pen_limits_check(&task->limits, task->desc, &deeper, 1, "", &ignored))
+    if (pen_limits_check(&task->limits, task->frame.desc, &deeper, 1, "", &ignored))
         *s = deeper;
 }
 
@@ -83,7 +83,7 @@ static struct pen_settings settings_for(const struct pen_accuracy_state *state, 
     struct pen_errors ignored = {0};
     unsigned effects = 0;
     for (int i = 0; i < task->row_count; i++)
-        effects |= pen_desc_effects(task->desc, &task->rows[i].settings);
+        effects |= pen_desc_effects(task->frame.desc, &task->rows[i].settings);
     const bool lens = effects & PEN_FX_DEPTH_OF_FIELD;
     for (int i = 0; i < task->row_count; i++)
         if (state->out->row[i].runs > 0)
@@ -114,7 +114,7 @@ static struct pen_settings settings_of(const struct pen_accuracy_state *state, i
 /* The rays of a pixel by their counts, as a measure of time. */
 static double work_of(const struct pen_accuracy_task *task, const struct pen_settings *s)
 {
-    return pen_work_per_pixel(task->desc, s);
+    return pen_work_per_pixel(task->frame.desc, s);
 }
 
 /* The settings of a row; of one with a target error, fixed numbers of samples that come to as many
@@ -200,7 +200,7 @@ static bool render_half(struct pen_accuracy_state *state, const struct pen_setti
         state->out->reference.render_ms += stats.render_ms;
         state->tiles += render.tile_count;
         state->half_hash[state->halves] = pen_accuracy_hash(state, rgb);
-        if (state->tiles < all && !pen_accuracy_between(state, st))
+        if (state->tiles < all && !pen_making_between(&state->making, st))
             return false;
     }
     state->tiles = 0;
@@ -230,14 +230,14 @@ static bool render(struct pen_accuracy_state *state, int factor, struct pen_stat
     if (state->halves == 0 && state->tiles == 0)
         r->render_ms = 0;
     if (state->halves == 0 &&
-        (!render_half(state, &r->settings, r->rgb, st) || !pen_accuracy_end_run(state, st)))
+        (!render_half(state, &r->settings, r->rgb, st) || !pen_making_end_run(&state->making, st)))
         return false;
     if (state->halves == 2)
         return true;
     if (!render_half(state, &other, state->target, st))
         return false;
     join_halves(state);
-    return pen_accuracy_end_run(state, st);
+    return pen_making_end_run(&state->making, st);
 }
 
 /* Compares the first picture of every row with the reference. Sets the least error of a row. */
@@ -249,7 +249,8 @@ static bool measure_rows(const struct pen_accuracy_state *state, double *best,
         struct pen_accuracy_row_result *row = &state->out->row[i];
         if (row->runs == 0)
             continue;
-        if (!pen_accuracy_measure(state, row->rgb, row->run[0].error, st))
+        if (!pen_study_measure(state->task->settings, row->rgb, state->out->reference.rgb,
+                               row->run[0].error, NULL, st))
             return false;
         *best = fmin(*best, row->run[0].error[PEN_METRIC_RMSE]);
     }

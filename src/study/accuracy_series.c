@@ -26,7 +26,7 @@ static bool is_camera(enum pen_sample_kind kind)
 
 static unsigned effects_of(const struct pen_accuracy *accuracy, int row)
 {
-    return pen_desc_effects(accuracy->task->desc, &accuracy->task->rows[row].settings);
+    return pen_desc_effects(accuracy->task->frame.desc, &accuracy->task->rows[row].settings);
 }
 
 double pen_sample_count(const struct pen_accuracy *accuracy, int row, enum pen_sample_kind kind)
@@ -214,7 +214,7 @@ struct pen_accuracy_series pen_accuracy_series_of(const struct pen_accuracy *acc
 }
 
 /* A metric as an error that falls to 0 as the samples grow. */
-static double as_error(enum pen_accuracy_metric metric, double value)
+static double as_error(enum pen_metric metric, double value)
 {
     return metric == PEN_METRIC_PSNR   ? pow(10, -value / 20)
            : metric == PEN_METRIC_SSIM ? 1 - value
@@ -223,7 +223,7 @@ static double as_error(enum pen_accuracy_metric metric, double value)
 
 static double worst_error(const struct pen_accuracy *accuracy, int row)
 {
-    const enum pen_accuracy_metric metric = accuracy->task->metric;
+    const enum pen_metric metric = accuracy->task->metric;
     return as_error(metric, pen_accuracy_worst(&accuracy->row[row], metric));
 }
 
@@ -245,7 +245,8 @@ static void consider(const struct pen_accuracy *accuracy, int row, enum pen_samp
     const bool ok = more && pen_settings_read(more, "", &with, &ignored);
     json_decref(more);
     const double ms = pen_accuracy_time_of(&accuracy->row[row]).median *
-                      pen_work_per_pixel(task->desc, &with) / pen_work_per_pixel(task->desc, s);
+                      pen_work_per_pixel(task->frame.desc, &with) /
+                      pen_work_per_pixel(task->frame.desc, s);
     if (ok && (!need->setting || ms < need->ms))
         *need = (struct pen_accuracy_need){pen_sample_keys[kind], samples, ms};
 }

@@ -18,7 +18,7 @@ static double quantile(const double *sorted, int count, double share)
 }
 
 struct pen_accuracy_spread pen_accuracy_error_of(const struct pen_accuracy_row_result *row,
-                                                 enum pen_accuracy_metric metric)
+                                                 enum pen_metric metric)
 {
     double values[PEN_ACCURACY_SEEDS_MAX];
     for (int i = 0; i < row->runs; i++)
@@ -29,11 +29,10 @@ struct pen_accuracy_spread pen_accuracy_error_of(const struct pen_accuracy_row_r
                                         .high = quantile(values, row->runs, 0.95)};
 }
 
-double pen_accuracy_worst(const struct pen_accuracy_row_result *row,
-                          enum pen_accuracy_metric metric)
+double pen_accuracy_worst(const struct pen_accuracy_row_result *row, enum pen_metric metric)
 {
     const struct pen_accuracy_spread error = pen_accuracy_error_of(row, metric);
-    return pen_accuracy_metric_rises(metric) ? error.low : error.high;
+    return pen_metric_rises(metric) ? error.low : error.high;
 }
 
 struct pen_row_time pen_accuracy_time_of(const struct pen_accuracy_row_result *row)
@@ -105,7 +104,7 @@ static bool meets_target(const struct pen_accuracy_task *task,
                          const struct pen_accuracy_row_result *row)
 {
     const double error = pen_accuracy_worst(row, task->metric);
-    return pen_accuracy_metric_rises(task->metric) ? error >= task->target : error <= task->target;
+    return pen_metric_rises(task->metric) ? error >= task->target : error <= task->target;
 }
 
 /* Whether another row that meets the target is surely quicker. */

@@ -12,10 +12,9 @@ struct pen_accuracy_spread {
 
 /* Of a row that was run: its error by one metric; its times. */
 struct pen_accuracy_spread pen_accuracy_error_of(const struct pen_accuracy_row_result *row,
-                                                 enum pen_accuracy_metric metric);
+                                                 enum pen_metric metric);
 /* What its error is no worse than in 95 % of the runs. */
-double pen_accuracy_worst(const struct pen_accuracy_row_result *row,
-                          enum pen_accuracy_metric metric);
+double pen_accuracy_worst(const struct pen_accuracy_row_result *row, enum pen_metric metric);
 struct pen_row_time pen_accuracy_time_of(const struct pen_accuracy_row_result *row);
 
 /* What all runs had of the processors. */

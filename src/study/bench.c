@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "study/host.h"
 #include "study/internal/bench_run.h"
 #include "study/internal/bench_state.h"
 #include "study/internal/bench_summary.h"
@@ -15,31 +14,21 @@
 #include "study/internal/pictures.h"
 #include "study/internal/random_order.h"
 
-static bool cancelled(const struct pen_bench *bench)
-{
-    return bench->cancel && atomic_load_explicit(bench->cancel, memory_order_relaxed);
-}
-
-static void report_progress(struct pen_bench_state *state)
-{
-    if (state->bench->progress)
-        state->bench->progress(state->bench->user, state->done, state->total);
-}
-
 /* Keeps the hash of the pictures of a row's kind; a hash that an earlier process kept must be the
  * same. */
 static bool check_hash(struct pen_bench_state *state, int row, struct pen_status *st)
 {
     const int first = pen_bench_pictures_first(state->bench, row);
+    uint64_t *kept = &state->result->rows[first].picture_hash;
     if (state->hashed[first])
         return true;
     const uint64_t hash = pen_bench_pictures_hash(state->pictures, first);
-    if (state->hash[first] != 0 && state->hash[first] != hash)
+    if (*kept != 0 && *kept != hash)
         return pen_fail(st, PEN_DIFFERENT,
                         "the pictures of row %d must be the same in all runs, but differ from "
                         "those before the benchmark was interrupted",
                         row);
-    state->hash[first] = hash;
+    *kept = hash;
     state->hashed[first] = true;
     return true;
 }
@@ -50,9 +39,8 @@ static bool run_row(struct pen_bench_state *state, int row, struct pen_bench_run
                     struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
-    if (cancelled(bench))
-        return pen_fail(st, PEN_CANCELLED, "cancelled after %d of %d runs", state->done,
-                        state->total);
+    if (!pen_making_check(&state->making, st))
+        return false;
     run->bench = bench;
     run->pictures = state->pictures;
     run->row = row;
@@ -61,19 +49,8 @@ static bool run_row(struct pen_bench_state *state, int row, struct pen_bench_run
     bool ok = pen_bench_run_once(run, st);
     const bool timed = !run->stats.tests_counted;
     for (int i = 0; ok && timed && bench->tamper && i < bench->view_count; i++)
-        bench->tamper(bench->user, row, i, pen_bench_pictures_target(state->pictures, i));
+        bench->tamper(bench->frame.user, row, i, pen_bench_pictures_target(state->pictures, i));
     return ok && pen_bench_pictures_check(state->pictures, row, st) && check_hash(state, row, st);
-}
-
-/* Counts a run, and asks whether to go on. */
-static bool end_run(struct pen_bench_state *state, struct pen_status *st)
-{
-    const struct pen_bench *bench = state->bench;
-    state->done++;
-    report_progress(state);
-    return !bench->between || bench->between(bench->user, state) ||
-           pen_fail(st, PEN_UNAVAILABLE, "interrupted after %d of %d runs", state->done,
-                    state->total);
 }
 
 bool pen_bench_has_twin(const struct pen_bench *bench)
@@ -98,7 +75,7 @@ static int repeats_max(const struct pen_bench *bench)
 static void draw_order(struct pen_bench_state *state)
 {
     uint64_t random = state->bench->order_seed + (uint64_t)state->passes * 0x632be59bd9b4e019u;
-    pen_random_order(state->order, state->slots, &random);
+    pen_random_order(state->order, state->making.rows, &random);
 }
 
 static void record_run(struct pen_bench_state *state, int slot, int repeat,
@@ -107,7 +84,9 @@ static void record_run(struct pen_bench_state *state, int slot, int repeat,
     struct pen_bench_result *result = state->result;
     const bool twin = slot == state->bench->row_count;
     struct pen_bench_row_result *out = twin ? &result->twin : &result->rows[slot];
+    const double calibration_ms = out->runs[repeat].calibration_ms;
     out->runs[repeat] = run->times;
+    out->runs[repeat].calibration_ms = calibration_ms;
     out->stats = run->stats;
     out->accel = run->accel;
 }
@@ -116,7 +95,7 @@ static bool out_of_budget(const struct pen_bench_state *state)
 {
     const struct pen_bench *bench = state->bench;
     return bench->interval > 0 && state->result->repeats > 0 &&
-           (double)(pen_clock_ns() - state->begun_ns) * 1e-6 >= bench->budget_ms;
+           pen_making_spent_ms(&state->making) >= bench->budget_ms;
 }
 
 /* Makes the run of one slot; repeat -1: to warm up. */
@@ -139,19 +118,19 @@ static bool make_pass(struct pen_bench_state *state, int repeat, struct pen_stat
 {
     draw_order(state);
     if (repeat >= 0 && state->place == 0)
-        state->result->calibration_ms[repeat] = pen_calibration_run();
-    while (state->place < state->slots) {
+        state->result->rows[0].runs[repeat].calibration_ms = pen_calibration_run();
+    while (state->place < state->making.rows) {
         if (repeat >= 0 && out_of_budget(state))
             return true;
         if (!run_slot(state, state->order[state->place], repeat, st))
             return false;
-        if (++state->place == state->slots) {
+        if (++state->place == state->making.rows) {
             state->place = 0;
             state->passes++;
             state->result->repeats = repeat + 1;
-            return end_run(state, st);
+            return pen_making_end_run(&state->making, st);
         }
-        if (!end_run(state, st))
+        if (!pen_making_end_run(&state->making, st))
             return false;
     }
     return true;
@@ -169,7 +148,7 @@ static bool warm_up(struct pen_bench_state *state, struct pen_status *st)
 static void set_total(struct pen_bench_state *state, int repeats)
 {
     const struct pen_bench *bench = state->bench;
-    state->total = state->slots * (bench->warmup + repeats) + state->counting;
+    state->making.total = state->making.rows * (bench->warmup + repeats) + state->counting;
 }
 
 /* Repeats until there are so many repeats, or the budget ends. */
@@ -250,7 +229,7 @@ static bool count_row(struct pen_bench_state *state, int row, struct pen_status 
     struct pen_settings settings = state->bench->rows[row].settings;
     struct pen_bench_run run = {.settings = &settings, .stats.tests_counted = true};
     settings.threads = 0;
-    if (!run_row(state, row, &run, st) || !end_run(state, st))
+    if (!run_row(state, row, &run, st) || !pen_making_end_run(&state->making, st))
         return false;
     take_stats(out, &run.stats, &run.accel);
     out->stats.tests = run.stats.tests;
@@ -262,7 +241,7 @@ static bool count_tests(struct pen_bench_state *state, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
     struct pen_bench_row_result *rows = state->result->rows;
-    state->total = state->done + state->counting;
+    state->making.total = state->making.done + state->counting;
     for (int row = 0; row < bench->row_count; row++) {
         const int first = first_with_same_work(bench, row);
         if (first == row && !count_row(state, row, st))
@@ -326,16 +305,12 @@ static bool allocate(struct pen_bench_state *state, struct pen_status *st)
         ok = allocate_runs(&result->rows[i], repeats);
     if (ok && pen_bench_has_twin(bench))
         ok = allocate_runs(&result->twin, repeats);
-    result->calibration_ms = calloc((size_t)repeats, sizeof *result->calibration_ms);
     state->pictures = ok ? pen_bench_pictures_new(bench) : NULL;
     state->tile_ms = calloc(row_tile_count(bench, bench->baseline), sizeof *state->tile_ms);
     state->values = calloc((size_t)repeats, sizeof *state->values);
-    state->order = calloc((size_t)state->slots, sizeof *state->order);
-    state->hash = calloc(rows, sizeof *state->hash);
+    state->order = calloc((size_t)state->making.rows, sizeof *state->order);
     state->hashed = calloc(rows, sizeof *state->hashed);
-    state->host = bench->between || bench->kept ? pen_host_json() : json_null();
-    return (state->pictures && state->tile_ms && state->values && state->order && state->hash &&
-            state->hashed && state->host && result->calibration_ms) ||
+    return (state->pictures && state->tile_ms && state->values && state->order && state->hashed) ||
            pen_fail(st, PEN_NO_MEMORY, "no memory for a benchmark of %zu rows", rows);
 }
 
@@ -348,33 +323,46 @@ static double load_average(void)
 static void release(struct pen_bench_state *state)
 {
     pen_bench_pictures_free(state->pictures);
-    json_decref(state->host);
+    pen_making_end(&state->making);
     free(state->tile_ms);
     free(state->values);
     free(state->order);
-    free(state->hash);
     free(state->hashed);
+}
+
+/* Goes on with what an earlier process has kept, if it is of use. */
+static bool begin(struct pen_bench_state *state, struct pen_status *st)
+{
+    if (!pen_making_resume(&state->making))
+        return true;
+    state->result->repeats = pen_bench_repeats(state);
+    state->making.done = state->passes * state->making.rows + state->place;
+    return go_on(state, st);
 }
 
 bool pen_bench_run(const struct pen_bench *bench, struct pen_bench_result *result,
                    struct pen_status *st)
 {
-    struct pen_bench_state state = {.bench = bench,
+    struct pen_bench_state state = {.making = {.frame = &bench->frame,
+                                               .shape = &pen_bench_shape,
+                                               .study = &state,
+                                               .rows = slots_of(bench)},
+                                    .bench = bench,
                                     .result = result,
-                                    .slots = slots_of(bench),
                                     .repeats_max = repeats_max(bench),
                                     .counting = counting_runs(bench),
-                                    .begun_ns = pen_clock_ns()};
-    *result =
-        (struct pen_bench_result){.load_before = load_average(), .began_ms = pen_clock_wall_ms()};
+                                    .order_seed = bench->order_seed,
+                                    .warmup = (uint64_t)bench->warmup,
+                                    .load_before = load_average()};
+    *result = (struct pen_bench_result){0};
     set_total(&state, bench->interval > 0 ? PEN_PAIRS_MIN : bench->repeats);
-    bool ok = allocate(&state, st);
-    const bool goes_on = ok && bench->kept && pen_bench_state_read(&state, bench->kept);
-    if (ok)
-        report_progress(&state);
-    ok = ok && (!goes_on || go_on(&state, st)) && warm_up(&state, st) && repeat_runs(&state, st) &&
-         count_tests(&state, st) && summarize(&state, st);
+    const bool ok = pen_making_begin(&state.making, st) && allocate(&state, st) &&
+                    begin(&state, st) && warm_up(&state, st) && repeat_runs(&state, st) &&
+                    count_tests(&state, st) && summarize(&state, st);
+    result->breaks = state.making.breaks;
+    result->load_before = state.load_before;
     result->load_after = load_average();
+    result->began_ms = state.making.began_ms;
     result->ended_ms = pen_clock_wall_ms();
     release(&state);
     return ok;
@@ -388,6 +376,5 @@ void pen_bench_result_release(const struct pen_bench *bench, struct pen_bench_re
     }
     free(result->rows);
     free(result->twin.runs);
-    free(result->calibration_ms);
     *result = (struct pen_bench_result){0};
 }

@@ -29,9 +29,8 @@
 #define PEN_STUDY_BENCH_H
 
 #include <jansson.h>
-#include <stdatomic.h>
 
-#include "render/render.h"
+#include "study/study.h"
 #include "study/verdict.h"
 
 /* A combination of settings. */
@@ -43,7 +42,8 @@ struct pen_bench_row {
 
 /* The times of one run. Units: ms. */
 struct pen_bench_times {
-    int in_a_row; /* the times are means of so many freezes and renders */
+    int in_a_row;          /* the times are means of so many freezes and renders */
+    double calibration_ms; /* of a fixed computation before the repeat; in the first row's runs */
     double build_ms, render_ms;
     double cpu_ms;   /* of the render threads */
     double used;     /* the processor time of build and render over what could have been used */
@@ -76,14 +76,11 @@ struct pen_bench_row_result {
 /* What ended the repeats. */
 enum pen_bench_end { PEN_BENCH_END_REPEATS, PEN_BENCH_END_INTERVAL, PEN_BENCH_END_BUDGET };
 
-struct pen_bench_state; /* a benchmark between two runs */
-
 struct pen_bench_result {
     struct pen_bench_row_result *rows;
     struct pen_bench_row_result
-        twin;               /* of the baseline: runs, ratio and verdict; runs NULL: none */
-    double *calibration_ms; /* one for each repeat: the time of a fixed computation */
-    struct pen_confidence calibration; /* of these */
+        twin; /* of the baseline: runs, ratio and verdict; runs NULL: none */
+    struct pen_confidence calibration; /* of the times of a fixed computation */
     int repeats;                       /* made */
     int breaks;                        /* how often a process has gone on where another had ended */
     enum pen_bench_end end;
@@ -93,8 +90,8 @@ struct pen_bench_result {
 
 /* What to run. Owns: nothing; everything is borrowed until the benchmark ends. */
 struct pen_bench {
-    const struct pen_scene_desc *desc;
-    const int *views; /* numbers of views of desc */
+    struct pen_study_frame frame;
+    const int *views; /* numbers of views of frame.desc */
     int view_count;
     const struct pen_bench_row *rows;
     int row_count;
@@ -104,22 +101,6 @@ struct pen_bench {
     double budget_ms; /* with an interval: no run begins later, unless the first repeat lacks it */
     double least_effect; /* of verdicts */
     uint64_t order_seed; /* of the random orders */
-    size_t scene_cap_bytes;
-    struct pen_thread_pool *pool;
-    const atomic_bool
-        *cancel; /* polled between runs and before each block of pixels; may be NULL */
-    /* Called between runs, with done = 0 before the first; may be NULL. */
-    void (*progress)(void *user, int done, int total);
-    void *user;
-    /* Called after each run, also with `user`: may keep pen_bench_state_json, for a process that
-     * goes on after this one. Returns whether this one goes on. May be NULL. */
-    bool (*between)(void *user, const struct pen_bench_state *state);
-    /* What an earlier process has kept; it is not used if it is of another benchmark, host or
-     * build. May be NULL. A process that goes on throws its first run away. */
-    const json_t *kept;
-    /* As in pen_render_task; may be NULL. */
-    void (*pixel_begins)(void *user, int thread, int x, int y);
-    void *pixel_user;
     /* For tests: called with each picture before it is compared, and may change it. May be NULL. */
     void (*tamper)(void *user, int row, int view, float *rgb);
     /* For tests: called within the timed part of each run. May be NULL. */
@@ -142,11 +123,6 @@ double pen_bench_reference_pixels(const struct pen_bench *bench);
  * Threads: one benchmark per pool, and nothing else on that pool. */
 bool pen_bench_run(const struct pen_bench *bench, struct pen_bench_result *result,
                    struct pen_status *st);
-/* What to keep of a benchmark between two runs, and how many runs are done. Owns: the caller
- * json_decref()s. Fails: NULL when out of memory. */
-json_t *pen_bench_state_json(const struct pen_bench_state *state);
-int pen_bench_state_done(const struct pen_bench_state *state);
-
 void pen_bench_result_release(const struct pen_bench *bench, struct pen_bench_result *result);
 
 /* The report of a benchmark as JSON (api/openapi.yaml, schema Report). `head` holds what the

@@ -40,12 +40,12 @@ static bool render_views(struct pen_bench_run *run, const struct pen_scene *scen
                                        .settings = run->settings,
                                        .tile_count = -1,
                                        .rgb = pen_bench_pictures_target(run->pictures, i),
-                                       .cancel = bench->cancel,
-                                       .pixel_begins = bench->pixel_begins,
-                                       .pixel_user = bench->pixel_user,
+                                       .cancel = bench->frame.cancel,
+                                       .pixel_begins = bench->frame.pixel_begins,
+                                       .pixel_user = bench->frame.pixel_user,
                                        .keep_tile_ms = run->tile_ms != NULL,
                                        .count_tests = run->stats.tests_counted};
-        if (!pen_render_run(bench->pool, &task, &stats, st))
+        if (!pen_render_run(bench->frame.pool, &task, &stats, st))
             return false;
         if (stats.tile_ms)
             memcpy(run->tile_ms + run->stats.tile_count, stats.tile_ms,
@@ -62,10 +62,11 @@ static bool run_one(struct pen_bench_run *run, struct pen_status *st)
     const struct pen_bench *bench = run->bench;
     const struct pen_run_watch watch = pen_run_begin();
     const int64_t cpu_ns = pen_clock_thread_ns();
-    struct pen_scene *scene = pen_scene_freeze(
-        bench->desc, (enum pen_accelerator)run->settings->accelerator, bench->scene_cap_bytes, st);
+    struct pen_scene *scene =
+        pen_scene_freeze(bench->frame.desc, (enum pen_accelerator)run->settings->accelerator,
+                         bench->frame.scene_cap_bytes, st);
     if (scene && bench->dawdle)
-        bench->dawdle(bench->user, run->row);
+        bench->dawdle(bench->frame.user, run->row);
     const double build_ms = (double)(pen_clock_ns() - watch.begun_ns) * 1e-6,
                  build_cpu_ms = (double)(pen_clock_thread_ns() - cpu_ns) * 1e-6;
     if (!scene)

@@ -11,9 +11,8 @@
 
 #include "base/buf.h"
 #include "io/scene_json.h"
-#include "render/render.h"
 #include "study/run_time.h"
-#include "study/unfinished.h"
+#include "study/study.h"
 
 struct pen_bill_row {
     unsigned effect;           /* the one that is left out; 0: none */
@@ -29,23 +28,9 @@ struct pen_bill_row {
 
 /* What to do; everything is borrowed. */
 struct pen_bill_task {
-    const struct pen_scene_desc *desc;
+    struct pen_study_frame frame;
     const struct pen_settings *settings;
-    int view, repeats;      /* repeats: 1 .. PEN_RUN_TIMES_MAX */
-    size_t scene_cap_bytes; /* as pen_scene_freeze; 0: none */
-    struct pen_thread_pool *pool;
-    const atomic_bool *cancel; /* may be NULL */
-    /* Called between runs, with done = 0 before the first; may be NULL. */
-    void (*progress)(void *user, int done, int total);
-    void *user;
-    /* Called after each run, also with `user`; may be NULL. */
-    pen_between_fn *between;
-    /* What an earlier process has kept; it is not used if it is of another bill, host or build, or
-     * damaged. May be NULL. A process that goes on throws its first run away. */
-    const struct pen_kept_study *kept;
-    /* As in pen_render_task; may be NULL. */
-    void (*pixel_begins)(void *user, int thread, int x, int y);
-    void *pixel_user;
+    int view, repeats; /* repeats: 1 .. PEN_RUN_TIMES_MAX */
 };
 
 struct pen_bill {
@@ -53,8 +38,6 @@ struct pen_bill {
     struct pen_bill_row row[PEN_FX_COUNT + 1]; /* row 0 has all effects */
     int rows;
     struct pen_runs_use use; /* of the processors, by all runs */
-    int done;                /* runs, also those to warm up */
-    json_t *host;            /* of this process; null unless the bill may be kept */
     /* Of the last render with all effects. */
     struct pen_render_stats whole;
     struct pen_accel_stats accel;
@@ -87,13 +70,12 @@ bool pen_bill_check(const struct pen_limits *limits, const struct pen_scene_desc
 bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, struct pen_status *st);
 void pen_bill_release(struct pen_bill *bill);
 
-/* The bill as JSON, without pictures. `scene` is the scene's name. Fails: NULL when out of memory.
+/* The report as JSON, without pictures. `scene` is the scene's name. Fails: NULL when out of
+ * memory.
  */
 json_t *pen_bill_json(const struct pen_bill *bill, const char *scene);
 
-/* Appends a report: "text" for a terminal, "csv", "md", "json", or "html": one page without
- * references to other files, with the pictures beside bars of time. Fails: PEN_NO_MEMORY. */
-bool pen_bill_write(const struct pen_bill *bill, const char *scene, const char *format,
-                    struct pen_buf *out, struct pen_status *st);
+/* Appends the pictures of the report's page: the whole one, and that without each effect. */
+void pen_bill_figures(const struct pen_bill *bill, struct pen_buf *out);
 
 #endif

@@ -14,7 +14,6 @@
 
 #include <jansson.h>
 
-#include "base/buf.h"
 #include "base/status.h"
 
 /* Checks that a document is a report of a benchmark or an accuracy study. Fails: PEN_INVALID. */
@@ -42,8 +41,5 @@ json_t *pen_comparison_new(const json_t *before, const json_t *after, struct pen
 /* What a comparison finds that a build must not change: counters, pictures, and rows if `time` that
  * are slower. Fails: PEN_DIFFERENT, and the message says what. */
 bool pen_comparison_judge(const json_t *comparison, bool time, struct pen_status *st);
-
-/* Appends a comparison as plain text for a terminal, without control characters but line feeds. */
-void pen_comparison_write_text(const json_t *comparison, struct pen_buf *out);
 
 #endif

@@ -19,62 +19,34 @@ static bool is_lit(struct pen_vec3 c)
 /* Whether a material shows an effect. */
 static bool shows(const struct pen_material *m, enum pen_effect effect)
 {
-    switch (effect) {
-    case PEN_FX_AMBIENT:
-        return is_lit(m->ka);
-    case PEN_FX_MIRROR:
-        return is_lit(m->kr);
-    case PEN_FX_TRANSMISSION:
-    case PEN_FX_SHADOW_TRANSMITTANCE:
-        return is_lit(m->kt);
-    case PEN_FX_REFRACTION:
-        return is_lit(m->kt) && m->ior != 1;
-    case PEN_FX_GLOSSY:
-        return m->reflection_blur > 0 && (is_lit(m->kr) || (is_lit(m->kt) && m->ior != 1));
-    case PEN_FX_FROSTED:
-        return m->transmission_blur > 0 && is_lit(m->kt);
-    case PEN_FX_SPECULAR:
-        return is_lit(m->ks);
-    case PEN_FX_PATTERNS:
-        return pen_material_is_patterned(m);
-    case PEN_FX_HARD_SHADOWS:
-    case PEN_FX_SOFT_SHADOWS:
-    case PEN_FX_ANTI_ALIASING:
-    case PEN_FX_SKY:
-    case PEN_FX_DEPTH_OF_FIELD:
-        break;
-    }
-    return false;
+    const bool reflects = is_lit(m->kr), transmits = is_lit(m->kt),
+               refracts = transmits && m->ior != 1;
+    return (effect == PEN_FX_AMBIENT && is_lit(m->ka)) ||
+           (effect == PEN_FX_SPECULAR && is_lit(m->ks)) || (effect == PEN_FX_MIRROR && reflects) ||
+           (effect & (PEN_FX_TRANSMISSION | PEN_FX_SHADOW_TRANSMITTANCE) && transmits) ||
+           (effect == PEN_FX_REFRACTION && refracts) ||
+           (effect == PEN_FX_GLOSSY && m->reflection_blur > 0 && (reflects || refracts)) ||
+           (effect == PEN_FX_FROSTED && m->transmission_blur > 0 && transmits) ||
+           (effect == PEN_FX_PATTERNS && pen_material_is_patterned(m));
 }
 
 /* What a material has that shows the effect; NULL if it is not a material that does. */
 static const char *property(enum pen_effect effect)
 {
-    switch (effect) {
-    case PEN_FX_AMBIENT:
-        return "ka > 0";
-    case PEN_FX_MIRROR:
-        return "kr > 0";
-    case PEN_FX_TRANSMISSION:
-    case PEN_FX_SHADOW_TRANSMITTANCE:
-        return "kt > 0";
-    case PEN_FX_REFRACTION:
-        return "kt > 0 and an ior other than 1";
-    case PEN_FX_GLOSSY:
-        return "a reflection_blur above 0 where they reflect";
-    case PEN_FX_FROSTED:
-        return "a transmission_blur above 0 and kt > 0";
-    case PEN_FX_SPECULAR:
-        return "ks > 0";
-    case PEN_FX_PATTERNS:
-        return "patterns";
-    case PEN_FX_HARD_SHADOWS:
-    case PEN_FX_SOFT_SHADOWS:
-    case PEN_FX_ANTI_ALIASING:
-    case PEN_FX_SKY:
-    case PEN_FX_DEPTH_OF_FIELD:
-        break;
-    }
+    static const struct {
+        unsigned effects;
+        const char *property;
+    } properties[] = {{PEN_FX_AMBIENT, "ka > 0"},
+                      {PEN_FX_SPECULAR, "ks > 0"},
+                      {PEN_FX_MIRROR, "kr > 0"},
+                      {PEN_FX_TRANSMISSION | PEN_FX_SHADOW_TRANSMITTANCE, "kt > 0"},
+                      {PEN_FX_REFRACTION, "kt > 0 and an ior other than 1"},
+                      {PEN_FX_GLOSSY, "a reflection_blur above 0 where they reflect"},
+                      {PEN_FX_FROSTED, "a transmission_blur above 0 and kt > 0"},
+                      {PEN_FX_PATTERNS, "patterns"}};
+    for (size_t i = 0; i < sizeof properties / sizeof properties[0]; i++)
+        if (properties[i].effects & effect)
+            return properties[i].property;
     return NULL;
 }
 

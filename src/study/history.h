@@ -16,7 +16,6 @@
 
 #include <jansson.h>
 
-#include "base/buf.h"
 #include "base/status.h"
 
 /* Finds the change points of `count` values: writes them in rising order to at[], which has place
@@ -36,10 +35,5 @@ int pen_history_changes(const double *values, int count, double least_effect, in
  * PEN_NO_MEMORY. */
 json_t *pen_history_new(json_t *const *reports, int count, double least_effect,
                         struct pen_status *st);
-
-/* Append a history as plain text for a terminal, without control characters but line feeds; as a
- * page with a chart for each series, without scripts or references to other files. */
-void pen_history_write_text(const json_t *history, struct pen_buf *out);
-void pen_history_write_html(const json_t *history, struct pen_buf *out);
 
 #endif

@@ -12,6 +12,7 @@
 #include "film/film.h"
 #include "film/metrics.h"
 #include "render/transfer.h"
+#include "report/values.h"
 
 struct pen_bench_pictures {
     const struct pen_bench *bench;
@@ -149,22 +150,15 @@ static float **reference_of(const struct pen_bench_pictures *pictures, int row, 
 }
 
 /* "row 2 (accelerator none, threads 1)" */
-static void name_row(const struct pen_bench *bench, int row, char *out, size_t bytes)
+static void name_row(const struct pen_bench *bench, int row, struct pen_buf *out)
 {
-    const char *key;
-    json_t *value;
-    size_t used = (size_t)snprintf(out, bytes, "row %d", row);
-    json_object_foreach((json_t *)(uintptr_t)bench->rows[row].varied, key, value)
-    {
-        char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(15));
-        bool first = strchr(out, '(') == NULL;
-        if (used < bytes)
-            used += (size_t)snprintf(out + used, bytes - used, "%s%s %s", first ? " (" : ", ", key,
-                                     text ? text : "?");
-        free(text);
-    }
-    if (strchr(out, '(') && used + 1 < bytes)
-        strcpy(out + used, ")");
+    const json_t *varied = bench->rows[row].varied;
+    pen_buf_printf(out, "row %d", row);
+    if (json_object_size(varied) == 0)
+        return;
+    pen_buf_puts(out, " (");
+    pen_write_settings(varied, out);
+    pen_buf_puts(out, ")");
 }
 
 /* Fails with the first value in which two pictures differ. */
@@ -173,18 +167,21 @@ static bool fail_different(const struct pen_bench_pictures *pictures, int row, i
 {
     static const char *const channels[] = {"red", "green", "blue"};
     const struct pen_bench *bench = pictures->bench;
-    int first = pen_bench_pictures_first(bench, row);
-    size_t pixel = value / 3, width = (size_t)bench->rows[row].settings.width;
-    char a[160], b[160];
-    name_row(bench, first, a, sizeof a);
-    name_row(bench, row, b, sizeof b);
-    return pen_fail(
-        st, PEN_DIFFERENT,
-        "the pictures of %s and %s must be the same, but differ: view %s, pixel %zu,%zu,"
-        " %s is %.9g in the one and %.9g in the other",
-        a, b, bench->desc->views[bench->views[view]].name, pixel % width, pixel / width,
-        channels[value % 3], (double)(*reference_of(pictures, first, view))[value],
-        (double)pictures->target[view][value]);
+    const int first = pen_bench_pictures_first(bench, row);
+    const size_t pixel = value / 3, width = (size_t)bench->rows[row].settings.width;
+    struct pen_buf names = {0};
+    name_row(bench, first, &names);
+    pen_buf_puts(&names, " and ");
+    name_row(bench, row, &names);
+    pen_fail(st, PEN_DIFFERENT,
+             "the pictures of %s must be the same, but differ: view %s, pixel %zu,%zu, %s is %.9g "
+             "in the one and %.9g in the other",
+             names.data ? (const char *)names.data : "two rows",
+             bench->frame.desc->views[bench->views[view]].name, pixel % width, pixel / width,
+             channels[value % 3], (double)(*reference_of(pictures, first, view))[value],
+             (double)pictures->target[view][value]);
+    pen_buf_release(&names);
+    return false;
 }
 
 /* Compares a view's target with its reference, bit by bit. */

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "study/internal/report_values.h"
+#include "report/values.h"
 
 const char *const pen_bench_host_members[] = {"cpu",       "isa",      "cores",  "id",
                                               "microcode", "governor", "kernel", NULL};

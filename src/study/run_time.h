@@ -21,7 +21,6 @@
 #ifndef PEN_STUDY_RUN_TIME_H
 #define PEN_STUDY_RUN_TIME_H
 
-#include "base/buf.h"
 #include "render/render.h"
 
 /* How often a study repeats a run that is spoiled; the most runs of a row whose times are kept. */
@@ -85,9 +84,5 @@ static inline bool pen_runs_spoiled(const struct pen_runs_use *use)
 {
     return 2 * use->spoiled > use->runs;
 }
-
-/* Appends how many runs are spoiled, and why; nothing if none is. `withheld` says what does not
- * follow if over half are. */
-void pen_runs_use_write(const struct pen_runs_use *use, const char *withheld, struct pen_buf *out);
 
 #endif

@@ -8,6 +8,7 @@
 
 #include "film/encode.h"
 #include "jobs/accuracy_spec.h"
+#include "report/report.h"
 #include "study/accuracy.h"
 #include "study/accuracy_summary.h"
 #include "support/kit.h"
@@ -47,10 +48,10 @@ static struct pen_accuracy_task task_of(const char *members)
     pool = pen_thread_pool_new(THREADS, &st);
     ck_assert_ptr_nonnull(pool);
     struct pen_accuracy_task task = pen_accuracy_of_spec(&spec);
-    task.desc = &kit.desc;
+    task.frame.desc = &kit.desc;
     task.settings = &kit.settings;
     task.limits = pen_limits_default();
-    task.pool = pool;
+    task.frame.pool = pool;
     return task;
 }
 
@@ -227,7 +228,7 @@ static void add_rung(struct ladder *l, int camera, int light, double rmse)
     l->rows[i].settings.samples_per_pixel = camera;
     l->rows[i].settings.light_samples = light;
     l->row[i] = row_of(&l->run[i], 10, rmse);
-    l->task.desc = &kit.desc;
+    l->task.frame.desc = &kit.desc;
     l->task.rows = l->rows;
     l->task.metric = PEN_METRIC_RMSE;
     l->accuracy.task = &l->task;
@@ -294,7 +295,7 @@ START_TEST(test_accuracy__edges_are_named_where_they_are_what_is_left)
     make(&task);
     json_t *report = pen_accuracy_json(&accuracy, "s");
     struct pen_buf out = {0};
-    ck_assert(pen_accuracy_write(report, "text", &out, &st));
+    ck_assert(pen_report_write(report, "text", NULL, &out, &st));
     const char *text = (const char *)out.data;
     ck_assert_msg(strstr(text, "does not come from soft shadows, but from edges, which take more "
                                "than samples_per_pixel 4."),
@@ -324,8 +325,8 @@ START_TEST(test_accuracy__spoiled_runs_are_repeated_and_recommend_nothing)
     struct pen_accuracy_task task =
         task_of("{\"ladder\": {\"light_samples\": [1, 4]}, \"seeds\": 2, \"target\": "
                 "{\"metric\": \"flip\", \"value\": 1}}");
-    task.pixel_begins = wait_a_little;
-    task.pixel_user = &renders;
+    task.frame.pixel_begins = wait_a_little;
+    task.frame.pixel_user = &renders;
     task.budget_ms = 1e6;
     make(&task);
     const struct pen_runs_use use = pen_accuracy_use(&accuracy);
@@ -337,7 +338,7 @@ START_TEST(test_accuracy__spoiled_runs_are_repeated_and_recommend_nothing)
     ck_assert(json_is_null(json_object_get(report, "recommended")));
     for (int i = 0; i < 2; i++) {
         struct pen_buf out = {0};
-        ck_assert(pen_accuracy_write(report, formats[i], &out, &st));
+        ck_assert(pen_report_write(report, formats[i], NULL, &out, &st));
         const char *words = strstr((const char *)out.data, " runs are spoiled: other programs");
         ck_assert_ptr_nonnull(words);
         ck_assert_ptr_nonnull(strstr(words, "No row is recommended"));
@@ -361,11 +362,12 @@ START_TEST(test_accuracy__overruns_are_commented)
                  {322, 1, 8, "the forecast, which renders a few pixels"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct pen_buf out = {0};
-        json_t *report = json_pack(
-            "{s:f, s:{s:f, s:f, s:f, s:f}, s:{s:f}, s:{s:f}}", "budget_seconds", 600.0, "forecast",
-            "expected_seconds", 24.0, "low", 20.0, "high", 30.0, "actual", cases[i].took, "timing",
-            "cpu_share", cases[i].share, "reference", "factor", cases[i].factor);
-        ck_assert(pen_accuracy_write(report, "text", &out, &st));
+        json_t *report =
+            json_pack("{s:s, s:f, s:{s:f, s:f, s:f, s:f}, s:{s:f}, s:{s:f}}", "kind", "accuracy",
+                      "budget_seconds", 600.0, "forecast", "expected_seconds", 24.0, "low", 20.0,
+                      "high", 30.0, "actual", cases[i].took, "timing", "cpu_share", cases[i].share,
+                      "reference", "factor", cases[i].factor);
+        ck_assert(pen_report_write(report, "text", NULL, &out, &st));
         const char *text = (const char *)out.data;
         if (cases[i].words)
             ck_assert_msg(strstr(text, cases[i].words) != NULL, "%s", text);
@@ -439,10 +441,10 @@ START_TEST(test_accuracy__budget_leaves_out_the_dearest_and_says_so)
     ck_assert_ptr_nonnull(strstr(text, "light_samples 100000000: one run is expected to take"));
     json_t *report = pen_accuracy_json(&accuracy, "s");
     struct pen_buf out = {0};
-    ck_assert(pen_accuracy_write(report, "text", &out, &st));
+    ck_assert(pen_report_write(report, "text", NULL, &out, &st));
     ck_assert_ptr_nonnull(strstr((const char *)out.data, "left out: light_samples 100000000"));
     pen_buf_release(&out);
-    ck_assert(pen_accuracy_write_html(&accuracy, report, &out, &st));
+    ck_assert(pen_accuracy_figures(&accuracy, report, &out, &st));
     pen_buf_release(&out);
     json_decref(report);
     release();
@@ -465,23 +467,23 @@ START_TEST(test_accuracy__formats)
     json_t *report = pen_accuracy_json(&accuracy, "a<b>");
     struct pen_buf out = {0};
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
-        ck_assert(pen_accuracy_write(report, formats[i].format, &out, &st));
+        ck_assert(pen_report_write(report, formats[i].format, NULL, &out, &st));
         const char *words =
             strcmp(formats[i].format, "md") == 0 ? "# Accuracy: a&lt;b\\>" : formats[i].words;
         ck_assert_msg(strstr((const char *)out.data, words) != NULL, "%s: %s", formats[i].format,
                       (const char *)out.data);
         pen_buf_release(&out);
     }
-    ck_assert(pen_accuracy_write_html(&accuracy, report, &out, &st));
+    struct pen_buf figures = {0};
+    ck_assert(pen_accuracy_figures(&accuracy, report, &figures, &st));
+    ck_assert(pen_report_write(report, "html", &figures, &out, &st));
     const char *page = (const char *)out.data;
     ck_assert_ptr_nonnull(strstr(page, "<h1>Accuracy: a&lt;b&gt;</h1>"));
-    ck_assert_ptr_null(strstr(page, "<script"));
-    ck_assert_ptr_null(strstr(page, "http://") == strstr(page, "http://www.w3.org/2000/svg")
-                           ? NULL
-                           : strstr(page, "http://"));
-    ck_assert_ptr_null(strstr(page, "https://"));
-    ck_assert_ptr_nonnull(strstr(page, "id=\"time-flip\""));
-    ck_assert_ptr_nonnull(strstr(page, "id=\"convergence\""));
+    ck_assert_ptr_nonnull(strstr(page, "<figure class=\"reference\""));
+    ck_assert_ptr_nonnull(strstr(page, "<figure class=\"picture\" data-row=\"2\""));
+    ck_assert_ptr_nonnull(strstr(page, "<figure class=\"map\" data-row=\"2\""));
+    ck_assert_ptr_nonnull(strstr(page, "pale yellow a FLIP of "));
+    pen_buf_release(&figures);
     pen_buf_release(&out);
     json_decref(report);
     release();
@@ -500,9 +502,9 @@ START_TEST(test_accuracy__can_be_cancelled)
     make_scene();
     struct pen_accuracy_task task = task_of("{\"ladder\": {\"light_samples\": [1, 4, 16]}}");
     atomic_bool cancel = false;
-    task.cancel = &cancel;
-    task.progress = cancel_after_two;
-    task.user = &cancel;
+    task.frame.cancel = &cancel;
+    task.frame.progress = cancel_after_two;
+    task.frame.user = &cancel;
     ck_assert(!pen_accuracy_make(&task, &accuracy, &st));
     ck_assert_int_eq(st.code, PEN_CANCELLED);
     release();
@@ -550,7 +552,7 @@ static void check_same_row(const struct pen_accuracy_row_result *a,
         ck_assert(b->run[run].time.ms > 0);
         for (int m = 0; m < PEN_METRIC_COUNT; m++)
             ck_assert_msg(b->run[run].error[m] == a->run[run].error[m], "run %d: %s", run,
-                          pen_accuracy_metrics[m]);
+                          pen_metrics[m]);
     }
 }
 
@@ -566,12 +568,12 @@ START_TEST(test_accuracy__interrupted_study_has_the_results_of_a_whole_one)
     task.target = 1.01 * whole.row[2].run[0].error[PEN_METRIC_RMSE];
     const struct pen_accuracy_task whole_task = task;
     whole.task = &whole_task;
-    task.between = unfinished_keep;
-    task.user = &bed;
+    task.frame.between = unfinished_keep;
+    task.frame.user = &bed;
     for (bed.runs_left = 1; !pen_accuracy_make(&task, &accuracy, &st); bed.runs_left = 1) {
         ck_assert_msg(st.code == PEN_UNAVAILABLE, "%s", st.msg);
         pen_accuracy_release(&accuracy);
-        task.kept = &bed.kept;
+        task.frame.kept = &bed.kept;
         interruptions++;
     }
     /* The runs of three rows with three seeds, and two renders of 9 tiles or more. */
@@ -597,7 +599,7 @@ END_TEST
 /* Whether the study goes on with a state, whose first row took this long with the first seed. */
 static bool goes_on_with(struct pen_accuracy_task *task, const struct pen_kept_study *kept)
 {
-    task->kept = kept;
+    task->frame.kept = kept;
     make(task);
     const bool goes_on = accuracy.row[0].run[0].time.ms == 1e6;
     pen_accuracy_release(&accuracy);
@@ -607,44 +609,42 @@ static bool goes_on_with(struct pen_accuracy_task *task, const struct pen_kept_s
 START_TEST(test_accuracy__what_is_kept_of_another_study_is_not_used)
 {
     static const char *const changes[][2] = {{"/version", "99"},
-                                             {"/seeds", "2"},
+                                             {"/kind", "\"benchmark\""},
                                              {"/pool_threads", "7"},
                                              {"/host", "{}"},
                                              {"/elapsed_ms", "-1"},
-                                             {"/forecast", "[1, 2]"},
-                                             {"/threads_ms", "[1]"},
+                                             {"/expected_ms", "[1, 2]"},
                                              {"/left_out", "1"},
                                              {"/done", "-1"},
                                              {"/pass", "4"},
                                              {"/pass", "0"},
                                              {"/place", "4"},
-                                             {"/order", "[0, 1, 1]"},
-                                             {"/order", "[0, 1, 3]"},
-                                             {"/reference", "null"},
-                                             {"/reference/halves", "1"},
-                                             {"/reference/tiles", "1"},
-                                             {"/reference/factor", "0"},
-                                             {"/reference/hashes/0", "\"0123456789abcdef\""},
+                                             {"/rows/2/next", "9"},
+                                             {"/rows/2/next", "-1"},
+                                             {"/halves", "1"},
+                                             {"/tiles", "1"},
+                                             {"/factor", "0"},
+                                             {"/first_hash", "7"},
                                              {"/rows", "[]"},
                                              {"/rows/2/wanted", "false"},
                                              {"/rows/2/runs", "[]"},
-                                             {"/rows/2/runs", "[[1, 1, 0, 1, 1, 1, 1, 1, 1], [1]]"},
-                                             {"/rows/2/threads", "9"},
-                                             {"/rows/2/rays", "[-1, 1, 1, 1, 1, 1, 1]"},
-                                             {"/rows/2/hash", "\"\""},
+                                             {"/rows/2/runs", "[{}]"},
+                                             {"/rows/2/threads", "-9"},
+                                             {"/rows/2/shadow", "1.5"},
+                                             {"/rows/2/picture_hash", "\"\""},
                                              {"/rows/2/expected_ms", "\"\""}};
     struct unfinished_bed bed = {0};
     struct pen_accuracy_task task = patient_task(), first = task;
     task.at_once_ms = 0;
     first.at_once_ms = 0;
-    first.between = unfinished_keep;
-    first.user = &bed;
+    first.frame.between = unfinished_keep;
+    first.frame.user = &bed;
     make(&first);
     pen_accuracy_release(&accuracy);
     bed.runs_left = bed.calls - 2; /* before the last two runs of the last pass */
     ck_assert(!pen_accuracy_make(&first, &accuracy, &st));
     pen_accuracy_release(&accuracy);
-    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0/0", "1e6");
+    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0/ms", "1e6");
     struct pen_kept_study kept = bed.kept;
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
         json_t *changed = unfinished_changed(marked, changes[i][0], changes[i][1]);

@@ -11,6 +11,7 @@
 #include "study/bench.h"
 #include "support/kit.h"
 #include "support/suite.h"
+#include "support/unfinished.h"
 
 enum { ROWS_MAX = 16, SEEN_MAX = 4096 };
 
@@ -43,15 +44,15 @@ static void note_progress(void *user, int done, int all)
 static void set_up(int threads)
 {
     kit_medley(&kit);
-    bench = (struct pen_bench){.desc = &kit.desc,
+    bench = (struct pen_bench){.frame = {.desc = &kit.desc,
+                                         .pool = pen_thread_pool_new(threads, &st),
+                                         .progress = note_progress},
                                .views = views,
                                .view_count = 1,
                                .rows = rows,
                                .repeats = 3,
-                               .warmup = 1,
-                               .progress = note_progress,
-                               .pool = pen_thread_pool_new(threads, &st)};
-    ck_assert_ptr_nonnull(bench.pool);
+                               .warmup = 1};
+    ck_assert_ptr_nonnull(bench.frame.pool);
     seen_count = progress_count = 0;
 }
 
@@ -69,7 +70,7 @@ static void tear_down(void)
     pen_bench_result_release(&bench, &result);
     for (int i = 0; i < bench.row_count; i++)
         json_decref((json_t *)(uintptr_t)rows[i].varied);
-    pen_thread_pool_free(bench.pool);
+    pen_thread_pool_free(bench.frame.pool);
 }
 
 static void run(void)
@@ -376,7 +377,7 @@ START_TEST(test_bench__picture_hash_is_that_of_the_film)
     struct pen_render_stats stats;
     struct pen_render_task task = {
         .scene = scene, .settings = &kit.settings, .tile_count = -1, .rgb = film->rgb};
-    ck_assert(pen_render_run(bench.pool, &task, &stats, &st));
+    ck_assert(pen_render_run(bench.frame.pool, &task, &stats, &st));
     ck_assert(result.rows[0].picture_hash == pen_film_hash(film));
     ck_assert(result.rows[1].picture_hash == pen_film_hash(film));
     pen_scene_free(scene);
@@ -485,7 +486,7 @@ START_TEST(test_bench__one_bit_of_difference_fails_it_and_is_named)
     bench.tamper = flip_bit;
     ck_assert(!pen_bench_run(&bench, &result, &st));
     ck_assert_int_eq(st.code, PEN_DIFFERENT);
-    ck_assert_ptr_nonnull(strstr(st.msg, "row 0 (accelerator \"none\")"));
+    ck_assert_ptr_nonnull(strstr(st.msg, "row 0 (accelerator none)"));
     char other[40];
     snprintf(other, sizeof other, "row %d (accelerator ", seen[3]);
     ck_assert_ptr_nonnull(strstr(st.msg, other));
@@ -504,17 +505,15 @@ static void cancel_at_five(void *user, int done, int all)
         atomic_store(&cancel, true);
 }
 
-/* What an interrupted benchmark has kept, and after how many runs it is interrupted. */
-static json_t *kept;
-static int runs_left;
+/* What an interrupted benchmark has kept. */
+static struct unfinished_bed bed;
 
-static bool keep(void *user, const struct pen_bench_state *state)
+/* Has the benchmark be kept, and interrupted after so many runs. */
+static void interrupt_after(int runs)
 {
-    (void)user;
-    json_decref(kept);
-    kept = pen_bench_state_json(state);
-    ck_assert_ptr_nonnull(kept);
-    return --runs_left > 0;
+    bench.frame.between = unfinished_keep;
+    bench.frame.user = &bed;
+    bed.runs_left = runs;
 }
 
 /* Runs the benchmark, interrupted after every `each` runs, until it ends. Returns how often it was
@@ -522,20 +521,14 @@ static bool keep(void *user, const struct pen_bench_state *state)
 static int run_in_parts(int each)
 {
     for (int interruptions = 0;; interruptions++) {
-        json_t *before = kept;
-        kept = NULL;
-        bench.kept = before;
-        bench.between = keep;
-        runs_left = each;
-        const bool ok = pen_bench_run(&bench, &result, &st);
-        json_decref(before);
-        if (ok) {
-            json_decref(kept);
-            kept = NULL;
+        interrupt_after(each);
+        if (pen_bench_run(&bench, &result, &st)) {
+            unfinished_release(&bed);
             return interruptions;
         }
         ck_assert_msg(st.code == PEN_UNAVAILABLE, "%s", st.msg);
         pen_bench_result_release(&bench, &result);
+        bench.frame.kept = &bed.kept;
     }
 }
 
@@ -585,37 +578,36 @@ END_TEST
 
 START_TEST(test_bench__what_is_kept_of_another_benchmark_is_not_used)
 {
-    static const struct {
-        const char *key, *value;
-    } changes[] = {{"version", "99"},    {"order_seed", "5"},  {"warmup", "2"},
-                   {"slots", "3"},       {"host", "{}"},       {"pool_threads", "7"},
-                   {"passes", "100"},    {"passes", "-1"},     {"place", "2"},
-                   {"repeats", "3"},     {"runs", "[]"},       {"rows", "[1]"},
-                   {"runs", "[[1],[]]"}, {"calibration", "1"}, {"elapsed_ms", "-1"}};
+    static const char *const changes[][2] = {
+        {"/version", "99"},        {"/kind", "\"effects\""},
+        {"/order_seed", "5"},      {"/warmup", "2"},
+        {"/host", "{}"},           {"/pool_threads", "7"},
+        {"/passes", "100"},        {"/passes", "-1"},
+        {"/place", "2"},           {"/rows", "[1]"},
+        {"/rows/1/runs", "[]"},    {"/rows/1/runs", "[1, 2]"},
+        {"/rows/1/threads", "-1"}, {"/rows/0/picture_hash", "\"\""},
+        {"/elapsed_ms", "-1"}};
+    struct pen_kept_study last;
     set_up(1);
     add_none_and_auto();
-    bench.between = keep;
-    runs_left = 4;
+    interrupt_after(4);
     ck_assert(!pen_bench_run(&bench, &result, &st));
     pen_bench_result_release(&bench, &result);
-    json_t *good = kept;
-    kept = NULL;
-    bench.between = NULL;
+    bench.frame.between = NULL;
+    last = bed.kept;
+    bench.frame.kept = &last;
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
-        json_t *bad = json_deep_copy(good);
-        json_object_set_new(bad, changes[i].key,
-                            json_loads(changes[i].value, JSON_DECODE_ANY, NULL));
-        bench.kept = bad;
+        json_t *bad = unfinished_changed(bed.state, changes[i][0], changes[i][1]);
+        last.state = bad;
         run();
-        ck_assert_msg(result.breaks == 0, "%s %s", changes[i].key, changes[i].value);
+        ck_assert_msg(result.breaks == 0, "%s %s", changes[i][0], changes[i][1]);
         pen_bench_result_release(&bench, &result);
         json_decref(bad);
     }
-    bench.kept = good;
+    last.state = bed.state;
     run();
     ck_assert_int_eq(result.breaks, 1);
-    json_decref(good);
-    bench.kept = NULL;
+    unfinished_release(&bed);
     tear_down();
 }
 END_TEST
@@ -624,19 +616,16 @@ START_TEST(test_bench__pictures_must_stay_the_same_over_an_interruption)
 {
     set_up(1);
     add_none_and_auto();
-    bench.between = keep;
-    runs_left = 4;
+    interrupt_after(4);
     ck_assert(!pen_bench_run(&bench, &result, &st));
     pen_bench_result_release(&bench, &result);
-    json_object_set_new(json_array_get(json_object_get(kept, "rows"), 0), "hash",
-                        json_string("0123456789abcdef"));
-    bench.between = NULL;
-    bench.kept = kept;
+    json_object_set_new(json_array_get(json_object_get(bed.state, "rows"), 0), "picture_hash",
+                        json_integer(7));
+    bench.frame.between = NULL;
+    bench.frame.kept = &bed.kept;
     ck_assert(!pen_bench_run(&bench, &result, &st));
     ck_assert_int_eq(st.code, PEN_DIFFERENT);
-    json_decref(kept);
-    kept = NULL;
-    bench.kept = NULL;
+    unfinished_release(&bed);
     tear_down();
 }
 END_TEST
@@ -645,8 +634,8 @@ START_TEST(test_bench__cancel_ends_it_between_runs_and_within_one)
 {
     set_up(1);
     add_none_and_auto();
-    bench.cancel = &cancel;
-    bench.progress = cancel_at_five;
+    bench.frame.cancel = &cancel;
+    bench.frame.progress = cancel_at_five;
     atomic_store(&cancel, false);
     ck_assert(!pen_bench_run(&bench, &result, &st));
     ck_assert_int_eq(st.code, PEN_CANCELLED);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "report/report.h"
 #include "study/comparison.h"
 #include "support/random.h"
 #include "support/suite.h"
@@ -101,8 +102,9 @@ START_TEST(test_comparison__accuracy_studies_have_errors_of_both)
     ck_assert(json_equal(json_object_get(row_of(comparison, 0), "errors"), wanted));
     ck_assert(!pen_comparison_judge(comparison, false, &st)); /* other pictures */
     struct pen_buf text = {0};
-    pen_comparison_write_text(comparison, &text);
-    ck_assert_ptr_nonnull(strstr((const char *)text.data, "0.25 to 0.125"));
+    ck_assert(pen_report_write(comparison, "text", NULL, &text, &st));
+    ck_assert_ptr_nonnull(strstr((const char *)text.data, "0.25\xE2\x80\x93"
+                                                          "0.125"));
     pen_buf_release(&text);
     json_decref(comparison);
     comparison = compare(before, before);
@@ -148,7 +150,7 @@ START_TEST(test_comparison__hosts_that_differ_have_a_calibrated_ratio_and_no_ver
     ck_assert_ptr_nonnull(strstr(text_of(first, "reason"), "different hosts"));
     ck_assert_double_eq_tol(json_real_value(json_object_get(first, "calibrated_ratio")), 1, 1e-12);
     struct pen_buf text = {0};
-    pen_comparison_write_text(comparison, &text);
+    ck_assert(pen_report_write(comparison, "text", NULL, &text, &st));
     ck_assert_ptr_nonnull(strstr((char *)text.data, "different hosts, by cpu:"));
     pen_buf_release(&text);
     json_decref(comparison);
@@ -192,7 +194,7 @@ START_TEST(test_comparison__one_count_or_picture_more_is_a_difference)
         ck_assert_str_eq(text_of(row_of(comparison, 1), "verdict"),
                          i < 4 ? "faster" : "different picture");
         struct pen_buf text = {0};
-        pen_comparison_write_text(comparison, &text);
+        ck_assert(pen_report_write(comparison, "text", NULL, &text, &st));
         ck_assert_ptr_nonnull(
             strstr((char *)text.data, i < 4 ? " before, 401 after" : "DIFFERENT"));
         pen_buf_release(&text);
@@ -276,7 +278,7 @@ START_TEST(test_comparison__any_json_can_be_compared)
         if (pen_comparison_check(after, &st))
             comparison = pen_comparison_new(before, after, &st);
         if (comparison) {
-            pen_comparison_write_text(comparison, &text);
+            ck_assert(pen_report_write(comparison, "text", NULL, &text, &st));
             for (size_t c = 0; c < text.bytes; c++)
                 ck_assert(text.data[c] >= 0x20 || text.data[c] == '\n');
             compared++;

@@ -4,22 +4,20 @@
 #define PEN_STUDY_INTERNAL_ACCURACY_RUN_H
 
 #include "study/accuracy.h"
+#include "study/internal/making.h"
 
 /* The most times the samples of the longest row that a reference may have. */
 enum { PEN_ACCURACY_FACTOR_MAX = 128 };
 
 /* A study that is being made. */
 struct pen_accuracy_state {
+    struct pen_making making;
     const struct pen_accuracy_task *task;
     struct pen_accuracy *out;
     struct pen_scene *scene;
-    size_t values; /* of a picture: 3 * width * height */
-    float *target; /* to render into: so many values */
-    json_t *host;  /* of this process; null unless the study may be kept */
-    int64_t begun_ns;
-    struct pen_run_use use;             /* of the last render */
-    int done, total;                    /* runs */
-    bool wanted[PEN_ACCURACY_ROWS_MAX]; /* by row: it is not left out */
+    size_t values;          /* of a picture: 3 * width * height */
+    float *target;          /* to render into: so many values */
+    struct pen_run_use use; /* of the last render */
     /* Of the reference: its whole renders, 0 to 2, and the finished tiles of the one after these.
      * The first is rendered into the reference's rgb, the second into target; when it is whole, the
      * reference's rgb is the mean. */
@@ -27,8 +25,9 @@ struct pen_accuracy_state {
     uint64_t half_hash[2]; /* of what these pictures have, once there are halves or tiles */
     int pass;  /* the further one that is being made; 0: the reference is not finished */
     int place; /* the rows that it has visited */
-    int order[PEN_ACCURACY_ROWS_MAX]; /* of that pass, if place is not 0 */
 };
+
+extern const struct pen_kept_shape pen_accuracy_shape;
 
 /* The time that is left of the budget, which may be below 0. Units: ms. */
 double pen_accuracy_left_ms(const struct pen_accuracy_state *state);
@@ -38,24 +37,11 @@ double pen_accuracy_left_ms(const struct pen_accuracy_state *state);
 bool pen_accuracy_render(struct pen_accuracy_state *state, struct pen_render_task *render,
                          struct pen_render_stats *stats, struct pen_status *st);
 
-/* Lets the caller keep the study, outside of runs, and counts a run before that. Fails:
- * PEN_UNAVAILABLE, if the study is to end here. */
-bool pen_accuracy_between(struct pen_accuracy_state *state, struct pen_status *st);
-bool pen_accuracy_end_run(struct pen_accuracy_state *state, struct pen_status *st);
-
-/* Takes over what an earlier process has kept, if it is of this study, host, build and number of
- * threads, and whole; else the state stays new. Returns whether it did. */
-bool pen_accuracy_state_read(struct pen_accuracy_state *state, const struct pen_kept_study *kept);
-
 /* pen_film_hash of a picture. */
 uint64_t pen_accuracy_hash(const struct pen_accuracy_state *state, const float *rgb);
 
 /* Forecasts all rows, and chooses those that fit the budget. Fails: as pen_forecast_make. */
 bool pen_accuracy_plan(struct pen_accuracy_state *state, struct pen_status *st);
-
-/* Compares a picture with the reference by all metrics. Fails: PEN_NO_MEMORY. */
-bool pen_accuracy_measure(const struct pen_accuracy_state *state, const float *rgb,
-                          double error[PEN_METRIC_COUNT], struct pen_status *st);
 
 /* Makes the reference, or what an earlier process has left of it, and sets the errors of all rows'
  * first runs. Fails: PEN_CANCELLED, PEN_UNAVAILABLE, PEN_NO_MEMORY. */

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Reports in all formats: their contents, the escaping of markup, and that any JSON value can be
  * written. */
+#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "study/report.h"
+#include "report/report.h"
 #include "support/random.h"
 #include "support/suite.h"
 
@@ -60,7 +61,7 @@ static const char *write_as(const json_t *report, const char *format)
 {
     struct pen_status st;
     pen_buf_release(&out);
-    ck_assert(pen_bench_report_write(report, format, &out, &st));
+    ck_assert(pen_report_write(report, format, NULL, &out, &st));
     return (const char *)out.data;
 }
 
@@ -78,12 +79,14 @@ START_TEST(test_report__csv_has_a_line_for_each_row)
 {
     json_t *report = report_with("room", "123.5");
     const char *text = write_as(report, "csv");
-    has(text, "row,accelerator,threads,threads_worked,median_ms,min_ms,max_ms,speedup,");
+    has(text,
+        "row,accelerator,threads,threads_worked,median_ms,min_ms,max_ms,speedup,ratio,ratio_low,"
+        "ratio_high,pairs,spoiled_pairs,verdict,");
     has(text, "\n0,none,1,1,12345.678,12000.0,13000.5,1.0,");
-    has(text, "\n1,auto,0,2,123.5,123.5,130.5,100.25,");
-    has(text, ",rmse,ratio,ratio_low,ratio_high,pairs,spoiled_pairs,verdict,cpu_share,steal_ms,"
-              "box_tests,primitive_tests,picture_hash\n");
-    has(text, ",false,0.125,0.03125,0.01,0.009,0.011,12,1,faster,0.5,,7,8,00ff\n");
+    has(text, "\n1,auto,0,2,123.5,123.5,130.5,100.25,0.01,0.009,0.011,12,1,faster,,,,0.5,,");
+    has(text, ",identical,max_difference,rmse,picture_hash\n");
+    has(text, ",7,8,,,");
+    has(text, ",false,0.125,0.03125,00ff\n");
     int lines = 0, commas = 0, first = 0;
     for (const char *c = text; *c; c++) {
         commas += *c == ',';
@@ -124,11 +127,10 @@ START_TEST(test_report__markdown_has_rounded_times_and_ratios)
     json_t *report = report_with("room", "123.5");
     const char *text = write_as(report, "md");
     has(text, "# Benchmark: room\n");
-    has(text, "| 0 | none | 1 | 12 346 | 12 000\xE2\x80\x93"
+    has(text, "| 0 | accelerator none, threads 1 | 12 346 | 12 000\xE2\x80\x93"
               "13 000 | 1.00\xC3\x97 |");
-    has(text, "| 1 | auto | all 2 | 124 | 124\xE2\x80\x93"
-              "130 | 100\xC3\x97 |");
-    has(text, "| 0.010 (0.009\xE2\x80\x93"
+    has(text, "| 1 | accelerator auto, threads all 2 | 124 | 124\xE2\x80\x93"
+              "130 | 100\xC3\x97 | 0.010 (0.009\xE2\x80\x93"
               "0.011) | faster |");
     has(text, "| max 0.125, rmse 0.0312 from row 0 | 00ff |");
     has(text, "1 400 000");
@@ -170,11 +172,12 @@ START_TEST(test_report__text_from_a_scene_is_escaped)
     json_object_set_new(json_object_get(row, "settings"), "accelerator",
                         json_string("<b onclick=\"x\">"));
     const char *text = write_as(report, "html");
-    lacks(text, "<script");
+    lacks(text, "<script>alert");
     lacks(text, "<img");
     lacks(text, "<b ");
     lacks(text, "onclick=\"");
     has(text, "&lt;script&gt;alert(1)&lt;/script&gt;");
+    has(text, "\\u003cscript>alert(1)\\u003c/script>");
     has(text, "&amp;amp;");
     has(text, "onerror=&#39;x&#39;");
     text = write_as(report, "md");
@@ -189,66 +192,92 @@ END_TEST
 START_TEST(test_report__text_has_no_control_characters)
 {
     json_t *report = report_with("\\u001b[2Jroom\\u0007", "123.5");
-    struct pen_buf text = {0};
-    pen_bench_report_write_text(report, &text);
-    ck_assert(!text.failed);
-    for (const unsigned char *c = text.data; *c; c++)
-        ck_assert(*c >= 0x20 || *c == '\n');
-    pen_buf_release(&text);
+    for (const char *c = write_as(report, "text"); *c; c++)
+        ck_assert((unsigned char)*c >= 0x20 || *c == '\n');
     json_decref(report);
 }
 END_TEST
 
-START_TEST(test_report__page_is_self_contained)
+/* What stands between two texts, the first of them in `page`. The caller frees it. */
+static char *between(const char *page, const char *begin, const char *end)
 {
+    const char *from = strstr(page, begin);
+    ck_assert_msg(from != NULL, "no %s", begin);
+    from += strlen(begin);
+    const char *to = strstr(from, end);
+    ck_assert_ptr_nonnull(to);
+    return strndup(from, (size_t)(to - from));
+}
+
+START_TEST(test_report__page_is_self_contained_and_runs_its_script_alone)
+{
+    static const char *const parts[][3] = {{"<script>", "</script>", "script-src 'sha256-"},
+                                           {"<style>", "</style>", "style-src 'sha256-"}};
+    static const char *const outside[] = {"src=\"", "url(", "@import", "href", "innerHTML"};
     json_t *report = report_with("room", "123.5");
     const char *text = write_as(report, "html");
-    static const char *const outside[] = {"http:", "https:", "src=", "url(", "@import", "href"};
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++)
         lacks(text, outside[i]);
     has(text, "<html lang=\"en\">");
-    has(text, "prefers-color-scheme:dark");
-    has(text, "role=\"img\" aria-labelledby=\"chart-title chart-desc\"");
-    has(text, "<title id=\"chart-title\">");
-    has(text, "<desc id=\"chart-desc\">none, 1 thread: 12346 ms. auto, all 2 threads: 124 ms. ");
+    has(text, "prefers-color-scheme: dark");
+    has(text, "content=\"default-src &#39;none&#39;; script-src ");
+    for (int i = 0; i < 2; i++) {
+        char *part = between(text, parts[i][0], parts[i][1]);
+        char *hash = between(pen_report_policy(), parts[i][2], "'");
+        unsigned char bytes[crypto_hash_sha256_BYTES];
+        char wanted[64];
+        crypto_hash_sha256(bytes, (const unsigned char *)part, strlen(part));
+        sodium_bin2base64(wanted, sizeof wanted, bytes, sizeof bytes,
+                          sodium_base64_VARIANT_ORIGINAL);
+        ck_assert_str_eq(hash, wanted);
+        free(hash);
+        free(part);
+    }
     json_decref(report);
 }
 END_TEST
 
-START_TEST(test_report__axis_is_logarithmic_where_times_spread_widely)
+START_TEST(test_report__page_has_the_report_as_data)
 {
-    json_t *report = report_with("room", "123.5");
-    has(write_as(report, "html"), "logarithmic axis");
-    json_decref(report);
-    report = report_with("room", "5000.5");
-    json_t *row = json_array_get(json_object_get(report, "rows"), 1);
-    json_object_set_new(row, "max_ms", json_real(5001));
-    lacks(write_as(report, "html"), "logarithmic axis");
+    json_t *report = report_with("a < b", "123.5");
+    char *data = between(write_as(report, "html"), "id=\"data\">", "</script>");
+    json_t *again = json_loads(data, 0, NULL);
+    ck_assert_ptr_null(strchr(data, '<'));
+    ck_assert(json_equal(report, again));
+    json_decref(again);
+    free(data);
     json_decref(report);
 }
 END_TEST
 
-/* The number after the next `before`, as in width="12.5"; moves *text to it. */
-static double next_number(const char **text, const char *before)
+START_TEST(test_report__row_with_a_target_error_is_named_by_that)
 {
-    const char *at = strstr(*text, before);
-    ck_assert_msg(at != NULL, "no %s", before);
-    *text = at + strlen(before);
-    return strtod(*text, NULL);
-}
-
-START_TEST(test_report__bars_are_as_long_as_the_times)
-{
-    json_t *report = report_with("room", "6172.839");
-    json_t *row = json_array_get(json_object_get(report, "rows"), 1);
-    json_object_set_new(row, "max_ms", json_real(7000));
-    const char *text = write_as(report, "html");
-    double first = next_number(&text, "<rect class=\"bar base\"");
-    first = next_number(&text, "width=\"");
-    double second = next_number(&text, "<rect class=\"bar\"");
-    second = next_number(&text, "width=\"");
-    ck_assert_double_eq_tol(first, 2 * second, 0.2);
+    json_t *report =
+        json_pack("{s:s, s:[{s:{s:i, s:f}, s:f}, {s:{s:i, s:f}, s:f}]}", "kind", "accuracy", "rows",
+                  "settings", "samples_per_pixel", 4, "target_error", 0., "median_ms", 1.,
+                  "settings", "samples_per_pixel", 1, "target_error", 0.01, "median_ms", 2.);
+    const char *text = write_as(report, "md");
+    has(text, "| 0 | samples\\_per\\_pixel 4 |");
+    has(text, "| 1 | target\\_error 0.01 |");
+    has(write_as(report, "csv"), "\n1,1,0.01,");
     json_decref(report);
+}
+END_TEST
+
+START_TEST(test_report__of_every_kind_has_a_table)
+{
+    static const char *const kinds[] = {"benchmark", "accuracy", "effects", "history",
+                                        "comparison"};
+    for (int i = 0; i < 5; i++) {
+        json_t *report =
+            json_pack("{s:s, s:s, s:[{s:f, s:[{s:i, s:f}]}]}", "kind", kinds[i], "scene", "room",
+                      "rows", "median_ms", 12.5, "points", "report", 0, "median_ms", 12.5);
+        if (i < 4)
+            has(write_as(report, "md"), "| 12.5 |");
+        has(write_as(report, "html"), "<th scope=\"col\">row</th>");
+        has(write_as(report, "html"), ": room</title>");
+        json_decref(report);
+    }
 }
 END_TEST
 
@@ -284,81 +313,28 @@ static json_t *any_value(struct random *r, int depth)
     }
 }
 
-/* A report of rows with 1, 2 and `most` threads, whose times are 100, 60 and 30 ms, each twice. */
-static json_t *threads_report(double most)
-{
-    const double threads[] = {1, 2, most}, ms[] = {100, 60, 30};
-    json_t *rows = json_array();
-    for (int i = 0; i < 3; i++)
-        json_array_append_new(rows, json_pack("{s:i, s:{s:f}, s:f, s:[f, f]}", "row", i, "settings",
-                                              "threads", threads[i], "threads", threads[i],
-                                              "runs_ms", ms[i], ms[i] * 0.5));
-    json_array_set_new(json_object_get(json_array_get(rows, 0), "runs_ms"), 1, json_real(50));
-    return json_pack("{s:s, s:o}", "kind", "benchmark", "rows", rows);
-}
-
-START_TEST(test_report__speed_up_is_drawn_over_threads)
-{
-    json_t *report = threads_report(4);
-    const char *at = write_as(report, "html");
-    double x[3], y[3];
-    has(at, "<h2>Threads</h2>");
-    has(at, "; 2 threads: 1.67 times; 4 threads: 3.33 times.");
-    for (int i = 0; i < 3; i++) {
-        at = strstr(at, "<circle cx=");
-        ck_assert_ptr_nonnull(at);
-        ck_assert_int_eq(sscanf(at, "<circle cx=\"%lf\" cy=\"%lf\"", &x[i], &y[i]), 2);
-        at++;
-    }
-    /* Both axes are linear and begin at 0. */
-    ck_assert_double_eq_tol((x[2] - x[1]) / (x[1] - x[0]), 2, 0.02);
-    ck_assert_double_eq_tol((y[0] - y[2]) / (y[0] - y[1]), (100. / 30 - 1) / (100. / 60 - 1), 0.05);
-    json_decref(report);
-    report = threads_report(64);
-    at = write_as(report, "html");
-    has(at, "both axes logarithmic");
-    json_decref(report);
-}
-END_TEST
-
-START_TEST(test_report__no_chart_of_threads_without_two_numbers_of_them)
-{
-    json_t *report = report_with("room", "123.5"); /* the accelerators differ, too */
-    lacks(write_as(report, "html"), "<h2>Threads</h2>");
-    json_decref(report);
-    static const double wrong[] = {0, -5, 1e300, 0.5};
-    for (int i = 0; i < 4; i++) {
-        report = threads_report(wrong[i]);
-        has(write_as(report, "html"), "; 2 threads: 1.67 times. </desc>");
-        json_decref(report);
-    }
-}
-END_TEST
-
 START_TEST(test_report__any_json_can_be_written)
 {
     struct random r = random_begin(41);
     for (int i = 0; i < 2000; i++) {
         json_t *report = any_value(&r, 5);
-        for (int format = 0; pen_bench_report_formats[format]; format++) {
+        for (int format = 0; pen_report_formats[format]; format++) {
             struct pen_status st;
             pen_buf_release(&out);
-            ck_assert_msg(
-                pen_bench_report_write(report, pen_bench_report_formats[format], &out, &st),
-                "PEN_SEED=%llu: %s", (unsigned long long)r.seed, st.msg);
+            ck_assert_msg(pen_report_write(report, pen_report_formats[format], NULL, &out, &st),
+                          "PEN_SEED=%llu: %s", (unsigned long long)r.seed, st.msg);
         }
         json_decref(report);
     }
 }
 END_TEST
 
-PEN_SUITE("report", test_report__speed_up_is_drawn_over_threads,
-          test_report__no_chart_of_threads_without_two_numbers_of_them,
-          test_report__noise_floor_and_end_of_the_repeats_are_told,
+PEN_SUITE("report", test_report__noise_floor_and_end_of_the_repeats_are_told,
           test_report__csv_has_a_line_for_each_row,
           test_report__csv_quotes_separators_and_line_feeds, test_report__json_reads_back_as_itself,
           test_report__markdown_has_rounded_times_and_ratios,
           test_report__text_from_a_scene_is_escaped, test_report__text_has_no_control_characters,
-          test_report__page_is_self_contained,
-          test_report__axis_is_logarithmic_where_times_spread_widely,
-          test_report__bars_are_as_long_as_the_times, test_report__any_json_can_be_written)
+          test_report__page_is_self_contained_and_runs_its_script_alone,
+          test_report__page_has_the_report_as_data,
+          test_report__row_with_a_target_error_is_named_by_that,
+          test_report__of_every_kind_has_a_table, test_report__any_json_can_be_written)
