@@ -218,7 +218,7 @@ tsan:
 # The tests of the code that can hold memory errors, with sanitizers: a part of .ci/run. They are built
 # by clang, whose warnings are errors, so that one build serves both; of other tests clang sees the syntax.
 .PHONY: memory memory-build memory-programs
-MEMORY_MODULES := base io film scene store jobs access http
+MEMORY_MODULES := base io film report scene store jobs access http
 # These render for minutes with sanitizers and have little else that they could find; make asan runs them.
 MEMORY_NOT := jobs/test_study_kept jobs/test_audits
 MEMORY_TESTS := $(filter-out $(MEMORY_NOT:%=tests/%.c),$(filter $(MEMORY_MODULES:%=tests/%/%),$(TEST_SRC))) \

@@ -198,7 +198,8 @@
         if (point.ring) root.append(svg('circle', { class: 'ring', cx: px, cy: py, r: 8 }));
     };
 
-    // A chart of points {x, y, xs, ys, title, label, colour, below, ring}, lines {points, colour, ideal} and marks {x, text}.
+    // A chart of points {x, y, xs, ys, title, label, colour, below, ring}, lines {points, colour, ideal}
+    // and marks {x, text}.
     const addPlot = ({ title, caption, axes, points, lines = [], marks = [], legend = [] }) => {
         const figure = addChart(title, caption, (root, width) => {
             const height = Math.round(Math.min(Math.max(width * 0.62, 250), 400));
@@ -371,7 +372,8 @@
             lines,
             legend: series.map(([name]) => name),
             caption:
-                'How many times as fast a row is as that of the fewest threads, by pairs of runs; bars: 95 % intervals, or least to largest below 10 pairs. Dashed: as many times as there are threads.',
+                'How many times as fast a row is as that of the fewest threads, by pairs of runs; bars: 95 % ' +
+                'intervals, or least to largest below 10 pairs. Dashed: as many times as there are threads.',
             axes: {
                 x: {
                     label: 'threads',
@@ -398,7 +400,9 @@
             title: 'Times',
             label: log ? 'milliseconds (logarithmic)' : 'milliseconds',
             log,
-            caption: `Bar: median. Whisker: least to largest. Grey: the row that speed-ups refer to.${log ? ' The axis is logarithmic.' : ''}`,
+            caption:
+                'Bar: median. Whisker: least to largest. Grey: the row that speed-ups refer to.' +
+                (log ? ' The axis is logarithmic.' : ''),
             bars: timed.map((row, i) => ({
                 name: rowName(row),
                 value: row.median_ms,
@@ -431,7 +435,9 @@
                 colour: row.pareto ? 0 : -1,
                 label: single ? String(Object.values(row.settings)[0]) : String(i),
                 ring: data.recommended && data.recommended.row === i,
-                title: `row ${i}, ${rowName(row)}: ${format(row.median_ms)} ms, ${METRICS[metric]} ${below ? 'below ' : ''}${format(y)}`,
+                title:
+                    `row ${i}, ${rowName(row)}: ${format(row.median_ms)} ms, ` +
+                    `${METRICS[metric]} ${below ? 'below ' : ''}${format(y)}`,
             });
         });
         if (points.length === 0) return;
@@ -440,7 +446,11 @@
             title: `${METRICS[metric]} against time`,
             points,
             lines: front.length > 1 ? [{ points: front.map((point) => [point.x, point.y]), colour: 0 }] : [],
-            caption: `Each point is a row, labelled by ${single ? 'its setting' : 'its number in the table'}; bars: least to largest time, 5 to 95 % of the errors. The line is the Pareto front: rows that no other row beats in both. Grey rows are beaten. A triangle is a row whose error lies somewhere below it. Ringed: the cheapest row that meets the target. Both axes are logarithmic.`,
+            caption:
+                `Each point is a row, labelled by ${single ? 'its setting' : 'its number in the table'}; bars: ` +
+                'least to largest time, 5 to 95 % of the errors. The line is the Pareto front: rows that no ' +
+                'other row beats in both. Grey rows are beaten. A triangle is a row whose error lies somewhere ' +
+                'below it. Ringed: the cheapest row that meets the target. Both axes are logarithmic.',
             axes: {
                 x: {
                     label: 'time, milliseconds',
@@ -502,31 +512,44 @@
         });
     };
 
-    const drawEffects = () => {
+    const drawCosts = () => {
         const costOf = (row) => (Number.isFinite(row.cost_ms) ? row.cost_ms : row.cost_below_ms);
         const known = rows
             .filter((row) => row.without && Number.isFinite(costOf(row)))
             .sort((a, b) => costOf(b) - costOf(a));
-        const whole = rows.length > 0 && isPositive(rows[0].median_ms) ? rows[0].median_ms : 0;
-        if (known.length === 0) return;
         addBars({
             title: 'Costs',
             label: 'milliseconds',
             caption:
-                'What each effect costs: the whole time less the time without it. Dashed: at most so much, since the runs do not distinguish it. Grey: the whole time.',
-            bars: [{ name: 'all effects', value: whole, text: `${format(whole)} ms`, base: true }].concat(
-                known.map((row) => {
-                    const certain = Number.isFinite(row.cost_ms);
-                    return {
-                        name: row.without,
-                        value: costOf(row),
-                        open: !certain,
-                        text: certain
-                            ? `${format(row.cost_ms)} ms, ${format(100 * row.cost_share)} %`
-                            : `below ${format(row.cost_below_ms)} ms`,
-                    };
-                }),
-            ),
+                'What each effect costs: the whole time less the time without it. Dashed: at most so much, ' +
+                'since the runs do not distinguish it.',
+            bars: known.map((row) => {
+                const certain = Number.isFinite(row.cost_ms);
+                const text = certain
+                    ? `${format(row.cost_ms)} ms, ${format(100 * row.cost_share)} %`
+                    : `below ${format(row.cost_below_ms)} ms`;
+                return { name: row.without, value: costOf(row), open: !certain, text };
+            }),
+        });
+    };
+
+    const drawEffects = () => {
+        drawCosts();
+        addBars({
+            title: 'Times',
+            label: 'milliseconds',
+            caption:
+                'The scene without each effect. Bar: median. Whisker: least to largest. Grey: with all effects.',
+            bars: rows
+                .filter((row) => isPositive(row.median_ms))
+                .map((row) => ({
+                    name: row.without ? `without ${row.without}` : 'all effects',
+                    value: row.median_ms,
+                    low: row.min_ms,
+                    high: row.max_ms,
+                    base: !row.without,
+                    text: `${format(row.median_ms)} ms`,
+                })),
         });
     };
 

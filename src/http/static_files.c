@@ -9,18 +9,26 @@
 #include "base/embed.h"
 #include "io/builtin.h"
 #include "jobs/jobs.h"
-
-/* Of the page: everything comes from this server, and nothing is inline. A report that the page
- * shows in a frame (blob:) inherits this policy. */
-static const char page_policy[] =
-    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
-    "img-src 'self' blob: data:; frame-src blob:; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'";
+#include "report/report.h"
 
 struct static_files {
+    char page_policy[512];
     size_t count;
     struct static_file file[];
 };
+
+/* Everything of the page comes from this server, and nothing is inline. But a report that the page
+ * shows in a frame (blob:) inherits this policy, so its script and style are allowed. */
+static void write_page_policy(struct static_files *files)
+{
+    char script[PEN_REPORT_SOURCE_BYTES], style[PEN_REPORT_SOURCE_BYTES];
+    pen_report_sources(script, style);
+    snprintf(files->page_policy, sizeof files->page_policy,
+             "default-src 'none'; script-src 'self' %s; style-src 'self' %s; connect-src 'self'; "
+             "img-src 'self' blob: data:; frame-src blob:; base-uri 'none'; form-action 'none'; "
+             "frame-ancestors 'none'",
+             script, style);
+}
 
 static bool add(struct static_files *files, const char *name, const char *type, struct blob *blob)
 {
@@ -71,7 +79,7 @@ static bool add_table(struct static_files *files, const struct pen_embedded_file
         if (!add(files, name, type, copy(file->data, file->bytes)))
             return false;
         if (strncmp(type, "text/html", 9) == 0)
-            files->file[files->count - 1].policy = page_policy;
+            files->file[files->count - 1].policy = files->page_policy;
     }
     return true;
 }
@@ -105,6 +113,8 @@ struct static_files *pen_http_static_files_new(struct pen_status *st)
     const size_t count =
         1 + pen_builtin_count() + count_of(pen_api_files) + count_of(pen_page_files);
     struct static_files *files = calloc(1, sizeof *files + count * sizeof files->file[0]);
+    if (files)
+        write_page_policy(files);
     if (files && add_table(files, pen_api_files, "") && add_table(files, pen_page_files, "page/") &&
         add_builtin_scenes(files))
         return files;

@@ -13,9 +13,9 @@
 
 enum {
     PICTURE_WIDTH = 640,
-    HASH_TEXT = sodium_base64_ENCODED_LEN(crypto_hash_sha256_BYTES, sodium_base64_VARIANT_ORIGINAL),
-    POLICY_BYTES = 160 + 2 * HASH_TEXT
+    HASH_TEXT = sodium_base64_ENCODED_LEN(crypto_hash_sha256_BYTES, sodium_base64_VARIANT_ORIGINAL)
 };
+_Static_assert(PEN_REPORT_SOURCE_BYTES >= HASH_TEXT + sizeof "'sha256-'", "a source fits");
 
 static const struct pen_embedded_file *file_of(const char *name)
 {
@@ -25,25 +25,30 @@ static const struct pen_embedded_file *file_of(const char *name)
     return file;
 }
 
-static void write_hash(const char *name, char out[HASH_TEXT])
+static void write_source(const char *name, char out[PEN_REPORT_SOURCE_BYTES])
 {
     const struct pen_embedded_file *file = file_of(name);
     unsigned char hash[crypto_hash_sha256_BYTES];
+    char text[HASH_TEXT];
     crypto_hash_sha256(hash, file->data, file->bytes);
-    sodium_bin2base64(out, HASH_TEXT, hash, sizeof hash, sodium_base64_VARIANT_ORIGINAL);
+    sodium_bin2base64(text, sizeof text, hash, sizeof hash, sodium_base64_VARIANT_ORIGINAL);
+    snprintf(out, PEN_REPORT_SOURCE_BYTES, "'sha256-%s'", text);
+}
+
+void pen_report_sources(char script[PEN_REPORT_SOURCE_BYTES], char style[PEN_REPORT_SOURCE_BYTES])
+{
+    write_source("report.js", script);
+    write_source("report.css", style);
 }
 
 const char *pen_report_policy(void)
 {
-    static _Thread_local char policy[POLICY_BYTES];
-    char script[HASH_TEXT], style[HASH_TEXT];
+    static _Thread_local char policy[80 + 2 * PEN_REPORT_SOURCE_BYTES];
+    char script[PEN_REPORT_SOURCE_BYTES], style[PEN_REPORT_SOURCE_BYTES];
     if (!policy[0]) {
-        write_hash("report.js", script);
-        write_hash("report.css", style);
+        pen_report_sources(script, style);
         snprintf(policy, sizeof policy,
-                 "default-src 'none'; script-src 'sha256-%s'; style-src 'sha256-%s'; "
-                 "img-src data:",
-                 script, style);
+                 "default-src 'none'; script-src %s; style-src %s; img-src data:", script, style);
     }
     return policy;
 }

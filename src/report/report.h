@@ -45,4 +45,9 @@ void pen_report_figure(const struct pen_report_figure *figure, struct pen_buf *o
 /* The value of Content-Security-Policy for a page. Threads: any. */
 const char *pen_report_policy(void);
 
+/* The hashes of a page's script and style as sources of that policy, 'sha256-…'. A page that shows
+ * a report in a frame of its own (blob:) must allow them, too. Threads: any. */
+enum { PEN_REPORT_SOURCE_BYTES = 64 };
+void pen_report_sources(char script[PEN_REPORT_SOURCE_BYTES], char style[PEN_REPORT_SOURCE_BYTES]);
+
 #endif

@@ -67,6 +67,13 @@ uint64_t pen_accuracy_hash(const struct pen_accuracy_state *state, const float *
     return pen_film_hash(&film);
 }
 
+bool pen_accuracy_measure(const struct pen_accuracy_state *state, const float *rgb,
+                          struct pen_accuracy_run *run, struct pen_status *st)
+{
+    const struct pen_study_pair pair = {state->task->settings, rgb, state->out->reference.rgb};
+    return pen_study_measure(&pair, run->error, NULL, st);
+}
+
 /* Renders a row with the seed after its base seed by so many. The first picture is kept. */
 static bool render_row(struct pen_accuracy_state *state, int number, int seed,
                        struct pen_render_stats *stats, struct pen_status *st)
@@ -106,8 +113,7 @@ static bool run_row(struct pen_accuracy_state *state, int number, struct pen_sta
     run->time = (struct pen_run_time){stats.render_ms, state->use.used, state->use.spoiled};
     row->runs++;
     if (row->runs > 1)
-        return pen_study_measure(state->task->settings, state->target, state->out->reference.rgb,
-                                 run->error, NULL, st) &&
+        return pen_accuracy_measure(state, state->target, run, st) &&
                pen_making_end_run(&state->making, st);
     row->rays = stats.rays;
     row->threads = stats.threads;

@@ -40,29 +40,33 @@ static double scale_of(float *errors, size_t count)
     return fmin((digit <= 1 ? 1 : digit <= 2 ? 2 : digit <= 5 ? 5 : 10) * power, 1);
 }
 
-/* Appends the map of a row. `errors` and `sorted` have place for a value of each pixel. */
-static bool write_map(const struct pen_accuracy *accuracy, int row, float *errors, float *sorted,
-                      struct pen_buf *out, struct pen_status *st)
+static bool write_map(const struct pen_accuracy *accuracy, int row, struct pen_buf *out,
+                      struct pen_status *st)
 {
     const struct pen_settings *s = accuracy->task->settings;
+    const struct pen_study_pair pair = {s, accuracy->row[row].rgb, accuracy->reference.rgb};
     const size_t count = (size_t)s->width * (size_t)s->height;
+    float *errors = malloc(2 * count * sizeof *errors);
     double ignored[PEN_METRIC_COUNT];
     char caption[80];
-    if (!pen_study_measure(s, accuracy->row[row].rgb, accuracy->reference.rgb, ignored, errors, st))
-        return false;
-    memcpy(sorted, errors, count * sizeof *errors);
-    const double scale = scale_of(sorted, count);
-    for (size_t i = 0; i < count; i++)
-        errors[i] = fminf(errors[i] / (float)scale, 1);
-    struct pen_film *film = pen_error_map(errors, s->width, s->height, PEN_ERROR_MAP_COLOURS, st);
-    if (!film)
-        return false;
-    snprintf(caption, sizeof caption, "Error map: black is 0, pale yellow a FLIP of %g or more",
-             scale);
-    pen_report_figure(&(struct pen_report_figure){"map", row, film, PEN_TRANSFER_SRGB, caption},
-                      out);
+    struct pen_film *film = NULL;
+    if (!errors)
+        return pen_fail(st, PEN_NO_MEMORY, "no memory for an error map");
+    if (pen_study_measure(&pair, ignored, errors, st)) {
+        memcpy(errors + count, errors, count * sizeof *errors);
+        const double scale = scale_of(errors + count, count);
+        for (size_t i = 0; i < count; i++)
+            errors[i] = fminf(errors[i] / (float)scale, 1);
+        snprintf(caption, sizeof caption, "Error map: black is 0, pale yellow a FLIP of %g or more",
+                 scale);
+        film = pen_error_map(errors, s->width, s->height, PEN_ERROR_MAP_COLOURS, st);
+    }
+    if (film)
+        pen_report_figure(&(struct pen_report_figure){"map", row, film, PEN_TRANSFER_SRGB, caption},
+                          out);
+    free(errors);
     pen_film_free(film);
-    return true;
+    return film != NULL;
 }
 
 /* "Row 2, light_samples 64: 231 ms, RMSE 0.0031, FLIP 0.012" */
@@ -113,11 +117,8 @@ static void write_cost(const struct pen_accuracy *accuracy, struct pen_buf *out)
 bool pen_accuracy_figures(const struct pen_accuracy *accuracy, const json_t *report,
                           struct pen_buf *out, struct pen_status *st)
 {
-    const struct pen_settings *s = accuracy->task->settings;
-    const size_t bytes = (size_t)s->width * (size_t)s->height * sizeof(float);
-    float *errors = malloc(bytes), *sorted = malloc(bytes);
     const struct pen_film reference = film_of(accuracy, accuracy->reference.rgb);
-    bool ok = (errors && sorted) || pen_fail(st, PEN_NO_MEMORY, "no memory for the error maps");
+    bool ok = true;
     pen_report_figure(&(struct pen_report_figure){"reference", -1, &reference,
                                                   transfer_of(accuracy), "The reference"},
                       out);
@@ -125,10 +126,8 @@ bool pen_accuracy_figures(const struct pen_accuracy *accuracy, const json_t *rep
         if (accuracy->row[i].runs == 0)
             continue;
         write_row(accuracy, report, i, out);
-        ok = write_map(accuracy, i, errors, sorted, out, st);
+        ok = write_map(accuracy, i, out, st);
     }
     write_cost(accuracy, out);
-    free(errors);
-    free(sorted);
     return ok && (!out->failed || pen_fail(st, PEN_NO_MEMORY, "no memory for a report"));
 }

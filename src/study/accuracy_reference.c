@@ -249,8 +249,7 @@ static bool measure_rows(const struct pen_accuracy_state *state, double *best,
         struct pen_accuracy_row_result *row = &state->out->row[i];
         if (row->runs == 0)
             continue;
-        if (!pen_study_measure(state->task->settings, row->rgb, state->out->reference.rgb,
-                               row->run[0].error, NULL, st))
+        if (!pen_accuracy_measure(state, row->rgb, &row->run[0], st))
             return false;
         *best = fmin(*best, row->run[0].error[PEN_METRIC_RMSE]);
     }

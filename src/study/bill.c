@@ -84,8 +84,9 @@ static bool run_row(struct pen_bill *bill, struct pen_bill_row *row, int pass,
 static bool compare_row(const struct pen_bill *bill, struct pen_bill_row *row,
                         struct pen_status *st)
 {
+    const struct pen_study_pair pair = {bill->task->settings, row->rgb, bill->row[0].rgb};
     double error[PEN_METRIC_COUNT];
-    if (!pen_study_measure(bill->task->settings, row->rgb, bill->row[0].rgb, error, NULL, st))
+    if (!pen_study_measure(&pair, error, NULL, st))
         return false;
     row->rmse = error[PEN_METRIC_RMSE];
     row->max_error = error[PEN_METRIC_MAX_ERROR];

@@ -13,14 +13,13 @@ bool pen_metric_rises(enum pen_metric metric)
     return metric == PEN_METRIC_PSNR || metric == PEN_METRIC_SSIM;
 }
 
-bool pen_study_measure(const struct pen_settings *settings, const float *rgb,
-                       const float *reference, double error[PEN_METRIC_COUNT], float *map,
-                       struct pen_status *st)
+bool pen_study_measure(const struct pen_study_pair *pair, double error[PEN_METRIC_COUNT],
+                       float *map, struct pen_status *st)
 {
-    const enum pen_transfer transfer = pen_settings_transfer(settings);
-    const int width = settings->width, height = settings->height;
-    const struct pen_film film = {width, height, (float *)(uintptr_t)rgb},
-                          other = {width, height, (float *)(uintptr_t)reference};
+    const enum pen_transfer transfer = pen_settings_transfer(pair->settings);
+    const int width = pair->settings->width, height = pair->settings->height;
+    const struct pen_film film = {width, height, (float *)(uintptr_t)pair->rgb},
+                          other = {width, height, (float *)(uintptr_t)pair->reference};
     struct pen_picture *a = pen_picture_of_film(&film, transfer, st);
     struct pen_picture *b = a ? pen_picture_of_film(&other, transfer, st) : NULL;
     struct pen_difference d;

@@ -87,10 +87,15 @@ extern const char *const pen_metrics[PEN_METRIC_COUNT + 1]; /* ends with NULL */
 /* Whether more of it is better: PSNR and SSIM. */
 bool pen_metric_rises(enum pen_metric metric);
 
-/* Compares a picture with a reference of the same settings by all metrics. Shape: map, unless it is
- * NULL, gets FLIP's error of each pixel. Fails: PEN_NO_MEMORY. */
-bool pen_study_measure(const struct pen_settings *settings, const float *rgb,
-                       const float *reference, double error[PEN_METRIC_COUNT], float *map,
-                       struct pen_status *st);
+/* A picture, and the one that it is compared with, of the same settings. */
+struct pen_study_pair {
+    const struct pen_settings *settings;
+    const float *rgb, *reference;
+};
+
+/* Compares them by all metrics. Shape: map, unless it is NULL, gets FLIP's error of each pixel.
+ * Fails: PEN_NO_MEMORY. */
+bool pen_study_measure(const struct pen_study_pair *pair, double error[PEN_METRIC_COUNT],
+                       float *map, struct pen_status *st);
 
 #endif

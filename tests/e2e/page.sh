@@ -16,7 +16,11 @@ call / -H "$nobody"
 expect page "$status $(header content-type) $(cmp "$work/body" api/page/index.html && echo same)" \
     "200 text/html; charset=utf-8 same"
 policy=$(header content-security-policy)
-for rule in "default-src 'none'" "script-src 'self'" "style-src 'self'" "connect-src 'self'" \
+# A report that the page shows in a frame inherits the policy: its script and style are known by hashes.
+for part in script style; do
+    expect_match "$part-by-hash" "$policy;" "*$part-src 'self' 'sha256-????????????????????????????????????????????';*"
+done
+for rule in "default-src 'none'" "connect-src 'self'" \
     "img-src 'self' blob: data:" 'frame-src blob:' "base-uri 'none'" "form-action 'none'" "frame-ancestors 'none'"; do
     expect_match "policy-has $rule" "$policy;" "*$rule;*"
 done

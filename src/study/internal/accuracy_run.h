@@ -43,6 +43,10 @@ uint64_t pen_accuracy_hash(const struct pen_accuracy_state *state, const float *
 /* Forecasts all rows, and chooses those that fit the budget. Fails: as pen_forecast_make. */
 bool pen_accuracy_plan(struct pen_accuracy_state *state, struct pen_status *st);
 
+/* Sets the errors of a run, whose picture this is. Fails: PEN_NO_MEMORY. */
+bool pen_accuracy_measure(const struct pen_accuracy_state *state, const float *rgb,
+                          struct pen_accuracy_run *run, struct pen_status *st);
+
 /* Makes the reference, or what an earlier process has left of it, and sets the errors of all rows'
  * first runs. Fails: PEN_CANCELLED, PEN_UNAVAILABLE, PEN_NO_MEMORY. */
 bool pen_accuracy_make_reference(struct pen_accuracy_state *state, struct pen_status *st);
