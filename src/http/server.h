@@ -41,7 +41,7 @@ bool pen_http_is_address(const char *text);
  * PEN_UNAVAILABLE (sockets, threads), PEN_NO_MEMORY; as pen_tokens_open and pen_tls_open. */
 struct pen_http *pen_http_start(const struct pen_http_options *options, struct pen_status *st);
 
-/* Opens the store, once; may be tried again after a failure. Clients are told the reason.
+/* Opens the store, once; may be tried again after a failure. Clients get the reason.
  * Threads: the one that has started. Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads),
  * PEN_NO_MEMORY. */
 bool pen_http_open(struct pen_http *http, const struct pen_http_options *options,

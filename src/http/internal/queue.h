@@ -19,7 +19,7 @@ void pen_http_queue_free(struct queue *queue); /* NULL is allowed */
 
 struct queue_place {
     int64_t number; /* 1 for the job that begins next; 0: not known */
-    /* The time until the job ends: what is left of the running jobs, then the queued ones up to
+    /* The time until the job ends: first the rest of the running jobs, then the queued ones up to
      * this one, each as long as the mean of the jobs that ended last. 0: not known. */
     double eta_seconds;
 };

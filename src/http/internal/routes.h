@@ -43,7 +43,7 @@ enum queue_id {
     QUEUE_STORE,   /* on a store thread: reads of the store */
     QUEUE_CHANGES, /* on a thread for changes: writes, which wait for other writers */
     QUEUE_COMPUTE  /* on a compute thread: encoding pictures, writing reports, reading scenes and
-                    * checking them, and whatever has a large body */
+                    * checking them, and all requests with a large body */
 };
 
 /* What a query parameter may be. The first of these that applies:
