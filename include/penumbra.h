@@ -98,8 +98,7 @@ PENUMBRA_API char *penumbra_scene_settings(const struct penumbra_scene *scene,
 
 /* ---- Rendering ---- */
 
-/* Upper bounds of what rendering one view takes. They come from counts: nothing is built or traced.
- */
+/* Upper bounds for rendering one view. They come from counts: nothing is built or traced. */
 struct penumbra_estimate {
     size_t size;          /* set by the caller: sizeof(struct penumbra_estimate) */
     int width, height;    /* pixels */
