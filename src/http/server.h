@@ -12,6 +12,7 @@
 #include "base/status.h"
 #include "io/scene_json.h"
 
+/* The options of a server. */
 struct pen_http_options {
     int listen_fd; /* a listening socket, which becomes non-blocking; the caller closes it */
     const char *store_url;

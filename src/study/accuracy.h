@@ -36,6 +36,7 @@
 #include "study/run_time.h"
 #include "study/study.h"
 
+/* A combination of settings. */
 struct pen_accuracy_row {
     struct pen_settings settings;
     /* The row's values of the settings in which rows differ: a `render` object with the same keys
@@ -49,6 +50,7 @@ struct pen_accuracy_run {
     double error[PEN_METRIC_COUNT];
 };
 
+/* The results of one row. */
 struct pen_accuracy_row_result {
     bool wanted; /* the row is not left out */
     int runs;    /* finished runs; 0: the row was left out */
@@ -61,6 +63,7 @@ struct pen_accuracy_row_result {
     float *rgb;            /* the picture of the first run */
 };
 
+/* The reference of a study. */
 struct pen_accuracy_reference {
     struct pen_settings settings;
     int factor;   /* samples as a multiple of the longest row's, unless task->reference sets them */
@@ -100,6 +103,7 @@ _Static_assert((int)PEN_ACCURACY_SEEDS_MAX <= (int)PEN_RUN_TIMES_MAX, "a time fo
 /* The time that the forecast assumes for the reference, in runs of the most expensive row. */
 enum { PEN_ACCURACY_REFERENCE_RUNS = 16 };
 
+/* The results of a study. */
 struct pen_accuracy {
     const struct pen_accuracy_task *task;
     struct pen_accuracy_row_result *row;

@@ -79,6 +79,7 @@ struct pen_bench_row_result {
 /* Why the repeats ended. */
 enum pen_bench_end { PEN_BENCH_END_REPEATS, PEN_BENCH_END_INTERVAL, PEN_BENCH_END_BUDGET };
 
+/* The results of a benchmark. */
 struct pen_bench_result {
     struct pen_bench_row_result *rows;
     /* Of the baseline's twin; has runs, ratio and verdict. runs NULL: there is no twin. */

@@ -16,6 +16,7 @@
 #include "study/run_time.h"
 #include "study/study.h"
 
+/* The results of one row. */
 struct pen_bill_row {
     unsigned effect;           /* the effect that is left out; 0: none */
     struct pen_run_time *runs; /* of rendering, one for each pass */
@@ -35,6 +36,7 @@ struct pen_bill_task {
     int view, repeats; /* repeats: 1 .. PEN_RUN_TIMES_MAX */
 };
 
+/* The results of a bill. */
 struct pen_bill {
     const struct pen_bill_task *task;
     struct pen_bill_row row[PEN_FX_COUNT + 1]; /* row 0 has all effects */

@@ -41,6 +41,7 @@ struct pen_run_watch {
     int64_t begun_ns;
     double steal_ms;
 };
+/* Begins a run. */
 struct pen_run_watch pen_run_begin(void);
 
 /* Ends a run. `stats` are those of its renders. alone_ms is the time in which the calling thread
@@ -68,6 +69,7 @@ struct pen_row_time pen_row_time_of(const struct pen_run_time *runs, int count);
  * distinguished. */
 int pen_row_time_compare(const struct pen_row_time *a, const struct pen_row_time *b);
 
+/* The number of rays of all kinds. */
 uint64_t pen_rays_total(const struct pen_ray_counts *rays);
 
 /* As pen_row_time_compare, but the number of rays decides where the times do not. */
@@ -79,6 +81,7 @@ struct pen_runs_use {
     int runs, spoiled;
     double used; /* the mean of the runs' `used` */
 };
+/* Adds runs to a summary. */
 void pen_runs_use_add(struct pen_runs_use *sum, const struct pen_run_time *runs, int count);
 
 /* Whether over half of the runs are spoiled, so that their times prove nothing. */

@@ -23,6 +23,7 @@
 
 #include "render/render.h"
 
+/* A picture of a study. */
 struct pen_study_picture {
     const float *rgb; /* NULL: no picture, or not rendered yet */
     uint64_t hash;    /* pen_film_hash */

@@ -23,6 +23,7 @@ enum {
     PEN_PAIRS_MAX = 640
 }; /* counts of the first and the last look; each look doubles the count */
 
+/* A confidence interval of a median. */
 struct pen_confidence {
     double median, low, high; /* low and high are 0 if there is no interval */
     int count;                /* number of values */

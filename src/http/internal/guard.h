@@ -12,7 +12,7 @@
  * that belongs to another connection by then.
  *
  * libmicrohttpd does not poll a suspended connection (PEER_WORK), and would not notice a shutdown.
- * The guard tells the request's owner that the client is gone; the owner resumes the request.
+ * The guard notifies the owner of the request that the client has gone. The owner resumes it.
  *
  * Locks: the guard's lock comes after the watcher's.
  * Threads: any, except start and stop. */

@@ -25,6 +25,7 @@
 struct MHD_Connection;
 struct pen_http;
 
+/* The phases of a request, as in the diagram. */
 enum phase { PHASE_LINE, PHASE_BODY, PHASE_WORK, PHASE_ANSWERED };
 
 /* The header fields that the server reads; NULL: not sent.

@@ -14,6 +14,7 @@
 
 struct request;
 
+/* The result of a handler. */
 enum outcome {
     OUTCOME_ANSWERED, /* the reply is complete */
     OUTCOME_WATCHED   /* the watcher has the request, and resumes it later */
@@ -59,6 +60,7 @@ struct param_rule {
     size_t longest;
 };
 
+/* An entry of the route table. */
 struct route {
     const char *method, *path;
     enum pen_scope scope; /* the scope that clients need; PEN_SCOPE_NONE: no token */

@@ -29,6 +29,7 @@ struct pen_column {
     bool aside;          /* the column is in the second table for readers */
 };
 
+/* A kind of report. */
 struct pen_report_kind {
     const char *name, *title;         /* title: of the page */
     const struct pen_column *columns; /* the last column has neither name nor title */

@@ -61,6 +61,7 @@ struct pen_kept_shape {
     struct pen_study_picture (*picture)(const void *study, int place);
 };
 
+/* A study in progress. */
 struct pen_making {
     const struct pen_study_frame *frame;
     const struct pen_kept_shape *shape;
