@@ -26,7 +26,7 @@ function progressBox(job, rate) {
     return [el("progress", {max: "1", value: String(fraction), "aria-label": "Progress"}), el("p", null, facts.join(", "))];
 }
 
-/* The rays per second of what the job has committed, as long as the signal lasts. */
+/* Shows the rays per second of the committed work, until the signal aborts. */
 async function watchRate(id, signal, tell) {
     for (;;) {
         const stats = await get(`v1/jobs/${id}/stats?so_far=true`, signal);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Draws the charts of a report from its data, and shows the picture of a chosen row beside the reference.
-// All text from the data becomes text nodes. Charts are drawn for the width that they have, so that
-// text has one size at every width.
+// All text from the data becomes text nodes. Charts are drawn for their present width, so that text has
+// one size at every width.
 'use strict';
 (() => {
     const data = JSON.parse(document.getElementById('data').textContent);
@@ -101,7 +101,7 @@
         return { place, ticks, low, high };
     };
 
-    // A chart stands in a figure with its caption, and is drawn again when its width changes.
+    // Adds a chart in a figure with its caption. It is drawn again when its width changes.
     const addChart = (title, caption, draw) => {
         const figure = html('figure', 'chart'),
             holder = html('div');
@@ -149,7 +149,8 @@
     const overlaps = (a, b) =>
         a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 
-    // Writes a label beside a point where it meets no other label and no dot, or not at all.
+    // Writes a label beside a point where it overlaps no other label and no dot. Without such a place,
+    // there is no label.
     const drawLabel = (root, text, x, y, box, taken) => {
         const width = text.length * 7,
             height = 14;
@@ -198,7 +199,7 @@
         if (point.ring) root.append(svg('circle', { class: 'ring', cx: px, cy: py, r: 8 }));
     };
 
-    // A chart of points {x, y, xs, ys, title, label, colour, below, ring}, lines {points, colour, ideal}
+    // Adds a chart of points {x, y, xs, ys, title, label, colour, below, ring}, lines {points, colour, ideal}
     // and marks {x, text}.
     const addPlot = ({ title, caption, axes, points, lines = [], marks = [], legend = [] }) => {
         const figure = addChart(title, caption, (root, width) => {
@@ -254,7 +255,7 @@
         }
     };
 
-    // A chart of bars {name, value, low, high, text, base, open}: each has its name above it.
+    // Adds a chart of bars {name, value, low, high, text, base, open}. Each bar has its name above it.
     const addBars = ({ title, caption, label, bars, log }) => {
         if (bars.length === 0) return;
         addChart(title, caption, (root, width) => {
@@ -293,7 +294,7 @@
         });
     };
 
-    // The interval of the median of sorted values of which some are spoiled: src/study/verdict.h.
+    // The interval of the median of sorted values, some of which are spoiled (src/study/verdict.h).
     const intervalOf = (values, spoiled) => {
         let term = 2 ** -values.length,
             below = 0,
@@ -309,7 +310,7 @@
             : [values[0], values[values.length - 1]];
     };
 
-    // How many times as fast a row is as another, by pairs of runs of one repeat.
+    // The speed-up of a row over another, from pairs of runs of one repeat.
     const speedupOf = (base, row) => {
         const pairs = list(row.runs_ms).map((ms, i) => list(base.runs_ms)[i] / ms),
             spoiled = new Set([...list(base.spoiled_runs), ...list(row.spoiled_runs)]);
@@ -607,7 +608,7 @@
         return context.getImageData(0, 0, canvas.width, canvas.height).data;
     };
 
-    // The part of a picture that differs most from the reference.
+    // Finds the part of a picture that differs most from the reference.
     const findCrop = (image, reference) => {
         const width = image.naturalWidth,
             height = image.naturalHeight,

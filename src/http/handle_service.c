@@ -67,9 +67,10 @@ enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *j
                    : pen_http_request_fail(request, &st);
 }
 
-/* Finds out whether a write reaches the disk. The last submit tells it (handle_jobs.c), or else a
- * probe, at most once a second: a monitor that polls often must not wear the disk. A probe may wait
- * for a large job to be stored. Meanwhile other threads use the last result, if it is not old. */
+/* Finds out whether a write reaches the disk. The last submit shows it (handle_jobs.c), else a
+ * probe. There is at most one probe a second, so that a frequent monitor does not wear the disk. A
+ * probe may wait until a large job is stored. Meanwhile other threads use the last result, if it is
+ * recent. */
 static void probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
 {
     pthread_mutex_lock(&http->ready_lock);
@@ -99,7 +100,7 @@ static bool check_ready(struct pen_http *http, struct pen_jobs *jobs, struct pen
     const bool ok =
         !http->not_ready_reason[0] || pen_fail(st, PEN_UNAVAILABLE, "%s", http->not_ready_reason);
     pthread_mutex_unlock(&http->ready_lock);
-    if (!ok) /* after an I/O error a probe might end this process, too */
+    if (!ok) /* after an I/O error, a probe might end this process too */
         return false;
     probe(http, jobs, &fault);
     if (fault.code != PEN_OK)

@@ -10,13 +10,13 @@
 #include "base/clock.h"
 #include "store/store.h"
 
-/* How long a queue is kept, in units of the time that it took to read. */
+/* How long a queue is kept, in units of its reading time. */
 enum { KEPT_TIMES = 20 };
 
 struct queue {
     pthread_mutex_t lock;
-    struct pen_queue last; /* guarded by lock: as it was read last */
-    int64_t until_ns;      /* guarded by lock: when it has to be read again */
+    struct pen_queue last; /* guarded by lock: the queue at the last reading */
+    int64_t until_ns;      /* guarded by lock: the time of the next reading */
     bool reading;          /* guarded by lock: a thread is reading it */
 };
 
@@ -37,7 +37,8 @@ void pen_http_queue_free(struct queue *queue)
     free(queue);
 }
 
-/* Called with the lock held, which is given up meanwhile: others use what was read last. */
+/* Reads the queue again. Called with the lock held, which is released meanwhile, so that other
+ * threads use the last reading. */
 static void read_again(struct queue *queue, struct pen_jobs *jobs)
 {
     struct pen_queue read;
@@ -55,8 +56,8 @@ static void read_again(struct queue *queue, struct pen_jobs *jobs)
     queue->reading = false;
 }
 
-/* The jobs before a place, and the one there, take a worker's time each, once the batches in hand
- * are done. The last one takes that long, however many workers there are. */
+/* The expected time until the job at a place ends. After the batches in progress, the jobs up to
+ * this place take a worker's time each. The last job takes that long for any number of workers. */
 static double eta_seconds(const struct pen_queue *queue, int64_t place)
 {
     if (queue->workers == 0 || queue->job_us == 0)

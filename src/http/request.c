@@ -152,7 +152,7 @@ const char *pen_http_request_owner(const struct request *request, char text[CLIE
                                                      : NULL;
 }
 
-/* The part that a GET asks for. If-Range must be the entity tag, byte by byte; a date never
+/* The part that a GET requests. If-Range must be the entity tag, byte for byte. A date never
  * matches, since the server sends no dates. */
 static enum pen_range_kind read_range(const struct request *request, const struct content *content,
                                       uint64_t *first, uint64_t *count)

@@ -41,7 +41,7 @@ static const struct param_rule delete_params[] = {{.name = "stats", .allowed = b
 static const struct param_rule stats_params[] = {{.name = "so_far", .allowed = booleans}, {0}};
 static const struct param_rule preview_params[] = {{.name = "view", .longest = 200}, {0}};
 
-/* A route does not compile without its scope. */
+/* Defines a route. Without a scope it does not compile. */
 #define ROUTE(METHOD, PATH, SCOPE, HANDLE, ...)                                                    \
     {                                                                                              \
         .method = METHOD, .path = PATH, .scope = PEN_SCOPE_##SCOPE,                                \
@@ -86,7 +86,7 @@ static const struct route table[] = {
 enum { LARGE_BODY = 64 << 10 }; /* bytes; larger bodies take some milliseconds to parse */
 enum { ROUTES = sizeof table / sizeof table[0] };
 
-/* Paths of resources that are not supported yet: they get a 404 with that explanation. */
+/* Paths of resources that are not supported yet. They get a 404 that says so. */
 static const char *const unsupported[] = {"/v1/plan", "/v1/assets/{sha256}"};
 
 bool pen_http_route(int i, const char **method, const char **path, int *scope)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Making the files from the data that is embedded in the program. */
+/* Makes the files from the data that is embedded in the program. */
 #include "http/internal/static_files.h"
 
 #include <stdio.h>
@@ -17,8 +17,9 @@ struct static_files {
     struct static_file file[];
 };
 
-/* Everything of the page comes from this server, and nothing is inline. But a report that the page
- * shows in a frame (blob:) inherits this policy, so its script and style are allowed. */
+/* Writes the policy of the page. All parts of the page come from this server, and none is inline. A
+ * report that the page shows in a frame (blob:) inherits this policy, so its script and style are
+ * allowed. */
 static void write_page_policy(struct static_files *files)
 {
     char script[PEN_REPORT_SOURCE_BYTES], style[PEN_REPORT_SOURCE_BYTES];
@@ -39,7 +40,8 @@ static bool add(struct static_files *files, const char *name, const char *type, 
     file->type = type;
     file->blob = blob;
     pen_http_etag(&blob->content, file->etag);
-    if (strcmp(type, "image/png") != 0) /* now: later a thread of connections would */
+    if (strcmp(type, "image/png") !=
+        0) /* compressed now, since later a thread of connections would do it */
         blob->gzip = pen_http_blob_gzip(blob);
     return true;
 }
@@ -68,7 +70,7 @@ static const char *type_of(const char *name)
     return "application/octet-stream";
 }
 
-/* Adds the files of a table, with the name of their folder before theirs. */
+/* Adds the files of a table. The name of their folder is put before their names. */
 static bool add_table(struct static_files *files, const struct pen_embedded_file *file,
                       const char *folder)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the report of an accuracy study has to say. */
+/* The contents of the report of an accuracy study. */
 #include <math.h>
 #include <string.h>
 
@@ -16,7 +16,7 @@ static const char *title_of(const char *metric)
     return "no metric";
 }
 
-/* Whether more of it is better. */
+/* Whether larger values of a metric are better. */
 static bool rises(const char *metric)
 {
     return strcmp(metric, "psnr") == 0 || strcmp(metric, "ssim") == 0;
@@ -34,7 +34,7 @@ static void write_options(const json_t *settings, struct pen_buf *out)
     }
 }
 
-/* The row that comes nearest to the target; NULL if no row's error is known. */
+/* The row that is nearest to the target; NULL if no row's error is known. */
 static const json_t *nearest(const json_t *report, const char *metric)
 {
     const json_t *best = NULL;
@@ -164,7 +164,7 @@ static void write_reference(const json_t *report, struct pen_buf *out)
                           "jagged edges are not part of the error.");
 }
 
-/* Why a study took so many times as long as expected. */
+/* Appends the reason why a study took `times` as long as expected. */
 static void write_overrun(const json_t *report, double times, struct pen_buf *out)
 {
     const double used = pen_report_number(report, "timing.cpu_share"),
@@ -194,7 +194,7 @@ static void write_forecast(const json_t *report, struct pen_buf *out)
         write_overrun(report, actual / fmin(expected, budget), out);
 }
 
-/* The error that samples of a kind make smaller. */
+/* The error that a number of samples reduces. */
 static const char *error_of_setting(const char *setting)
 {
     static const char *const errors[][2] = {
@@ -208,7 +208,7 @@ static const char *error_of_setting(const char *setting)
     return setting;
 }
 
-/* Which error is left where more samples of one setting do not make it smaller. */
+/* Appends which error remains when more samples of one setting do not reduce it. */
 static void write_floor(const json_t *series, const json_t *floor, struct pen_buf *out)
 {
     const json_t *settings = json_object_get(floor, "settings");
@@ -262,7 +262,7 @@ static void write_slope(const json_t *series, struct pen_buf *out)
         write_power(series, out);
 }
 
-/* All lines behind the tables. */
+/* Writes all lines after the tables. */
 static void write_notes(const json_t *report, struct pen_buf *out)
 {
     static pen_words_fn *const words[] = {write_method, write_reference, write_forecast};
@@ -291,7 +291,7 @@ static void write_lead(const json_t *report, struct pen_buf *out)
              "rest looks equal.\n");
 }
 
-/* The error, or its bound if the row is unresolved. */
+/* Appends the error, or its bound if the row is unresolved. */
 static void write_rmse(const json_t *row, struct pen_buf *out)
 {
     const bool unresolved = json_is_false(json_object_get(row, "resolved"));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a benchmark's report has to say. */
+/* The contents of a benchmark's report. */
 #include <string.h>
 
 #include "report/internal/kind.h"
@@ -23,7 +23,7 @@ static void write_method(const json_t *report, struct pen_buf *out)
     pen_buf_puts(out, ".\n");
 }
 
-/* Why the repeats ended, if they were to go on until the intervals are narrow. */
+/* Appends the reason why the repeats ended, if narrow intervals were requested. */
 static void write_end(const json_t *report, struct pen_buf *out)
 {
     const char *end = pen_report_string(report, "ended_by");

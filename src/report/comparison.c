@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a comparison of two reports has to say. */
+/* The contents of a comparison of two reports. */
 #include <string.h>
 
 #include "report/internal/kind.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the report of a bill has to say. */
+/* The contents of a bill's report. */
 #include "report/internal/kind.h"
 
 static void write_answer(const json_t *report, struct pen_buf *out)
@@ -37,7 +37,8 @@ static void write_without(const json_t *row, struct pen_buf *out)
     pen_buf_puts(out, *effect ? effect : "all effects");
 }
 
-/* What the effect costs, or at most, if its time and that of the whole are not distinguished. */
+/* Appends the cost of the effect. If the times with and without it are not distinguished, an upper
+ * bound. */
 static void write_cost(const json_t *row, struct pen_buf *out)
 {
     if (pen_report_has_number(row, "cost_ms"))

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a history has to say. Its table has a row for each point of each series. */
+/* The contents of a history. Its table has a row for each point of each series. */
 #include "io/json_build.h"
 #include "report/internal/kind.h"
 
@@ -62,7 +62,7 @@ static void write_notes(const json_t *history, struct pen_buf *out)
     }
 }
 
-/* Adds the points of a series, each with its series' settings and its report. */
+/* Adds the points of a series, each with the series' settings and its report. */
 static void add_points(const json_t *history, const json_t *row, json_t *rows)
 {
     size_t i;

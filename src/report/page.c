@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The page of a report: the template with the report's parts in place of {{NAME}}. What is put in
- * is escaped HTML, but for the data, in which `<` is \u003c, so that nothing in it ends the
- * element. */
+/* The page of a report: the template, in which the report's parts replace {{NAME}}. The parts are
+ * escaped HTML. In the data, `<` is written as \u003c, so that no data ends the element. */
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,7 +19,7 @@ _Static_assert(PEN_REPORT_SOURCE_BYTES >= HASH_TEXT + sizeof "'sha256-'", "a sou
 static const struct pen_embedded_file *file_of(const char *name)
 {
     const struct pen_embedded_file *file = pen_report_files;
-    while (strcmp(file->name, name) != 0) /* all names are of this file */
+    while (strcmp(file->name, name) != 0) /* all callers pass a name that exists */
         file++;
     return file;
 }
@@ -53,7 +52,7 @@ const char *pen_report_policy(void)
     return policy;
 }
 
-/* What a page is made of. */
+/* The input of a page. */
 struct page {
     const struct pen_report_kind *kind;
     const json_t *report;
@@ -141,7 +140,8 @@ void pen_page_write(const struct pen_report_kind *kind, const json_t *report,
     pen_buf_puts(out, text);
 }
 
-/* The mean of n x n pixels each. Fails: false when out of memory. */
+/* Makes a smaller picture, each pixel of which is the mean of n x n pixels. Fails: false when out
+ * of memory. */
 static bool shrink(const struct pen_film *film, int n, struct pen_film *out)
 {
     const int width = film->width / n, height = film->height / n;

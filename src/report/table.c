@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Tables and lines of reports in every format. A table for people begins with the row's number and
- * its settings in words, if rows have settings; CSV has a column for each setting. */
+/* Tables and lines of reports in every format. A table for readers begins with the row's number,
+ * and its settings in words if rows have settings. CSV has a column for each setting. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@ enum { TERMINAL_COLUMNS = 80, GAP = 2 };
 struct cells {
     size_t rows, columns;
     struct pen_buf *cell; /* [row * columns + column] */
-    bool *is_text;        /* by column: aligned left; numbers right */
+    bool *is_text;        /* by column: aligned left; numbers are aligned right */
 };
 
 static struct pen_buf *at(const struct cells *cells, size_t row, size_t column)
@@ -56,7 +56,7 @@ static void write_cell(const struct pen_column *column, const json_t *row, struc
     }
 }
 
-/* Whether the table for people has the column: not if no row has its value. */
+/* Whether a table for readers has the column. A column without any value is left out. */
 static bool is_shown(const struct pen_column *column, bool aside, const json_t *rows)
 {
     bool there = !column->path || json_array_size(rows) == 0;
@@ -77,7 +77,7 @@ static bool have_settings(const json_t *rows)
     return json_object_size(json_object_get(json_array_get(rows, 0), "settings")) > 0;
 }
 
-/* Fills a column, which begins with its title. */
+/* Fills a column: its title, then a cell for each row. */
 static void fill_column(const struct cells *cells, size_t number, const struct pen_column *column,
                         const json_t *rows)
 {
@@ -99,7 +99,8 @@ static void cells_release(struct cells *cells)
     free(cells->is_text);
 }
 
-/* Returns false when out of memory. Owns: release it in any case. */
+/* Makes the cells of a table. Returns false when out of memory.
+ * Owns: release the cells, after success and after failure. */
 static bool cells_init(struct cells *cells, const json_t *rows, const struct pen_column *columns,
                        bool aside)
 {
@@ -128,7 +129,7 @@ static bool cells_init(struct cells *cells, const json_t *rows, const struct pen
     return ok;
 }
 
-/* Control characters would act on a terminal. */
+/* Writes a text without control characters, which a terminal would obey. */
 static void write_plain(const char *text, struct pen_buf *out)
 {
     for (; *text; text++) {
@@ -137,7 +138,7 @@ static void write_plain(const char *text, struct pen_buf *out)
     }
 }
 
-/* Escapes what Markdown, or HTML in it, would read as markup. */
+/* Escapes the characters that Markdown, or HTML in it, reads as markup. */
 static void write_markdown(const char *text, struct pen_buf *out)
 {
     for (; *text; text++) {
@@ -219,7 +220,8 @@ static void write_aligned(const struct cells *cells, size_t row, size_t column, 
     pen_buf_printf(out, "%*s", words && !last ? blank : 0, "");
 }
 
-/* The column behind the last one that fits beside the first, from `begin` on: at least one does. */
+/* The end of a part of a table: the column after the last one that fits beside the first column. A
+ * part has at least one column from `begin` on. */
 static size_t part_end(const struct cells *cells, size_t begin)
 {
     size_t width = column_width(cells, 0), end = begin;
@@ -232,8 +234,8 @@ static size_t part_end(const struct cells *cells, size_t begin)
     return end;
 }
 
-/* A table that is wider than a terminal goes on below itself: each part begins with the first
- * column. */
+/* Writes a table for a terminal. A wider table is cut into parts below each other, each of which
+ * begins with the first column. */
 static void write_text_table(const struct cells *cells, struct pen_buf *out)
 {
     for (size_t begin = 1, end; begin < cells->columns; begin = end) {
@@ -308,7 +310,7 @@ static void write_table(enum pen_layout layout, const struct pen_report_kind *ki
     cells_release(&cells);
 }
 
-/* The rows of a report, a new reference. */
+/* The rows of a report. Returns a new reference. */
 static json_t *rows_of(const struct pen_report_kind *kind, const json_t *report)
 {
     return kind->rows ? kind->rows(report) : json_incref(json_object_get(report, "rows"));
@@ -348,8 +350,8 @@ static void write_csv_value(const json_t *value, struct pen_buf *out)
     pen_buf_release(&text);
 }
 
-/* A line of CSV: the titles for row NULL. `keys` are the settings of the first row; all rows have
- * the same keys. */
+/* Writes a line of CSV. row NULL: the titles. `keys` are the settings of the first row; all rows
+ * have the same keys. */
 static void write_csv_line(const json_t *row, json_t *keys, const struct pen_column *columns,
                            struct pen_buf *out)
 {

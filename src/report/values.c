@@ -62,7 +62,8 @@ void pen_write_value(const json_t *value, struct pen_buf *out)
     free(text);
 }
 
-/* Digits with a space between groups of three, counted from the end. Four digits stay together. */
+/* Writes digits with a space between groups of three, counted from the end. A number of four digits
+ * has no space. */
 static void write_grouped(const char *digits, struct pen_buf *out)
 {
     const size_t length = strlen(digits);
@@ -94,8 +95,8 @@ void pen_write_number(double value, struct pen_buf *out)
         pen_write_count(value, out);
 }
 
-/* How many threads worked on a row, beside the setting if the two differ: "2", "all 2", "2 of 8".
- */
+/* Writes the number of threads that worked on a row, and the setting if it differs: "2", "all 2",
+ * "2 of 8". */
 static void write_threads(const json_t *row, struct pen_buf *out)
 {
     const int used = pen_report_whole(row, "threads"),
@@ -108,8 +109,8 @@ static void write_threads(const json_t *row, struct pen_buf *out)
         pen_buf_printf(out, "%d of %d", used, requested);
 }
 
-/* Whether a setting says nothing beside the others: a target error of 0, or a number of samples in
- * whose place a target error stands. */
+/* Whether a setting has no effect beside the others: a target error of 0, or a number of samples if
+ * there is a target error. */
 static bool is_silent(const json_t *settings, const char *key, const json_t *value)
 {
     static const char *const samples[] = {"samples_per_pixel", "lens_samples", "light_samples",
@@ -122,7 +123,7 @@ static bool is_silent(const json_t *settings, const char *key, const json_t *val
     return false;
 }
 
-/* `row`: whose settings these are; NULL: of no row. */
+/* Writes settings. `row` is the row that they belong to; NULL: no row. */
 static void write_settings(const json_t *settings, const json_t *row, struct pen_buf *out)
 {
     const char *key, *separator = "";
@@ -163,7 +164,7 @@ void pen_write_ratio(const json_t *ratio, struct pen_buf *out)
                        pen_report_number(ratio, "high"));
 }
 
-/* Appends "s" to a noun of another number than 1. */
+/* The plural ending of a noun: "s" unless count is 1. */
 static const char *plural(int count)
 {
     return count == 1 ? "" : "s";

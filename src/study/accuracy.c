@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The order of an accuracy study's runs, and what of them the budget allows. */
+/* The order of an accuracy study's runs, and which of them the budget allows. */
 #include "study/accuracy.h"
 
 #include <math.h>
@@ -74,7 +74,7 @@ bool pen_accuracy_measure(const struct pen_accuracy_state *state, const float *r
     return pen_study_measure(&pair, run->error, NULL, st);
 }
 
-/* Renders a row with the seed after its base seed by so many. The first picture is kept. */
+/* Renders a row with its own seed plus `seed`. Keeps the picture of seed 0. */
 static bool render_row(struct pen_accuracy_state *state, int number, int seed,
                        struct pen_render_stats *stats, struct pen_status *st)
 {
@@ -93,13 +93,13 @@ static bool render_row(struct pen_accuracy_state *state, int number, int seed,
     return true;
 }
 
-/* Whether a run is made again whose time is spoiled. */
+/* Whether a run that took `ms` is repeated: it is spoiled, and the remaining time allows it. */
 static bool is_repeated(const struct pen_accuracy_state *state, double ms)
 {
     return state->use.spoiled && 4 * ms <= pen_accuracy_left_ms(state);
 }
 
-/* One run of a row, with the seed after that of its last one. */
+/* Makes the next run of a row, with the next seed. */
 static bool run_row(struct pen_accuracy_state *state, int number, struct pen_status *st)
 {
     struct pen_accuracy_row_result *row = &state->out->row[number];
@@ -121,8 +121,8 @@ static bool run_row(struct pen_accuracy_state *state, int number, struct pen_sta
     return pen_making_end_run(&state->making, st);
 }
 
-/* The first run of a process that goes on where another has ended; its time is thrown away. It is
- * the last run of the row whose statistics are those of the study. */
+/* Makes the first run of a process that resumed the study. Its time is discarded. It repeats the
+ * last run of the row whose statistics are those of the study. */
 static bool go_on(struct pen_accuracy_state *state, struct pen_status *st)
 {
     const int row = state->out->stats_row, runs = state->out->row[row].runs;
@@ -130,8 +130,8 @@ static bool go_on(struct pen_accuracy_state *state, struct pen_status *st)
     return runs == 0 || render_row(state, row, runs - 1, &stats, st);
 }
 
-/* The first pass: the rows that are not left out, without errors, since there is no reference yet.
- * An earlier process may have made a part of it, or all. */
+/* Makes the first pass, or the part of it that an earlier process did not make. Rows that are left
+ * out do not run. The runs have no errors yet, because there is no reference. */
 static bool first_pass(struct pen_accuracy_state *state, struct pen_status *st)
 {
     int order[PEN_ACCURACY_ROWS_MAX];
@@ -145,7 +145,7 @@ static bool first_pass(struct pen_accuracy_state *state, struct pen_status *st)
     return true;
 }
 
-/* The time of a run of a row, by its runs so far. */
+/* The mean time of a row's runs so far; before the first one, its forecast. */
 static double run_ms(const struct pen_accuracy_row_result *row)
 {
     double sum = 0;
@@ -154,7 +154,7 @@ static double run_ms(const struct pen_accuracy_row_result *row)
     return row->runs > 0 ? sum / row->runs : row->expected_ms;
 }
 
-/* Puts the rows of the Pareto front before the others, and otherwise leaves their order. */
+/* Moves the rows of the Pareto front before the others, and otherwise keeps the order. */
 static void put_front_first(const struct pen_accuracy *accuracy, int *order, int count)
 {
     bool front[PEN_ACCURACY_ROWS_MAX];
@@ -168,7 +168,7 @@ static void put_front_first(const struct pen_accuracy *accuracy, int *order, int
     memcpy(order, sorted, (size_t)count * sizeof *order);
 }
 
-/* Draws the order of a further pass. If not all rows fit the time that is left, those of the front
+/* Draws the order of a further pass. If not all rows fit the remaining time, the rows of the front
  * come first. */
 static void draw_order(struct pen_accuracy_state *state)
 {
@@ -185,7 +185,7 @@ static void draw_order(struct pen_accuracy_state *state)
         state->out->row[i].next = order[i];
 }
 
-/* A further pass, or what an earlier process has left of it. */
+/* Makes a further pass, or the part of it that an earlier process did not make. */
 static bool make_pass(struct pen_accuracy_state *state, struct pen_status *st)
 {
     if (state->place == 0)
@@ -218,7 +218,8 @@ static bool further_passes(struct pen_accuracy_state *state, struct pen_status *
     return true;
 }
 
-/* The row whose time per pixel the report shows: the first one that was run. */
+/* The row whose time per pixel the report shows: the recommended row, or the first row that has
+ * run. */
 static int cost_row(const struct pen_accuracy *accuracy)
 {
     int row = pen_accuracy_recommended(accuracy);
@@ -227,7 +228,8 @@ static int cost_row(const struct pen_accuracy *accuracy)
     return row;
 }
 
-/* The layer `cost` of the recommended row. Counting the tests takes longer than rendering. */
+/* Renders the layer `cost`, unless the remaining time is less than ten runs of its row. Counting
+ * tests makes it slower than a run. */
 static bool make_cost(struct pen_accuracy_state *state, struct pen_status *st)
 {
     struct pen_accuracy *out = state->out;
@@ -311,7 +313,7 @@ static double calibrate(void)
     return pen_median(ms, CALIBRATIONS);
 }
 
-/* Plans the study, or goes on with what an earlier process has kept. */
+/* Plans the study, or resumes one that an earlier process saved. */
 static bool begin(struct pen_accuracy_state *state, struct pen_status *st)
 {
     const bool goes_on = pen_making_resume(&state->making);
@@ -320,7 +322,7 @@ static bool begin(struct pen_accuracy_state *state, struct pen_status *st)
         if (!pen_accuracy_plan(state, st))
             return false;
     }
-    while (!state->out->row[state->out->stats_row].wanted) /* one row is wanted */
+    while (!state->out->row[state->out->stats_row].wanted) /* at least one row is wanted */
         state->out->stats_row++;
     return !goes_on || go_on(state, st);
 }

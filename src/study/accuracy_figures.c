@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The pictures of an accuracy study's page. The errors of a map are stretched, each map by its own
- * scale, so that also those of a good picture are seen; the caption has the scale. */
+/* The pictures of an accuracy study's page. Each error map has its own scale, so that small errors
+ * can be seen. The caption gives the scale. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +11,8 @@
 #include "report/values.h"
 #include "study/accuracy.h"
 
-static const double shown_share = 0.995; /* of the pixels, whose errors the scale of a map covers */
+static const double shown_share =
+    0.995; /* share of the pixels whose errors fit the scale of a map */
 
 static struct pen_film film_of(const struct pen_accuracy *accuracy, const float *rgb)
 {
@@ -30,8 +31,8 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The error that the end of a map's scale stands for: 1, 2 or 5 times a power of ten, above nearly
- * all errors. Sorts them. */
+/* The error at the end of a map's scale: 1, 2 or 5 times a power of ten, above nearly all errors.
+ * Sorts the errors. */
 static double scale_of(float *errors, size_t count)
 {
     qsort(errors, count, sizeof *errors, by_value);

@@ -52,7 +52,7 @@ static json_t *with_errors(json_t *json, const struct pen_accuracy *accuracy,
     return pen_json_with(json, "efficiency", rounded(1 / (rmse * rmse * seconds)));
 }
 
-/* In the order of their seeds. */
+/* The runs of a row, in the order of their seeds. */
 static json_t *runs_json(const struct pen_accuracy_row_result *row)
 {
     json_t *list = json_array();
@@ -102,7 +102,7 @@ static json_t *rows_json(const struct pen_accuracy *accuracy)
     return pen_json_all(rows, (size_t)accuracy->task->row_count);
 }
 
-/* The settings of a row without one of them. */
+/* The settings of a row except one. */
 static json_t *others_of(const struct pen_accuracy_row *row, const char *key)
 {
     json_t *others = json_copy((json_t *)(uintptr_t)row->varied);
@@ -110,7 +110,7 @@ static json_t *others_of(const struct pen_accuracy_row *row, const char *key)
     return others;
 }
 
-/* What a series no longer falls for: {share, rmse, settings}; null if it falls. */
+/* The floor of a series: {share, rmse, settings}; null if it has none. */
 static json_t *floor_json(const struct pen_accuracy *accuracy,
                           const struct pen_accuracy_series *series)
 {
@@ -147,7 +147,7 @@ static json_t *series_json(const struct pen_accuracy *accuracy,
                      pen_json_all(points, (size_t)series->count));
 }
 
-/* The series of three resolved rows or more. */
+/* The series that have at least three resolved rows. */
 static json_t *convergence_json(const struct pen_accuracy *accuracy)
 {
     json_t *list = json_array();
@@ -164,7 +164,8 @@ static json_t *convergence_json(const struct pen_accuracy *accuracy)
     return list;
 }
 
-/* What a target that no row meets would need; null if one does, or none may be recommended. */
+/* The setting that would meet a target that no row meets. null if a row meets it, or if no row may
+ * be recommended. */
 static json_t *needed_json(const struct pen_accuracy *accuracy)
 {
     const struct pen_runs_use use = pen_accuracy_use(accuracy);
@@ -176,7 +177,7 @@ static json_t *needed_json(const struct pen_accuracy *accuracy)
                         : json_null();
 }
 
-/* Of all runs. */
+/* How much of the processors all runs got. */
 static json_t *timing_json(const struct pen_accuracy *accuracy)
 {
     const struct pen_runs_use use = pen_accuracy_use(accuracy);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What is kept of an accuracy study, and its pictures. These are those of the rows' first runs,
- * which the report shows and which a better reference is compared with, and the reference or what
- * there is of it: without it the further runs have no errors. All other pictures are measured at
- * once and gone. */
+/* The saved state of an accuracy study, and its pictures. The pictures of the rows' first runs are
+ * saved, because the report shows them and a better reference is compared with them. The reference,
+ * or its finished part, is saved because errors of further runs need it. All other pictures are
+ * measured at once and not saved. */
 #include "study/internal/accuracy_run.h"
 
 _Static_assert((int)PEN_ACCURACY_ROWS_MAX + 2 <= (int)PEN_STUDY_PICTURES_MAX,
@@ -36,7 +36,7 @@ static bool take_runs(void *study, int row, int count)
     return count <= most;
 }
 
-/* Whether the reference and the pass fit each other. */
+/* Whether the progress of the reference and of the pass are consistent. */
 static bool fits(const void *study)
 {
     const struct pen_accuracy_state *state = study;
@@ -50,8 +50,8 @@ static bool fits(const void *study)
            (state->pass == 0 || state->halves == 2) && (state->pass > 0 || state->place == 0);
 }
 
-/* Whether each row is once in the order of the pass, if there is one; and whether those rows have
- * run that must have. */
+/* Whether the order of the current pass has each row once, and whether the rows that must have run
+ * have run. */
 static bool rows_fit(const void *study)
 {
     const struct pen_accuracy_state *state = study;
@@ -69,7 +69,7 @@ static bool rows_fit(const void *study)
     return any;
 }
 
-/* The picture of each place: those of rows, and the two of the reference. */
+/* The picture at a place: first those of the rows, then the two of the reference. */
 static struct pen_study_picture picture(const void *study, int place)
 {
     const struct pen_accuracy_state *state = study;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes the runs in their order, and ends them. Pictures are compared, calibrations are made and
- * progress is reported between runs, never while one is timed. */
+/* Makes the runs in their order, and decides when to stop. Pictures are compared, calibrations are
+ * made and progress is reported between runs, never while a run is timed. */
 #include "study/bench.h"
 
 #include <stdlib.h>
@@ -14,8 +14,8 @@
 #include "study/internal/pictures.h"
 #include "study/internal/random_order.h"
 
-/* Keeps the hash of the pictures of a row's kind; a hash that an earlier process kept must be the
- * same. */
+/* Keeps the hash of a row's kind of pictures. It must equal the hash that an earlier process saved.
+ */
 static bool check_hash(struct pen_bench_state *state, int row, struct pen_status *st)
 {
     const int first = pen_bench_pictures_first(state->bench, row);
@@ -33,8 +33,8 @@ static bool check_hash(struct pen_bench_state *state, int row, struct pen_status
     return true;
 }
 
-/* Makes a run of a row, whose settings may be others in what does not change the picture, and
- * checks its pictures. */
+/* Makes a run of a row and checks its pictures. run->settings may differ from the row's settings if
+ * the picture stays the same. */
 static bool run_row(struct pen_bench_state *state, int row, struct pen_bench_run *run,
                     struct pen_status *st)
 {
@@ -58,20 +58,20 @@ bool pen_bench_has_twin(const struct pen_bench *bench)
     return bench->interval > 0 || bench->repeats >= PEN_PAIRS_MIN;
 }
 
-/* The runs of a pass. */
+/* The number of runs of a pass. */
 static int slots_of(const struct pen_bench *bench)
 {
     return bench->row_count + pen_bench_has_twin(bench);
 }
 
-/* The most repeats that there may be. */
+/* The greatest possible number of repeats. */
 static int repeats_max(const struct pen_bench *bench)
 {
     return bench->interval > 0 ? PEN_PAIRS_MAX : bench->repeats;
 }
 
-/* Draws the order of the next pass, from order_seed and the pass's number, so that a pass has the
- * same order wherever it is made. */
+/* Draws the order of the next pass from order_seed and the number of the pass. So every process
+ * draws the same order for it. */
 static void draw_order(struct pen_bench_state *state)
 {
     uint64_t random = state->bench->order_seed + (uint64_t)state->passes * 0x632be59bd9b4e019u;
@@ -98,7 +98,7 @@ static bool out_of_budget(const struct pen_bench_state *state)
            pen_making_spent_ms(&state->making) >= bench->budget_ms;
 }
 
-/* Makes the run of one slot; repeat -1: to warm up. */
+/* Makes the run of one slot. repeat -1: warm-up. */
 static bool run_slot(struct pen_bench_state *state, int slot, int repeat, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
@@ -111,9 +111,9 @@ static bool run_slot(struct pen_bench_state *state, int slot, int repeat, struct
     return true;
 }
 
-/* Visits every slot once, or those that an earlier process has left. If `repeat` is 0 or more,
- * records the times as those of that repeat. A repeat in which the budget ends is broken off, and
- * does not count. */
+/* Visits every slot once, except those that an earlier process visited. If `repeat` is 0 or more,
+ * records the times as those of that repeat. When the budget ends within a repeat, the repeat stops
+ * and does not count. */
 static bool make_pass(struct pen_bench_state *state, int repeat, struct pen_status *st)
 {
     draw_order(state);
@@ -144,14 +144,14 @@ static bool warm_up(struct pen_bench_state *state, struct pen_status *st)
     return ok;
 }
 
-/* The runs up to a number of repeats, and those that count tests. */
+/* Sets the total of runs: for warm-up, this number of repeats, and counting tests. */
 static void set_total(struct pen_bench_state *state, int repeats)
 {
     const struct pen_bench *bench = state->bench;
     state->making.total = state->making.rows * (bench->warmup + repeats) + state->counting;
 }
 
-/* Repeats until there are so many repeats, or the budget ends. */
+/* Makes passes until there are this many repeats, or the budget ends. */
 static bool repeat_to(struct pen_bench_state *state, int repeats, struct pen_status *st)
 {
     bool ok = true;
@@ -168,7 +168,7 @@ static bool repeat_runs(struct pen_bench_state *state, struct pen_status *st)
     if (!(bench->interval > 0))
         return repeat_to(state, bench->repeats, st);
     int pairs = PEN_PAIRS_MIN;
-    while (pairs < result->repeats) /* an earlier process has looked there */
+    while (pairs < result->repeats) /* an earlier process has looked at these */
         pairs *= 2;
     for (; pairs <= PEN_PAIRS_MAX; pairs *= 2) {
         if (!repeat_to(state, pairs, st))
@@ -186,7 +186,7 @@ static bool repeat_runs(struct pen_bench_state *state, struct pen_status *st)
     return true;
 }
 
-/* The first row whose test counts are those of `row` too. */
+/* The first row that has the same test counts as `row`. */
 static int first_with_same_work(const struct pen_bench *bench, int row)
 {
     int first = 0;
@@ -208,7 +208,8 @@ int pen_bench_runs(const struct pen_bench *bench)
     return slots_of(bench) * (bench->warmup + repeats_max(bench)) + counting_runs(bench);
 }
 
-/* What a run tells of a row of which this process has made no other, but an earlier one has. */
+/* Takes the statistics of a run for a row, if this process made no other run of the row but an
+ * earlier process did. */
 static void take_stats(struct pen_bench_row_result *row, const struct pen_render_stats *stats,
                        const struct pen_accel_stats *accel)
 {
@@ -221,8 +222,8 @@ static void take_stats(struct pen_bench_row_result *row, const struct pen_render
     row->accel = *accel;
 }
 
-/* Makes a run that counts the tests of a row. Uses all threads, which is quicker: the counts are
- * the same for any number of threads. */
+/* Makes a run that counts the tests of a row. It uses all threads, since the counts do not depend
+ * on their number. */
 static bool count_row(struct pen_bench_state *state, int row, struct pen_status *st)
 {
     struct pen_bench_row_result *out = &state->result->rows[row];
@@ -236,7 +237,7 @@ static bool count_row(struct pen_bench_state *state, int row, struct pen_status 
     return true;
 }
 
-/* Counts the tests of each row's work once. */
+/* Counts tests once for all rows that do the same work. */
 static bool count_tests(struct pen_bench_state *state, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
@@ -253,8 +254,8 @@ static bool count_tests(struct pen_bench_state *state, struct pen_status *st)
     return true;
 }
 
-/* The first run of a process that goes on where another has ended; its time is thrown away. It is
- * of the baseline, whose tiles' times the last process took with it. */
+/* Makes the first run of a process that resumed the benchmark. Its time is discarded. It is a run
+ * of the baseline, because the times of the baseline's tiles are not saved. */
 static bool go_on(struct pen_bench_state *state, struct pen_status *st)
 {
     const int baseline = state->bench->baseline;
@@ -280,7 +281,7 @@ static bool summarize(struct pen_bench_state *state, struct pen_status *st)
     return true;
 }
 
-/* The tiles of all views of a row. */
+/* The number of tiles of all views of a row. */
 static size_t row_tile_count(const struct pen_bench *bench, int row)
 {
     const struct pen_settings *s = &bench->rows[row].settings;
@@ -330,7 +331,7 @@ static void release(struct pen_bench_state *state)
     free(state->hashed);
 }
 
-/* Goes on with what an earlier process has kept, if it is of use. */
+/* Resumes a benchmark that an earlier process saved, if its state is valid. */
 static bool begin(struct pen_bench_state *state, struct pen_status *st)
 {
     if (!pen_making_resume(&state->making))

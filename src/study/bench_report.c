@@ -9,7 +9,7 @@
 #include "study/host.h"
 #include "study/internal/report_json.h"
 
-/* Notes if fewer threads worked on a row than it requests. */
+/* Adds a note if fewer threads worked on a row than it requests. */
 static void note_threads(const struct pen_bench *bench, const struct pen_bench_result *result,
                          int row, struct pen_buf *notes)
 {
@@ -25,7 +25,8 @@ static void note_threads(const struct pen_bench *bench, const struct pen_bench_r
                        used, used == 1 ? "" : "s");
 }
 
-/* Notes if other processes kept the machine busy: that makes times longer, and ratios less so. */
+/* Adds a note if other processes used the machine. That makes times longer, and changes ratios
+ * less. */
 static void note_load(const struct pen_bench_result *result, struct pen_buf *notes)
 {
     const int cores = pen_cpu_count();
@@ -45,7 +46,7 @@ static void note_breaks(const struct pen_bench_result *result, struct pen_buf *n
                        result->breaks, result->breaks == 1 ? "" : "s");
 }
 
-/* Notes if runs of a row are spoiled; -1: of the twin. */
+/* Adds a note if runs of a row are spoiled. number -1: the twin. */
 static void note_spoiled(const struct pen_bench_row_result *row, int number, int repeats,
                          struct pen_buf *notes)
 {
@@ -62,7 +63,7 @@ static void note_spoiled(const struct pen_bench_row_result *row, int number, int
                    row->used * 100);
 }
 
-/* Notes what keeps verdicts from being made. */
+/* Adds notes about what prevents verdicts. */
 static void note_verdicts(const struct pen_bench *bench, const struct pen_bench_result *result,
                           struct pen_buf *notes)
 {
@@ -81,7 +82,7 @@ static void note_verdicts(const struct pen_bench *bench, const struct pen_bench_
             pen_buf_printf(notes, "row %d is undecided: %s\n", row, result->rows[row].reason);
 }
 
-/* Notes if the runs of a row are so short that each was made several times in a row. */
+/* Adds a note if the runs of a row are so short that each was repeated. */
 static void note_short(const struct pen_bench_row_result *row, int number, int repeats,
                        struct pen_buf *notes)
 {
@@ -132,7 +133,7 @@ static json_t *spoiled_json(const struct pen_bench_row_result *row, int count)
     return pen_json_all(list, (size_t)row->spoiled);
 }
 
-/* The time that a hypervisor gave to others during all runs; null if it is not known. */
+/* The steal time of all runs; null if it is unknown. */
 static json_t *steal_json(const struct pen_bench_row_result *row, int count)
 {
     double sum = 0;
@@ -144,7 +145,7 @@ static json_t *steal_json(const struct pen_bench_row_result *row, int count)
     return pen_figure(sum);
 }
 
-/* A ratio of times, to five digits after the point; null if it is not known. */
+/* A ratio of times, rounded to five decimals; null if it is unknown. */
 static json_t *ratio_figure(double value, bool known)
 {
     return known ? json_real(round(value * 1e5) / 1e5) : json_null();
@@ -158,7 +159,7 @@ static json_t *ratio_json(const struct pen_confidence *ratio)
                      ratio->spoiled);
 }
 
-/* What the baseline's twin tells: null if there is none. */
+/* The ratio and verdict of the baseline's twin; null if there is none. */
 static json_t *noise_json(const struct pen_bench_result *result)
 {
     const struct pen_confidence *ratio = &result->twin.ratio;
@@ -171,7 +172,7 @@ static json_t *noise_json(const struct pen_bench_result *result)
     return pen_json_with(noise, "runs_ms", runs_json(&result->twin, result->repeats));
 }
 
-/* What a row's time is. */
+/* The times of a row. */
 static json_t *times_json(const struct pen_bench *bench, int row,
                           const struct pen_bench_row_result *out, int repeats)
 {
@@ -188,7 +189,7 @@ static json_t *times_json(const struct pen_bench *bench, int row,
                      "cpu_ms", pen_figure(out->cpu_ms));
 }
 
-/* What it did in that time, and its picture. */
+/* The work of a row, and its picture. */
 static json_t *work_json(const struct pen_bench_row_result *out)
 {
     const struct pen_render_stats *s = &out->stats;
@@ -222,7 +223,7 @@ static json_t *load_json(double load)
     return load < 0 ? json_null() : pen_figure(load);
 }
 
-/* How it was measured: what was asked, and what came of it. */
+/* The method: what was requested, and what happened. */
 static json_t *method_json(const struct pen_bench *bench, const struct pen_bench_result *result)
 {
     static const char *const ends[] = {"repeats", "interval", "budget"};

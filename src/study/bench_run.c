@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes one run and times it. Nothing but freezing and rendering happens while it is timed. A clock
- * and the start of threads disturb what is shorter than a millisecond, so that is repeated: the
- * first time says how often. Each is judged by itself. */
+/* Makes one run and times it. Only freezing and rendering happen while it is timed. The clock and
+ * the start of threads disturb a time below a millisecond, so a shorter run is repeated. The first
+ * time decides how often. Each repetition is checked for being spoiled. */
 #include "study/internal/bench_run.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 #include "base/clock.h"
 #include "study/run_time.h"
 
-static const double least_ms = 1; /* of the time that one measurement takes */
+static const double least_ms = 1; /* shortest time of one measurement */
 enum { IN_A_ROW_MAX = 1000 };
 
 static void add_stats(struct pen_render_stats *sum, const struct pen_render_stats *view)
@@ -56,7 +56,7 @@ static bool render_views(struct pen_bench_run *run, const struct pen_scene *scen
     return true;
 }
 
-/* Freezes and renders, and fills the times of that. */
+/* Freezes and renders once, and sets the times. */
 static bool run_one(struct pen_bench_run *run, struct pen_status *st)
 {
     const struct pen_bench *bench = run->bench;
@@ -85,7 +85,7 @@ static bool run_one(struct pen_bench_run *run, struct pen_status *st)
     return ok;
 }
 
-/* How often a run is made that takes so long, at least once. */
+/* How often a run of this length is made; at least once. */
 static int count_for(const struct pen_bench_times *times)
 {
     const double ms = times->build_ms + times->render_ms;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What is kept of a benchmark: the times of all runs, and how far the present pass is. The orders
- * of passes follow from the seed. */
+/* The saved state of a benchmark: the times of all runs, and the progress of the current pass. The
+ * orders of passes follow from the seed. */
 #include "study/internal/bench_state.h"
 
 int pen_bench_repeats(const struct pen_bench_state *s)
@@ -20,7 +20,8 @@ static void *run_at(void *study, int slot, int run)
     return &row->runs[run];
 }
 
-/* Those of whole repeats, and of the one that is begun, also if that slot has not run in it. */
+/* The number of runs of a slot: of whole repeats, and of a repeat in progress even if the slot has
+ * not run in it. */
 static int runs_of(const void *study, int slot)
 {
     const struct pen_bench_state *s = study;

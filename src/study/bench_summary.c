@@ -14,7 +14,8 @@ static double total_of(const struct pen_bench_times *run)
     return run->build_ms + run->render_ms;
 }
 
-/* The spread of the times of whole runs. `values` is scratch space for `count` numbers. */
+/* The median, minimum and maximum of the times of runs. `values` is scratch space for `count`
+ * numbers. */
 static struct spread spread_of(const struct pen_bench_times *runs, int count, double *values)
 {
     for (int i = 0; i < count; i++)
@@ -23,7 +24,7 @@ static struct spread spread_of(const struct pen_bench_times *runs, int count, do
     return (struct spread){.median = median, .min = values[0], .max = values[count - 1]};
 }
 
-/* The median of the member of the runs that is at that offset. */
+/* The median of a member of the runs, given by its offset. */
 static double median_of(const struct pen_bench_times *runs, int count, size_t offset,
                         double *values)
 {
@@ -48,7 +49,7 @@ static void summarize_row(struct pen_bench_row_result *row, int count, double *v
         row->spoiled += row->runs[i].spoiled;
 }
 
-/* With which probability the next interval may err: that of its look, or of the only one. */
+/* The probability with which the next interval may err: that of its look, or of the only look. */
 static double alpha_of(const struct pen_bench *bench, const struct pen_bench_result *result)
 {
     return bench->interval > 0 ? pen_look_alpha(pen_look_of(result->repeats)) : 0.05;
@@ -105,7 +106,7 @@ void pen_bench_summarize(const struct pen_bench *bench, struct pen_bench_result 
     result->calibration = pen_median_interval(values, count, 0, 0.05);
 }
 
-/* Why an interval decides nothing. */
+/* The reason why an interval gives no verdict. */
 static const char *reason_of(const struct pen_confidence *ratio)
 {
     if (ratio->count < PEN_PAIRS_MIN)

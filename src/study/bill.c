@@ -15,7 +15,7 @@ static size_t film_bytes(const struct pen_settings *s)
     return 3 * (size_t)s->width * (size_t)s->height * sizeof(float);
 }
 
-/* Keeps what a render with all effects has told, in place of what an earlier one did. */
+/* Keeps the statistics of the last render with all effects. */
 static void keep_whole(struct pen_bill *bill, const struct pen_scene *scene,
                        const struct pen_render_stats *stats, double build_ms)
 {
@@ -54,7 +54,7 @@ static bool render_row(struct pen_bill *bill, const struct pen_scene *scene,
     return true;
 }
 
-/* Renders a row once, again if the run is spoiled; pass -1 is to warm up. */
+/* Renders a row once, and again if the run is spoiled. pass -1: warm-up. */
 static bool run_row(struct pen_bill *bill, struct pen_bill_row *row, int pass,
                     struct pen_status *st)
 {
@@ -80,7 +80,7 @@ static bool run_row(struct pen_bill *bill, struct pen_bill_row *row, int pass,
     return ok;
 }
 
-/* How far the row's picture is from the whole one. */
+/* Measures the difference between the row's picture and that of row 0. */
 static bool compare_row(const struct pen_bill *bill, struct pen_bill_row *row,
                         struct pen_status *st)
 {
@@ -103,7 +103,7 @@ unsigned pen_bill_effects(const struct pen_scene_desc *desc, int view,
     const unsigned effects = pen_desc_effects(&one, settings);
     if (pen_settings_adaptive(settings))
         return effects;
-    /* Through a lens there may be several samples whatever samples_per_pixel is. */
+    /* With a lens there may be several samples even if samples_per_pixel is 1. */
     const bool lens = effects & PEN_FX_DEPTH_OF_FIELD,
                single = settings->samples_per_pixel <= 1 ||
                         (lens && settings->lens_samples >= settings->samples_per_pixel);
@@ -146,7 +146,7 @@ static bool add_row(struct pen_bill *bill, unsigned effect)
     return row->runs && row->rgb;
 }
 
-/* Adds a row for the whole scene, and one for each of its effects. */
+/* Adds a row with all effects, and a row without each effect. */
 static bool add_rows(struct pen_bill *bill, struct pen_status *st)
 {
     const struct pen_bill_task *task = bill->task;
@@ -158,7 +158,7 @@ static bool add_rows(struct pen_bill *bill, struct pen_status *st)
     return ok || pen_fail(st, PEN_NO_MEMORY, "out of memory for %d pictures", bill->rows);
 }
 
-/* Times of all rows, and differences of all but the first, which has none. */
+/* Sets the times of all rows, and the differences of all rows but the first. */
 static bool finish_rows(struct pen_bill *bill, const struct pen_making *making,
                         struct pen_status *st)
 {
@@ -171,8 +171,8 @@ static bool finish_rows(struct pen_bill *bill, const struct pen_making *making,
     return true;
 }
 
-/* Makes the next run, counts it, and asks whether to go on. A row's picture is the same in every
- * pass, so it has its hash from the first. */
+/* Makes the next run and counts it. A row's picture is the same in every pass, so its hash is
+ * computed in the first. */
 static bool next_run(struct pen_bill *bill, struct pen_making *making, struct pen_status *st)
 {
     const struct pen_settings *s = bill->task->settings;
@@ -203,7 +203,8 @@ bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, stru
                                   .total = bill->rows * (task->repeats + 1)};
     ok = ok && pen_making_begin(making, st);
     if (ok && pen_making_resume(making))
-        ok = run_row(bill, &bill->row[0], -1, st); /* of the whole scene, and thrown away */
+        ok = run_row(bill, &bill->row[0], -1,
+                     st); /* a run with all effects, whose time is discarded */
     while (ok && making->done < making->total)
         ok = next_run(bill, making, st);
     ok = ok && finish_rows(bill, making, st);

@@ -15,12 +15,14 @@ static const char *name_of(const struct pen_bill_row *row)
     return row->effect ? pen_effect_name(__builtin_ctz(row->effect)) : "all effects";
 }
 
-/* What the effect of a row adds. */
+/* The cost of a row's effect. */
 struct cost {
-    bool known;       /* the times of the row and of the whole are distinguished */
-    double ms, share; /* if so: of time, and as a share of the whole */
-    double below_ms;  /* if not: what it costs at most; below 0: runs are spoiled, so nothing is
-                       * known */
+    bool known; /* the times with and without the effect are distinguished */
+    /* If known: the time, and its share of the whole time. */
+    double ms, share;
+    /* If not known: an upper bound of the time; below 0 if runs are spoiled, so that there is none.
+     */
+    double below_ms;
     double rays;
 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is kept of a bill, and the rows' pictures. */
+/* The saved state of a bill, and the rows' pictures. */
 #include "study/internal/bill_state.h"
 
 _Static_assert((int)PEN_FX_COUNT + 1 <= (int)PEN_STUDY_PICTURES_MAX, "a place for each row");
@@ -16,7 +16,7 @@ static void *run_at(void *study, int row, int run)
     return &of->runs[run];
 }
 
-/* How often a row has run, without the run to warm up; -1: not even that. */
+/* The number of a row's runs without the warm-up; -1: not even the warm-up. */
 static int repeats_of(const struct pen_bill_state *state, int row)
 {
     const int done = state->making.done, rows = state->bill->rows;

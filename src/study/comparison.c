@@ -10,7 +10,7 @@
 #include "study/internal/report_rows.h"
 #include "study/verdict.h"
 
-/* Of each of two medians, so that their quotient errs with 5 %. */
+/* The error probability of each of two medians, so that their quotient errs with 5 %. */
 static const double alpha = 0.025;
 
 bool pen_comparison_check(const json_t *report, struct pen_status *st)
@@ -36,7 +36,7 @@ static json_t *settings_of(const json_t *row)
     return json_is_object(settings) ? json_copy((json_t *)(uintptr_t)settings) : json_object();
 }
 
-/* The number of the first row of a report that has these settings and is not taken; -1: none. */
+/* The first row of a report that has these settings and is not taken; -1: none. */
 static int find_row(const json_t *report, const json_t *settings, const bool *taken)
 {
     for (size_t i = 0; i < pen_report_row_count(report); i++) {
@@ -69,7 +69,7 @@ static json_t *host_differences(const json_t *before, const json_t *after)
 static const char *const counters[] = {"rays.primary",      "rays.shadow", "rays.reflection",
                                        "rays.transmission", "tests.boxes", "tests.primitives"};
 
-/* The counters that both rows have and in which they differ. */
+/* The counters that both rows have with different values. */
 static json_t *counter_differences(const json_t *before, const json_t *after)
 {
     json_t *list = json_array();
@@ -102,14 +102,14 @@ static bool noise_differs(const json_t *report)
     return strcmp(verdict, "faster") == 0 || strcmp(verdict, "slower") == 0;
 }
 
-/* What is compared: two reports and one row of each. */
+/* Two reports, and the two rows that are compared. */
 struct pair {
     const json_t *before, *after;
     const json_t *row_before, *row_after;
     bool same_host;
 };
 
-/* Why a pair of rows has no verdict whatever its times are; "" if it may have one. */
+/* The reason why a pair of rows has no verdict, independent of its times; "" if there is none. */
 static const char *obstacle(const struct pair *pair)
 {
     if (!pair->same_host)
@@ -136,7 +136,8 @@ static json_t *interval_json(const struct pen_confidence *ratio)
                      ratio->bounded ? json_real(ratio->high) : json_null());
 }
 
-/* By how much the host of the later report is slower, by the calibrations; 0 if one is missing. */
+/* The factor by which the host of the later report is slower, from the calibrations; 0 if one is
+ * missing. */
 static double host_ratio(const struct pair *pair)
 {
     const double before = pen_report_number(pair->before, "calibration.median_ms");
@@ -144,8 +145,9 @@ static double host_ratio(const struct pair *pair)
     return before > 0 && after > 0 ? after / before : 0;
 }
 
-/* Verdicts on the times and on the calibrated times must agree: where they do not, the host itself
- * has changed its speed between the reports, as virtual machines do by some percent. */
+/* The verdict on a pair. The times and the calibrated times must give the same verdict. If they do
+ * not, the speed of the host changed between the reports, as on virtual machines by some percent.
+ */
 static enum pen_verdict judge(const struct pair *pair, const struct pen_confidence *ratio,
                               const char **reason)
 {
@@ -164,7 +166,7 @@ static enum pen_verdict judge(const struct pair *pair, const struct pen_confiden
     return PEN_VERDICT_UNDECIDED;
 }
 
-/* {rmse: [before, after], flip: […]} of rows of accuracy studies; null: without any. */
+/* {rmse: [before, after], flip: […]} of rows of accuracy studies; else null. */
 static json_t *errors_json(const struct pair *pair)
 {
     static const char *const metrics[] = {"rmse", "flip"};
@@ -172,7 +174,7 @@ static json_t *errors_json(const struct pair *pair)
     for (int i = 0; i < 2; i++) {
         const json_t *before = json_object_get(pair->row_before, metrics[i]),
                      *after = json_object_get(pair->row_after, metrics[i]);
-        /* A benchmark's rmse is against another row. */
+        /* The rmse of a benchmark compares a row with another row. */
         if (pen_report_member(pair->row_before, "runs") && json_is_number(before) &&
             json_is_number(after))
             errors = pen_json_with(errors, metrics[i], json_pack("[O, O]", before, after));
@@ -239,8 +241,8 @@ static json_t *identity_json(const json_t *report)
                      pen_report_string(report, "host.build"));
 }
 
-/* Compares the rows that both reports have, and lists those that one has. Returns false when out of
- * memory. */
+/* Compares the rows that both reports have, and lists the rows that only one has. Returns false
+ * when out of memory. */
 static bool match_rows(struct pair *pair, bool *taken, json_t *rows, json_t *missing, json_t *added)
 {
     bool ok = rows && missing && added;
@@ -265,7 +267,7 @@ static bool match_rows(struct pair *pair, bool *taken, json_t *rows, json_t *mis
     return ok;
 }
 
-/* How many rows differ. */
+/* Numbers of rows that differ. */
 struct totals {
     size_t pictures, unknown, counters;
     int slower;

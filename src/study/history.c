@@ -10,18 +10,18 @@
 #include "study/internal/report_rows.h"
 #include "study/verdict.h"
 
-/* A row of the history while it is made. */
+/* A row of the history in progress. */
 struct series {
-    json_t *settings;     /* all of the first report's */
+    json_t *settings;     /* all settings, from the first report */
     const json_t *report; /* the first */
     json_t *points;
 };
 
 struct maker {
-    json_t **reports; /* in the order of time; borrowed */
+    json_t **reports; /* in chronological order; borrowed */
     int count;
     double least_effect;
-    int *host; /* by report */
+    int *host; /* by report: an index into `hosts` */
     json_t *hosts;
     struct series *series;
     int series_count;
@@ -44,7 +44,7 @@ static bool is_host(const json_t *a, const json_t *b)
     return true;
 }
 
-/* Numbers the hosts of the reports. Returns false when out of memory. */
+/* Gives each host of the reports a number. Returns false when out of memory. */
 static bool number_hosts(struct maker *m)
 {
     for (int i = 0; i < m->count; i++) {
@@ -70,7 +70,7 @@ static bool same_scene(const json_t *a, const json_t *b)
     return (x == y || json_equal(x, y)) && (v == w || json_equal(v, w));
 }
 
-/* The series of a row; a new one, if it is of none. NULL when out of memory. */
+/* The series that a row belongs to; made if there is none. NULL when out of memory. */
 static struct series *series_of(struct maker *m, const json_t *report, const json_t *row)
 {
     json_t *settings = pen_bench_all_settings(report, row);
@@ -117,8 +117,8 @@ static bool add_report(struct maker *m, int number)
     return true;
 }
 
-/* The points of a series that are of one host: their medians, and their numbers. Returns how many.
- */
+/* The points of a series that come from one host: their medians and their numbers. Returns how many
+ * there are. */
 static int points_of_host(const struct maker *m, const json_t *points, int host, double *values,
                           int *numbers)
 {
@@ -204,7 +204,7 @@ static json_t *reports_json(const struct maker *m)
     return pen_json_all(list, (size_t)m->count);
 }
 
-/* Leaves of the settings of all rows those in which they differ. */
+/* Removes the settings in which all rows are equal. */
 static void keep_differences(struct maker *m)
 {
     const char *key;

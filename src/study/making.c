@@ -143,7 +143,7 @@ static bool read_int(const json_t *value, int *out)
     return true;
 }
 
-/* This program's name of a kernel; NULL: it has none of that name. */
+/* The kernel of this program with this name; NULL: there is none. */
 static const char *kernel_name(const char *name)
 {
     const struct pen_kernel *kernel;
@@ -231,7 +231,7 @@ static bool read_pictures(const struct pen_making *making)
     const struct pen_kept_study *kept = making->frame->kept;
     for (int i = 0; i < making->pictures; i++) {
         const struct pen_study_picture picture = picture_at(making, i);
-        float *rgb = (float *)(uintptr_t)picture.rgb; /* this study's own */
+        float *rgb = (float *)(uintptr_t)picture.rgb; /* memory of this study */
         if (rgb && !kept->picture(kept->user, i, picture.hash, making->width, making->height, rgb))
             return false;
     }
@@ -263,7 +263,7 @@ static bool read_state(struct pen_making *making, const json_t *json)
     return true;
 }
 
-/* Makes the study new again. */
+/* Resets the study to its beginning. */
 static void forget(struct pen_making *making)
 {
     const struct pen_kept_shape *shape = making->shape;

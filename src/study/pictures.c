@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether two rows show the same picture follows from the settings in which they differ: every
- * setting counts as changing the picture unless it is listed here as one that does not. */
+/* Whether two rows must show the same picture follows from the settings in which they differ. A
+ * setting counts as changing the picture unless it is listed here. */
 #include "study/internal/pictures.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@
 
 struct pen_bench_pictures {
     const struct pen_bench *bench;
-    size_t capacity;   /* values of the largest picture */
+    size_t capacity;   /* number of values of the largest picture */
     float **target;    /* by view */
     float **reference; /* by row and view; NULL where an earlier row has the same picture */
 };
@@ -161,7 +161,7 @@ static void name_row(const struct pen_bench *bench, int row, struct pen_buf *out
     pen_buf_puts(out, ")");
 }
 
-/* Fails with the first value in which two pictures differ. */
+/* Fails, and names the first value in which two pictures differ. */
 static bool fail_different(const struct pen_bench_pictures *pictures, int row, int view,
                            size_t value, struct pen_status *st)
 {
@@ -184,7 +184,7 @@ static bool fail_different(const struct pen_bench_pictures *pictures, int row, i
     return false;
 }
 
-/* Compares a view's target with its reference, bit by bit. */
+/* Compares a view's target with its reference, bit for bit. */
 static bool check_picture(const struct pen_bench_pictures *pictures, int row, int view,
                           struct pen_status *st)
 {
@@ -218,8 +218,8 @@ bool pen_bench_pictures_check(struct pen_bench_pictures *pictures, int row, stru
     return true;
 }
 
-/* Measures one view against the row compared with: updates out->max_difference and out->identical,
- * and adds the mean square error to *square. */
+/* Measures one view against the row that it is compared with. Updates out->max_difference and
+ * out->identical, and adds the mean square error to *square. */
 static bool measure_view(const struct pen_bench_pictures *pictures, int row, int view,
                          struct pen_bench_row_result *out, double *square, struct pen_status *st)
 {
@@ -248,7 +248,7 @@ uint64_t pen_bench_pictures_hash(const struct pen_bench_pictures *pictures, int 
 {
     const struct pen_settings *s = &pictures->bench->rows[row].settings;
     const int same_as = pen_bench_pictures_first(pictures->bench, row);
-    uint64_t all = UINT64_C(0xcbf29ce484222325); /* of several views: FNV-1a over their bytes */
+    uint64_t all = UINT64_C(0xcbf29ce484222325); /* of several views: FNV-1a over their hashes */
     for (int view = 0; view < pictures->bench->view_count; view++) {
         const struct pen_film film = {
             .width = s->width, .height = s->height, .rgb = *reference_of(pictures, same_as, view)};

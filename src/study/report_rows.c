@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What comparisons and histories read of a report's rows. */
+/* Reads the rows of a report, for comparisons and histories. */
 #include "study/internal/report_rows.h"
 
 #include <stddef.h>

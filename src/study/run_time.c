@@ -57,7 +57,7 @@ struct pen_row_time pen_row_time_of(const struct pen_run_time *runs, int count)
     return out;
 }
 
-/* Whether a is surely quicker. */
+/* Whether a is clearly faster. */
 static bool is_quicker(const struct pen_row_time *a, const struct pen_row_time *b)
 {
     return a->spoiled < a->runs && b->spoiled < b->runs &&

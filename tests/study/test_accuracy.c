@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Accuracy studies: what their figures say is compared with pictures that are rendered here, on a
- * small room with soft shadows. */
+/* Accuracy studies: their results are compared with pictures that are rendered here, of a small
+ * room with soft shadows. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +23,7 @@ static struct pen_accuracy accuracy;
 static struct pen_thread_pool *pool;
 static struct pen_status st;
 
-/* A sphere over a floor, below a light with a radius: its shadow is all that is sampled. */
+/* A sphere over a floor, below a light with a radius. Only its shadow is sampled. */
 static void make_scene(void)
 {
     kit_init(&kit);
@@ -111,8 +111,8 @@ START_TEST(test_accuracy__rows_are_what_their_settings_render)
 }
 END_TEST
 
-/* The reference's error, as it estimates it, against that from another one of 16 times its samples.
- */
+/* The estimated error of the reference agrees with its error against a reference of 16 times the
+ * samples. */
 START_TEST(test_accuracy__reference_knows_its_error)
 {
     make_scene();
@@ -142,7 +142,8 @@ START_TEST(test_accuracy__given_reference_is_kept_and_resolves_what_it_can)
     make(&task);
     ck_assert_int_eq(accuracy.reference.settings.light_samples, 64);
     ck_assert(pen_accuracy_resolved(&accuracy, &accuracy.row[1]));
-    ck_assert(!pen_accuracy_resolved(&accuracy, &accuracy.row[2])); /* as good as the reference */
+    ck_assert(!pen_accuracy_resolved(&accuracy,
+                                     &accuracy.row[2])); /* its error is that of the reference */
     json_t *report = pen_accuracy_json(&accuracy, "s"), *rows = json_object_get(report, "rows");
     const json_t *row = json_array_get(rows, 2);
     ck_assert(json_is_false(json_object_get(row, "resolved")));
@@ -156,7 +157,7 @@ START_TEST(test_accuracy__given_reference_is_kept_and_resolves_what_it_can)
 }
 END_TEST
 
-/* Rows whose times and errors are given, to see what follows from them. */
+/* Rows with given times and errors, to test the results that follow from them. */
 static struct pen_accuracy_row_result row_of(struct pen_accuracy_run *run, double ms, double rmse)
 {
     *run = (struct pen_accuracy_run){
@@ -200,7 +201,7 @@ START_TEST(test_accuracy__times_that_say_nothing_give_way_to_rays)
     row[1].rays.shadow = 200;
     row[2].rays.shadow = 100;
     ck_assert_int_eq(pen_accuracy_recommended(&a), 1); /* of equal times, the fewer rays */
-    run[2].time.used = 0.5;                            /* it waited for 20 of 40 ms */
+    run[2].time.used = 0.5;                            /* its threads waited for 20 of 40 ms */
     ck_assert_int_eq(pen_accuracy_recommended(&a), 2);
     run[2].time = (struct pen_run_time){.ms = 40, .used = 1};
     run[1].time.spoiled = true;
@@ -210,8 +211,8 @@ START_TEST(test_accuracy__times_that_say_nothing_give_way_to_rays)
 }
 END_TEST
 
-/* Rows that differ in light_samples, 4 times as many from row to row, and with 4 camera rays. The
- * reference sees the area of pixels. */
+/* Rows that differ in light_samples, each with 4 times as many as the row before, and with 4 camera
+ * rays. The reference samples the area of pixels. */
 struct ladder {
     struct pen_accuracy_task task;
     struct pen_accuracy_row rows[PEN_ACCURACY_ROWS_MAX];
@@ -249,29 +250,30 @@ START_TEST(test_accuracy__slopes_tell_which_error_is_left)
     struct ladder l = {0};
     struct pen_accuracy_series series;
     make_scene();
-    for (size_t s = 0; s < 3; s++) { /* without a floor, whatever the slope is */
+    for (size_t s = 0; s < 3; s++) { /* no slope alone is reported as a floor */
         for (int i = 0; i < 4; i++)
             add_rung(&l, 4, 1 << 2 * i, 0.1 * pow(1 << 2 * i, slopes[s]));
         series = pen_accuracy_series_of(&l.accuracy, 0, PEN_SAMPLE_LIGHT, false);
         ck_assert_msg(series.line.known && !series.floored, "%g: %g", slopes[s], series.floor);
         drop(&l);
     }
-    /* 0.01 of edges; the light's own error is 0.04 N^-0.75, 0.0018 at 64. */
+    /* An error of 0.01 from edges. The light's own error is 0.04 N^-0.75, which is 0.0018 at 64. */
     for (int i = 3; i >= 0; i--)
         add_rung(&l, 4, 1 << 2 * i, hypot(0.01, 0.04 * pow(1 << 2 * i, -0.75)));
     series = pen_accuracy_series_of(&l.accuracy, 0, PEN_SAMPLE_LIGHT, false);
     ck_assert(series.floored && series.causes == 1u << PEN_SAMPLE_PIXEL);
     ck_assert_msg(fabs(series.floor - 1 / (1 + 0.04 * 0.04 / 0.01 / 0.01 / 512)) < 1e-3, "%g",
                   series.floor);
-    /* A target of half of that needs 4 times the camera rays at least: 4 * 2^2, and a little for
-     * the light's share. */
+    /* A target of half of that needs at least 4 times the camera rays: 4 * 2^2, and a little more
+     * for the light's part. */
     l.task.target = 0.005;
     struct pen_accuracy_need need = pen_accuracy_needed(&l.accuracy);
     ck_assert_str_eq(need.setting, "samples_per_pixel");
     ck_assert_msg(need.samples == 17, "%g", need.samples);
     ck_assert_msg(need.ms > 10 * 17.0 / 4 / 1.01 && need.ms < 10 * 17.0 / 4 * 1.01, "%g", need.ms);
     drop(&l);
-    /* A light that leaves most does not point at the edges; what is needed is more of it. */
+    /* If the light causes most of the error, edges are not named, and more light samples are
+     * needed. */
     for (int i = 0; i < 3; i++)
         add_rung(&l, 4, 1 << 2 * i, 0.1 * pow(1 << 2 * i, -0.75));
     l.task.target = 0.1 * pow(64, -0.75);
@@ -282,7 +284,8 @@ START_TEST(test_accuracy__slopes_tell_which_error_is_left)
 }
 END_TEST
 
-/* Checkers from afar, under a light with a radius: edges are all that 4 camera rays leave. */
+/* Distant checkers under a light with a radius: with 4 camera rays, only edges cause the remaining
+ * error. */
 START_TEST(test_accuracy__edges_are_named_where_they_are_what_is_left)
 {
     make_scene();
@@ -306,8 +309,8 @@ START_TEST(test_accuracy__edges_are_named_where_they_are_what_is_left)
 }
 END_TEST
 
-/* Keeps the threads from rendering, as other programs do that have the processors, and counts the
- * renders of the whole picture. */
+/* Delays the threads, as other programs that use the processors do, and counts the renders of the
+ * whole picture. */
 static void wait_a_little(void *user, int thread, int x, int y)
 {
     (void)thread;
@@ -350,7 +353,7 @@ START_TEST(test_accuracy__spoiled_runs_are_repeated_and_recommend_nothing)
 }
 END_TEST
 
-/* A forecast that was far from the time is commented. */
+/* The report comments on a forecast that was far from the real time. */
 START_TEST(test_accuracy__overruns_are_commented)
 {
     static const struct {
@@ -381,9 +384,9 @@ END_TEST
 
 START_TEST(test_accuracy__fitted_slope_and_its_interval)
 {
-    /* y = 3 x^-0.75 without noise; then points whose line and interval are known: x = e^0..e^4,
-     * log y = 0, 1, 0, 1, 0 has slope 0 and a residual variance of 1.2 / 3, and the sum of squares
-     * of log x is 10, so the half-width is 3.182 sqrt(0.04). */
+    /* First y = 3 x^-0.75 without noise. Then points whose line and interval are known: x =
+     * e^0..e^4 with log y = 0, 1, 0, 1, 0. The slope is 0, the residual variance is 1.2 / 3, and
+     * the sum of squares of log x is 10. So the half-width is 3.182 sqrt(0.04). */
     double x[5], y[5];
     for (int i = 0; i < 5; i++) {
         x[i] = pow(4, i);
@@ -528,7 +531,7 @@ END_TEST
 
 static const char steps[] = "{\"ladder\": {\"light_samples\": [1, 4, 16]}, \"seeds\": 3}";
 
-/* A study that is never short of time, whose reference may be interrupted after each tile. */
+/* A study with enough time, whose reference may be interrupted after each tile. */
 static struct pen_accuracy_task patient_task(void)
 {
     make_scene();
@@ -564,7 +567,7 @@ START_TEST(test_accuracy__interrupted_study_has_the_results_of_a_whole_one)
     int interruptions = 0;
     make(&task);
     whole = accuracy;
-    /* The best row alone meets the target, so times do not decide which one is recommended. */
+    /* Only the best row meets the target, so times do not decide which row is recommended. */
     task.target = 1.01 * whole.row[2].run[0].error[PEN_METRIC_RMSE];
     const struct pen_accuracy_task whole_task = task;
     whole.task = &whole_task;
@@ -596,7 +599,8 @@ START_TEST(test_accuracy__interrupted_study_has_the_results_of_a_whole_one)
 }
 END_TEST
 
-/* Whether the study goes on with a state, whose first row took this long with the first seed. */
+/* Whether the study resumes from a state in which the first row's run with the first seed took this
+ * long. */
 static bool goes_on_with(struct pen_accuracy_task *task, const struct pen_kept_study *kept)
 {
     task->frame.kept = kept;

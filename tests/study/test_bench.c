@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The order of runs, medians, the comparison of pictures, and what ends a benchmark early. */
+/* The order of runs, medians, the comparison of pictures, and the reasons for an early end of a
+ * benchmark. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +23,7 @@ static struct pen_bench_result result;
 static struct pen_status st;
 static const int views[] = {0};
 
-/* What the hooks recorded: the rows whose pictures were checked, and the progress reported. */
+/* Records of the hooks: the rows whose pictures were checked, and the progress reported. */
 static int seen[SEEN_MAX], seen_count, progress[SEEN_MAX], progress_count, total;
 
 static void note_row(void *user, int row, int view, float *rgb)
@@ -85,8 +86,8 @@ static void add_none_and_auto(void)
     add_row("{\"accelerator\": \"auto\"}")->accelerator = PEN_ACCEL_AUTO;
 }
 
-/* Whether each pass of `slots` runs visited rows 0 .. slots - 1 once; *orders gets how many passes
- * began with row 0. */
+/* Checks that each pass of `slots` runs visited rows 0 .. slots - 1 once. *first becomes the number
+ * of passes that began with row 0. */
 static void check_passes(int passes, int slots, int *first)
 {
     *first = 0;
@@ -177,7 +178,7 @@ START_TEST(test_bench__medians_and_speedups_are_those_of_the_runs)
 }
 END_TEST
 
-/* Makes every run of row 1 longer by `dawdle_ms`, of processor time or of sleep. */
+/* Lengthens every run of row 1 by `dawdle_ms`, of processor time or of sleep. */
 static double dawdle_ms;
 static bool dawdle_sleeps;
 
@@ -191,7 +192,7 @@ static void dawdle(void *user, int row)
     }
 }
 
-/* Two rows of the same settings but for the tile, the second of which dawdles. */
+/* Adds two rows that differ in the tile alone. The second one dawdles. */
 static void add_equal_rows(void)
 {
     kit.settings.width = kit.settings.height = 16;
@@ -213,7 +214,7 @@ START_TEST(test_bench__ratio_is_the_median_of_the_pairs_of_one_repeat)
     add_equal_rows();
     bench.repeats = 11;
     bench.least_effect = 0.02;
-    dawdle_ms = 50; /* more than others may take of a run without being noticed */
+    dawdle_ms = 50; /* more than other programs may take of an unspoiled run */
     run();
     const struct pen_bench_row_result *slow = &result.rows[1];
     double ratios[11];
@@ -285,7 +286,7 @@ START_TEST(test_bench__runs_that_wait_are_spoiled_and_decide_nothing)
     add_equal_rows();
     bench.repeats = 10;
     dawdle_ms = 200;
-    dawdle_sleeps = true; /* as a thread without a processor does */
+    dawdle_sleeps = true; /* like a thread without a processor */
     run();
     const struct pen_bench_row_result *row = &result.rows[1];
     ck_assert_int_eq(row->spoiled, 10);
@@ -304,8 +305,8 @@ START_TEST(test_bench__runs_that_wait_are_spoiled_and_decide_nothing)
 }
 END_TEST
 
-/* The benchmark has ended since its interval is narrow; or, on a machine that takes the processors
- * away from most runs, at the most repeats, with no interval. */
+/* Checks that the benchmark ended because its interval is narrow. On a machine on which most runs
+ * are spoiled, it ends at the most repeats without an interval. */
 static void check_ended_by_interval(void)
 {
     const struct pen_confidence *ratio = &result.rows[1].ratio;
@@ -359,7 +360,7 @@ START_TEST(test_bench__faster_with_another_picture_is_no_speed_up)
     bench.repeats = 10;
     kit.settings.width = kit.settings.height = 16;
     add_row("{\"precision\": \"robust\"}");
-    add_row("{\"precision\": \"fast\"}")->max_depth = 0; /* stands for a wrong result */
+    add_row("{\"precision\": \"fast\"}")->max_depth = 0; /* simulates a wrong result */
     run();
     ck_assert(result.rows[0].picture_hash != result.rows[1].picture_hash);
     ck_assert_int_eq(result.rows[1].verdict, PEN_VERDICT_DIFFERENT_PICTURE);
@@ -505,10 +506,10 @@ static void cancel_at_five(void *user, int done, int all)
         atomic_store(&cancel, true);
 }
 
-/* What an interrupted benchmark has kept. */
+/* The saved state of an interrupted benchmark. */
 static struct unfinished_bed bed;
 
-/* Has the benchmark be kept, and interrupted after so many runs. */
+/* Makes the benchmark be saved, and interrupted after this number of runs. */
 static void interrupt_after(int runs)
 {
     bench.frame.between = unfinished_keep;
@@ -516,8 +517,8 @@ static void interrupt_after(int runs)
     bed.runs_left = runs;
 }
 
-/* Runs the benchmark, interrupted after every `each` runs, until it ends. Returns how often it was
- * interrupted. */
+/* Runs the benchmark until it ends, interrupted after every `each` runs. Returns the number of
+ * interruptions. */
 static int run_in_parts(int each)
 {
     for (int interruptions = 0;; interruptions++) {
@@ -548,7 +549,8 @@ START_TEST(test_bench__interrupted_benchmark_makes_the_runs_of_a_whole_one)
     const int interruptions = run_in_parts(3);
     ck_assert_int_ge(interruptions, 2);
     ck_assert_int_eq(result.breaks, interruptions);
-    ck_assert_int_eq(seen_count, whole_count + interruptions); /* each throws its first run away */
+    ck_assert_int_eq(seen_count,
+                     whole_count + interruptions); /* each process discards its first run */
     for (int i = 0, at = 0; i < seen_count; i++) {
         if (i > 0 && i % 4 == 3 && at < whole_count) {
             ck_assert_int_eq(seen[i], 0); /* of the baseline */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The bill: each effect's row lacks that effect, its picture and rays are those of the scene
- * changed by hand, and the reports say so. */
+/* The bill: each effect's row lacks that effect. Its picture and rays are those of a scene that is
+ * changed by hand, and the reports show them. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,7 +54,8 @@ static struct pen_bill_task task_of(struct pen_thread_pool *pool)
         .frame = {.desc = &kit.desc, .pool = pool}, .settings = &kit.settings, .repeats = 2};
 }
 
-/* The effects of the scene without one of them; of other views, too, which the kit has not. */
+/* The effects of the scene without one of them. Includes effects of other views, which the kit does
+ * not have. */
 static unsigned effects_without(unsigned effect, struct pen_settings *settings)
 {
     struct pen_scene_desc without;
@@ -127,7 +128,7 @@ START_TEST(test_bill__rows_are_the_scene_changed)
 }
 END_TEST
 
-/* What is seen through blocks all light: the picture is that of opaque shadows. */
+/* Transmitting surfaces block all light: the picture has opaque shadows. */
 START_TEST(test_bill__opaque_shadows)
 {
     kit_init(&kit);
@@ -182,7 +183,7 @@ START_TEST(test_bill__reports)
 }
 END_TEST
 
-/* Keeps the threads from rendering, as other programs do that have the processors. */
+/* Delays the threads, as other programs that use the processors do. */
 static void wait_a_little(void *user, int thread, int x, int y)
 {
     (void)thread;
@@ -203,7 +204,8 @@ START_TEST(test_bill__spoiled_runs_are_repeated_and_tell_no_cost)
     struct pen_bill bill = bill_of(&task);
     ck_assert_int_eq(bill.use.runs, 2 * bill.rows);
     ck_assert_int_eq(bill.use.spoiled, bill.use.runs);
-    ck_assert_int_eq(renders, bill.rows * (1 + 2 * 3)); /* to warm up; and each with two repeats */
+    ck_assert_int_eq(renders,
+                     bill.rows * (1 + 2 * 3)); /* a warm-up, and each run with two repeats */
     json_t *json = pen_bill_json(&bill, "x"),
            *row = json_array_get(json_object_get(json, "rows"), 1);
     ck_assert(json_is_null(json_object_get(row, "cost_ms")));
@@ -244,7 +246,7 @@ START_TEST(test_bill__comparing_can_be_cancelled)
 }
 END_TEST
 
-/* Makes the bill, interrupted after each run, until it ends. Returns how often it was. */
+/* Makes the bill until it ends, interrupted after each run. Returns the number of interruptions. */
 static int make_in_parts(struct pen_bill_task *task, struct pen_bill *bill)
 {
     struct unfinished_bed bed = {0};
@@ -290,7 +292,7 @@ START_TEST(test_bill__interrupted_one_is_that_of_a_whole_one)
 }
 END_TEST
 
-/* Whether the bill goes on with a state, whose first row took this long in the first pass. */
+/* Whether the bill resumes from a state in which the first row took this long in the first pass. */
 static bool goes_on_with(struct pen_bill_task *task, const struct pen_kept_study *kept)
 {
     task->frame.kept = kept;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Comparisons of reports: which rows are matched, what counts as a difference, verdicts, and that
- * any JSON can be compared. */
+/* Comparisons of reports: matching of rows, differences, verdicts. Any JSON can be compared. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -100,7 +99,7 @@ START_TEST(test_comparison__accuracy_studies_have_errors_of_both)
     json_t *comparison = compare(before, after);
     json_t *wanted = json_pack("{s:[f, f], s:[f, f]}", "rmse", 0.25, 0.125, "flip", 0.5, 0.25);
     ck_assert(json_equal(json_object_get(row_of(comparison, 0), "errors"), wanted));
-    ck_assert(!pen_comparison_judge(comparison, false, &st)); /* other pictures */
+    ck_assert(!pen_comparison_judge(comparison, false, &st)); /* the pictures differ */
     struct pen_buf text = {0};
     ck_assert(pen_report_write(comparison, "text", NULL, &text, &st));
     ck_assert_ptr_nonnull(strstr((const char *)text.data, "0.25\xE2\x80\x93"
@@ -128,7 +127,7 @@ START_TEST(test_comparison__interval_has_the_extremes_of_both_at_half_the_error)
     json_t *before = report(100, 10), *after = report(200, 10);
     json_t *comparison = compare(before, after);
     const json_t *ratio = json_object_get(row_of(comparison, 1), "ratio");
-    /* Of 10 values the second and the last but one: an error of 2.1 %. */
+    /* Of 10 values, the interval has the second and the second last as ends: an error of 2.1 %. */
     const double low = 200 * 1.0001 / (100 * 1.0008), high = 200 * 1.0008 / (100 * 1.0001);
     ck_assert_double_eq_tol(json_real_value(json_object_get(ratio, "low")), low, 1e-12);
     ck_assert_double_eq_tol(json_real_value(json_object_get(ratio, "high")), high, 1e-12);
@@ -209,8 +208,8 @@ START_TEST(test_comparison__rows_are_matched_by_their_settings)
 {
     json_t *before = report(100, 20), *after = report(100, 20);
     json_t *rows = json_object_get(after, "rows");
-    json_array_insert_new(rows, 0, row(4, 50, 20)); /* added, and the others move */
-    json_array_remove(rows, 1);                     /* that of 1 thread is missing */
+    json_array_insert_new(rows, 0, row(4, 50, 20)); /* a row is added, and the others move */
+    json_array_remove(rows, 1);                     /* the row of 1 thread is missing */
     json_object_set_new(json_object_get(before, "render"), "later", json_true());
     json_t *comparison = compare(before, after);
     ck_assert_uint_eq(json_array_size(json_object_get(comparison, "rows")), 1);
@@ -248,7 +247,7 @@ START_TEST(test_comparison__a_host_that_differs_from_itself_gives_no_verdict)
 }
 END_TEST
 
-/* Puts something else in the place of a random part of a value. */
+/* Replaces a random part of a value. */
 static json_t *spoil(struct random *r, json_t *value)
 {
     static const char *const others[] = {"null", "[]", "{}", "\"\\u0007\"", "-1", "1e308", "[1]"};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Histories: change points of simulated times, the order of reports, hosts apart, and what is
- * written. */
+/* Histories: change points of simulated times, the order of reports, separate hosts, and the
+ * output. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,7 +49,7 @@ START_TEST(test_history__chance_is_taken_for_a_change_in_about_one_history_of_tw
         fill(&r, values, 0, 20, 100);
         found += pen_history_changes(values, 20, 0, at) > 0;
     }
-    /* Of a mean of 30: beyond these limits once in 10 000 times on either side. */
+    /* The mean is 30. Each of these limits is exceeded once in 10 000 times. */
     ck_assert_msg(found >= 12 && found <= 52, "%d of %d, seed %llu", found, (int)TRIALS,
                   (unsigned long long)r.seed);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A benchmark fails with PEN_NO_MEMORY wherever an allocation fails; the sanitizers' run shows that
- * it leaks nothing. */
+/* A benchmark fails with PEN_NO_MEMORY wherever an allocation fails. Under sanitizers, the test
+ * also shows that nothing leaks. */
 #include <stdio.h>
 #include <string.h>
 

@@ -11,12 +11,13 @@
 
 struct request;
 
-/* Decompresses. Stops as soon as the result is longer than `limit`, which bounds the cost. Fails:
- * PEN_SYNTAX (not gzip, or cut short), PEN_TOO_LARGE, PEN_NO_MEMORY; *out is empty then. */
+/* Decompresses gzip. Stops when the result exceeds `limit`, which bounds the cost. After a failure
+ * *out is empty.
+ * Fails: PEN_SYNTAX (not gzip, or incomplete), PEN_TOO_LARGE, PEN_NO_MEMORY. */
 bool pen_http_gunzip(const void *data, size_t bytes, size_t limit, struct pen_buf *out,
                      struct pen_status *st);
 
-/* Compresses. Returns false when out of memory; *out is empty then. */
+/* Compresses to gzip. Returns false when out of memory; *out is then empty. */
 bool pen_http_gzip(const void *data, size_t bytes, struct pen_buf *out);
 
 /* Decompresses the body of a request, if it is compressed. Returns false after a failure; the

@@ -27,8 +27,8 @@ struct event_cursor {
     bool more;                /* the last text was cut short: more events are due */
 };
 
-/* The place of a client that sends this Last-Event-ID. NULL, and an id that the job has not given
- * yet, mean the beginning. */
+/* The place of a client that sends this Last-Event-ID. NULL, or an id that the job does not have
+ * yet, means the beginning. */
 struct event_cursor pen_http_events_begin(const char *last_event_id,
                                           const struct snapshot *snapshot);
 
@@ -38,7 +38,8 @@ bool pen_http_events_are_complete(const struct event_cursor *cursor,
 
 /* Appends the events after the cursor to the text, oldest first, and advances the cursor. If there
  * are none, nothing is appended. A text that would become too long ends before the event about the
- * job, and `more` is set. Fails: as pen_jobs_tiles, PEN_NO_MEMORY; the cursor is then unchanged. */
+ * job, and `more` is set.
+ * Fails: as pen_jobs_tiles, PEN_NO_MEMORY; the cursor is then unchanged. */
 bool pen_http_events_write(const struct snapshot *snapshot, struct pen_jobs *jobs,
                            struct event_cursor *cursor, struct pen_buf *text,
                            struct pen_status *st);

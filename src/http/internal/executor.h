@@ -13,8 +13,9 @@
 
 struct executor;
 
-/* Starts the threads. Owns: stop, then free. Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads),
- * PEN_NO_MEMORY. */
+/* Starts the threads.
+ * Owns: stop, then free.
+ * Fails: as pen_jobs_open; PEN_UNAVAILABLE (threads), PEN_NO_MEMORY. */
 struct executor *pen_http_executor_start(const char *store_url, const struct pen_limits *limits,
                                          struct pen_status *st);
 
@@ -28,7 +29,8 @@ void pen_http_executor_free(struct executor *executor);
 
 /* Queues a suspended request in PHASE_WORK. A thread runs the handler of its route, compresses the
  * answer if the client accepts that, and resumes the request. If the queue is full or the executor
- * is stopped, the request is answered 503 and resumed. Threads: any. */
+ * is stopped, the request is answered 503 and resumed.
+ * Threads: any. */
 void pen_http_executor_submit(struct executor *executor, enum queue_id id, struct request *request);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A bill while it is made. */
+/* The state of a bill in progress. */
 #ifndef PEN_STUDY_INTERNAL_BILL_STATE_H
 #define PEN_STUDY_INTERNAL_BILL_STATE_H
 
@@ -7,7 +7,7 @@
 #include "study/internal/making.h"
 
 struct pen_bill_state {
-    struct pen_making making; /* runs are also those to warm up */
+    struct pen_making making; /* counts warm-up runs too */
     struct pen_bill *bill;
 };
 
