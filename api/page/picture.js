@@ -6,6 +6,7 @@ import {call} from "./api.js";
 import {bytes, number} from "./format.js";
 
 const ZOOMS = [0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32];
+const HIGH = 0.75; // of the window: the most that a whole picture takes
 const HEAD = 64; // bytes that hold the head of a PFM file
 
 /* Reads a PFM file: three lines of text, then rows of floats, the bottom row first. */
@@ -34,13 +35,14 @@ export function makePicture(label, signal) {
     const view = el("div", {class: "view", tabindex: "0", role: "group",
         "aria-label": `${label}. Arrow keys choose a pixel; plus and minus zoom; 0 fits.`}, inner);
     const values = el("output", {class: "values", "aria-live": "polite"}, "Point at a pixel to read its values.");
-    let scale = 0; // 0: as wide as the view
+    let scale = 0; // 0: the whole picture is seen
     let exact = null; // the floats
     let exactPath = null;
     let pixels = null; // the canvas with the 8-bit values
     let chosen = null;
 
-    const factor = () => scale || Math.min(1, box.clientWidth / (image.naturalWidth || 1));
+    const factor = () => scale || Math.min(1, box.clientWidth / (image.naturalWidth || 1),
+        (HIGH * window.innerHeight) / (image.naturalHeight || 1));
     const layOut = () => {
         inner.style.width = `${image.naturalWidth * factor()}px`;
         image.classList.toggle("sharp", factor() > 1);
