@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/* The door to the readers of models. */
+#include "io/model.h"
+
+#include <stdlib.h>
+#include <strings.h>
+
+#include "io/mesh/build.h"
+
+/* For files of some bytes; the rest is in proportion. */
+enum { MEMORY = 1 << 20, MEMORY_PER_BYTE = 4, STEPS = 120000000, STEPS_PER_BYTE = 5 };
+
+enum pen_model_kind pen_model_kind_of_name(const char *name)
+{
+    static const char *const ends[] = {"", ".ply", ".obj", ".stl"};
+    const char *dot = strrchr(name, '.');
+    for (int i = 1; dot && i < 4; i++)
+        if (strcasecmp(dot, ends[i]) == 0)
+            return (enum pen_model_kind)i;
+    return PEN_MODEL_NONE;
+}
+
+static bool read_kind(struct pen_build *b)
+{
+    switch (b->file->kind) {
+    case PEN_MODEL_PLY:
+        return pen_ply_read(b);
+    case PEN_MODEL_OBJ:
+        return pen_obj_read(b);
+    case PEN_MODEL_STL:
+        return pen_stl_read(b);
+    case PEN_MODEL_NONE:
+        break;
+    }
+    return pen_fail(b->scan.st, PEN_UNSUPPORTED,
+                    "The file's kind is unknown; models are .ply, .obj or .stl");
+}
+
+bool pen_model_read(const struct pen_model_file *file, struct pen_model *model,
+                    struct pen_errors *notes, struct pen_status *st)
+{
+    const char *text = file->bytes > 0 ? file->data : "";
+    const bool marked = file->bytes >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0;
+    struct pen_build b = {.file = file,
+                          .m = model,
+                          .notes = notes,
+                          .scan = {text, text + 3 * marked, text + file->bytes, false, st},
+                          .left = MEMORY + MEMORY_PER_BYTE * file->bytes,
+                          .steps = STEPS + STEPS_PER_BYTE * (int64_t)file->bytes,
+                          .limit = file->max_triangles ? file->max_triangles : PEN_MODEL_TRIANGLES};
+    *model = (struct pen_model){0};
+    if (read_kind(&b) && pen_build_finish(&b))
+        return true;
+    pen_build_release(&b);
+    pen_model_release(model);
+    return false;
+}
+
+void pen_model_release(struct pen_model *model)
+{
+    free(model->vertex);
+    free(model->corner);
+    free(model->normal);
+    free(model->corner_normal);
+    free(model->material_of);
+    free(model->material);
+    *model = (struct pen_model){0};
+}
