@@ -40,15 +40,16 @@ bool pen_model_read(const struct pen_model_file *file, struct pen_model *model,
                     struct pen_errors *notes, struct pen_status *st)
 {
     const char *text = file->bytes > 0 ? file->data : "";
-    const bool marked = file->bytes >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0;
     struct pen_build b = {.file = file,
                           .m = model,
                           .notes = notes,
-                          .scan = {text, text + 3 * marked, text + file->bytes, false, st},
+                          .scan = {text, text, text + file->bytes, false, st},
                           .left = MEMORY + MEMORY_PER_BYTE * file->bytes,
                           .steps = STEPS + STEPS_PER_BYTE * (int64_t)file->bytes,
                           .limit = file->max_triangles ? file->max_triangles : PEN_MODEL_TRIANGLES};
     *model = (struct pen_model){0};
+    if (file->bytes >> 33)
+        return pen_fail(st, PEN_TOO_LARGE, "The file has more than 8 GiB");
     if (read_kind(&b) && pen_build_finish(&b))
         return true;
     pen_build_release(&b);

@@ -45,15 +45,6 @@ void pen_build_free(struct pen_build *b, void *memory, uint64_t count, size_t si
     free(memory);
 }
 
-void pen_build_shrink(struct pen_build *b, void **array, uint64_t from, uint64_t to, size_t size)
-{
-    void *less = *array && to < from ? realloc(*array, to > 0 ? to * size : 1) : NULL;
-    if (!less)
-        return;
-    *array = less;
-    b->left += (from - to) * size;
-}
-
 void pen_build_note(struct pen_build *b, const char *at, const char *format, ...)
 {
     struct pen_status note;
@@ -151,33 +142,31 @@ bool pen_build_space(struct pen_build *b, uint64_t triangles, bool materials)
            (!materials || (m->material_of = pen_build_alloc(b, triangles, sizeof(uint16_t))));
 }
 
-/* Makes an array longer, to about twice as much. */
-static bool grow(struct pen_build *b, void **array, uint32_t from, uint32_t to, size_t size)
+bool pen_build_grow(struct pen_build *b, void **array, uint32_t *space, uint64_t need, size_t size)
 {
+    uint64_t to = *space ? *space : 64;
+    while (to < need)
+        to *= 2;
     void *more = pen_build_alloc(b, to, size);
-    if (more && *array)
-        memcpy(more, *array, from * size);
-    if (more) {
-        pen_build_free(b, *array, from, size);
-        *array = more;
-    }
-    return more != NULL;
+    if (!more)
+        return false;
+    if (*array)
+        memcpy(more, *array, *space * size);
+    pen_build_free(b, *array, *space, size);
+    *array = more;
+    *space = (uint32_t)to;
+    return true;
 }
 
 bool pen_build_corners(struct pen_build *b, const char *at, uint32_t count)
 {
-    uint32_t from = b->face_space, to = from ? from : 64;
-    while (to < count)
-        to *= 2;
+    uint32_t same = b->face_space;
     if (count > PEN_POLYGON_CUT_MAX)
         return pen_scan_fail(&b->scan, PEN_TOO_LARGE, at,
                              "a face of more than %d corners; cut it into triangles",
                              PEN_POLYGON_CUT_MAX);
-    if (!grow(b, (void **)&b->face, from, to, sizeof *b->face) ||
-        !grow(b, (void **)&b->face_normal, from, to, sizeof *b->face_normal))
-        return false;
-    b->face_space = to;
-    return true;
+    return pen_build_grow(b, (void **)&b->face, &same, count, sizeof *b->face) &&
+           pen_build_grow(b, (void **)&b->face_normal, &b->face_space, count, sizeof *b->face);
 }
 
 static struct pen_vec3 vertex(const struct pen_build *b, uint32_t i)
@@ -283,14 +272,11 @@ static struct pen_vec3 newell(struct pen_build *b, uint32_t first)
 
 static bool make_points(struct pen_build *b)
 {
-    if (b->point_space >= b->face_count)
-        return true;
-    uint32_t from = b->point_space, to = b->face_space;
-    if (!grow(b, (void **)&b->point, from, to, sizeof *b->point) ||
-        !grow(b, (void **)&b->piece, from, to, sizeof *b->piece))
-        return false;
-    b->point_space = to;
-    return true;
+    uint32_t same = b->point_space;
+    return b->point_space >= b->face_count ||
+           (pen_build_grow(b, (void **)&b->point, &same, b->face_count, sizeof *b->point) &&
+            pen_build_grow(b, (void **)&b->piece, &b->point_space, b->face_count,
+                           sizeof *b->piece));
 }
 
 /* Cuts the face as polygons are cut (geom/triangulate.h). */
@@ -319,10 +305,16 @@ static bool cut(struct pen_build *b, const char *at)
 
 bool pen_build_face(struct pen_build *b, const char *at)
 {
-    drop_repeated(b);
+    const uint32_t *v = b->face, corners = b->face_count;
+    if (corners < 3)
+        b->face_count = 0;
+    else if (corners > 3 || v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
+        drop_repeated(b);
     bool ok = b->face_count <= 3 || cut(b, at);
     if (b->face_count == 3)
         add_triangle(b, 0, 1, 2);
+    else
+        b->m->flat += corners < 3;
     b->face_count = 0;
     return ok && pen_build_steps(b, at, 0);
 }
@@ -357,16 +349,11 @@ static void note_faces(struct pen_build *b)
 
 bool pen_build_finish(struct pen_build *b)
 {
-    struct pen_model *m = b->m;
-    const uint32_t t = m->triangle_count;
     pen_build_release(b);
-    if (t == 0)
+    if (b->m->triangle_count == 0)
         return pen_fail(b->scan.st, PEN_INVALID,
                         "None of the model's faces has an area; write faces of three corners that "
                         "are not on one line");
-    pen_build_shrink(b, (void **)&m->corner, b->space, t, sizeof *m->corner);
-    pen_build_shrink(b, (void **)&m->corner_normal, b->space, t, sizeof *m->corner_normal);
-    pen_build_shrink(b, (void **)&m->material_of, b->space, t, sizeof *m->material_of);
     if (!pen_build_edges(b))
         return false;
     note_faces(b);

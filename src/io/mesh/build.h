@@ -35,8 +35,8 @@ void *pen_build_alloc(struct pen_build *b, uint64_t count, size_t size);
 void *pen_build_zeroed(struct pen_build *b, uint64_t count, size_t size);
 void pen_build_free(struct pen_build *b, void *memory, uint64_t count, size_t size);
 
-/* Makes an array that was allocated for `from` elements shorter. */
-void pen_build_shrink(struct pen_build *b, void **array, uint64_t from, uint64_t to, size_t size);
+/* Makes an array longer, for `need` elements or more. *space is that of *array. */
+bool pen_build_grow(struct pen_build *b, void **array, uint32_t *space, uint64_t need, size_t size);
 
 /* Adds a warning; `at` is its place, or NULL. */
 void pen_build_note(struct pen_build *b, const char *at, const char *format, ...)
@@ -83,6 +83,21 @@ void pen_build_release(struct pen_build *b);
 /* Counts the edges of one triangle and of three or more (edges.c). Edges are the same if their ends
  * are at the same places. */
 bool pen_build_edges(struct pen_build *b);
+
+/* A table of vertices by their place; {0} is empty. Its hash has a random key, so that no file can
+ * make it slow. The key changes no result. */
+struct pen_weld {
+    uint32_t *slot; /* a vertex's number + 1, or 0 */
+    uint32_t mask, used;
+    uint64_t key[2];
+};
+
+/* The first vertex of the model at the place of `vertex`, one of its vertices, which is added to
+ * the table if there is none. -0 is 0.
+ * Fails: returns UINT32_MAX with *st. */
+uint32_t pen_weld_vertex(struct pen_weld *w, struct pen_build *b, uint32_t vertex);
+
+void pen_weld_release(struct pen_weld *w, struct pen_build *b);
 
 /* The readers. */
 bool pen_ply_read(struct pen_build *b);

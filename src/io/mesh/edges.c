@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Open and crowded edges. Edges are sorted by their lower vertex, by counting. Then the edges of
  * one vertex are counted by their upper vertex. So the time is proportional to their number. */
-#include "io/mesh/weld.h"
+#include "io/mesh/build.h"
 
 struct edge {
     uint32_t lower, upper;
@@ -43,21 +43,23 @@ static void sort(struct edges *e, uint32_t vertices)
 /* Counts open and crowded edges. With `open`, writes the open ones there. */
 static void count(const struct edges *e, struct pen_model *m, struct edge *open)
 {
-    m->open_edges = m->crowded_edges = 0;
-    for (uint32_t v = 0, from = 0; v < m->vertex_count; from = e->begin[v++]) {
-        for (uint32_t i = from; i < e->begin[v]; i++) {
-            unsigned char *seen = &e->seen[e->upper[i]];
-            *seen = (unsigned char)(*seen + (*seen < 3));
+    uint32_t open_edges = 0, crowded_edges = 0, from = 0;
+    for (uint32_t v = 0; v < m->vertex_count; v++) {
+        const uint32_t *first = e->upper + from, *end = e->upper + e->begin[v];
+        for (const uint32_t *u = first; u < end; u++)
+            e->seen[*u] = (unsigned char)(e->seen[*u] + (e->seen[*u] < 3));
+        for (const uint32_t *u = first; u < end; u++) {
+            const unsigned char seen = e->seen[*u];
+            if (seen == 1 && open)
+                open[open_edges] = (struct edge){v, *u};
+            open_edges += seen == 1;
+            crowded_edges += seen == 3;
+            e->seen[*u] = 0;
         }
-        for (uint32_t i = from; i < e->begin[v]; i++) {
-            unsigned char *seen = &e->seen[e->upper[i]];
-            if (*seen == 1 && open)
-                open[m->open_edges] = (struct edge){v, e->upper[i]};
-            m->open_edges += *seen == 1;
-            m->crowded_edges += *seen == 3;
-            *seen = 0;
-        }
+        from = e->begin[v];
     }
+    m->open_edges = open_edges;
+    m->crowded_edges = crowded_edges;
 }
 
 /* Counts the edges; *open gets a list of the open ones, if it is not NULL. */

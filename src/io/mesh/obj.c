@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* OBJ: a pass counts, one reads the vertices (twice if they need a shift), and one the faces. So
- * faces may come before their vertices. Curves and surfaces are refused. Statements that change no
- * pixel here are passed over; a warning counts all others.
+ * faces may come before their vertices.
  * Source: Wavefront, "Object files (.obj)", appendix B1 of the Advanced Visualizer's manual, 1995.
  */
 #include "io/mesh/mtl.h"
 
 enum { UNKNOWN_NAMES = 8, MATERIALS = UINT16_MAX + 1 };
 
+/* Statements that are not read. */
 struct unknown {
     const char *name;
     size_t length;
@@ -17,145 +17,116 @@ struct unknown {
 struct obj {
     struct pen_build *b;
     struct pen_mtl mtl;
-    struct pen_mtl_material *current;
-    uint64_t vertices, normals, triangles; /* in the file, and while faces are read, before them */
-    bool materials, corner_normals;        /* it has usemtl; some faces have normals */
+    uint32_t current;           /* the material */
+    uint64_t vertices, normals; /* those that this pass has met */
+    uint64_t triangles;
+    bool materials;                            /* it has usemtl */
     struct unknown unknown[UNKNOWN_NAMES + 1]; /* the last: all other names */
+    struct unknown missing;                    /* the first material that no MTL has, and all */
 };
 
-enum word { WORD_V, WORD_VN, WORD_F, WORD_USEMTL, WORD_MTLLIB, WORD_SILENT, WORD_CURVE, WORD_NONE };
+/* Statements that change nothing here, and those of curves and curved surfaces. */
+static const char *const silent[] = {"vt", "g",   "s",     "o",        "vp",
+                                     "mg", "lod", "bevel", "c_interp", "d_interp"};
+static const char *const curves[] = {"cstype", "curv", "curv2", "surf", "deg", "bsp",
+                                     "bzp",    "cdc",  "cdp",   "res",  "parm"};
 
-static const struct {
-    const char *name;
-    enum word is;
-} words[] = {{"v", WORD_V},           {"f", WORD_F},          {"vn", WORD_VN},
-             {"vt", WORD_SILENT},     {"g", WORD_SILENT},     {"s", WORD_SILENT},
-             {"usemtl", WORD_USEMTL}, {"o", WORD_SILENT},     {"mtllib", WORD_MTLLIB},
-             {"fo", WORD_F},          {"mg", WORD_SILENT},    {"lod", WORD_SILENT},
-             {"vp", WORD_SILENT},     {"bevel", WORD_SILENT}, {"c_interp", WORD_SILENT},
-             {"cstype", WORD_CURVE},  {"curv", WORD_CURVE},   {"d_interp", WORD_SILENT},
-             {"curv2", WORD_CURVE},   {"surf", WORD_CURVE},   {"deg", WORD_CURVE},
-             {"bsp", WORD_CURVE},     {"bzp", WORD_CURVE},    {"cdc", WORD_CURVE},
-             {"cdp", WORD_CURVE},     {"res", WORD_CURVE},    {"parm", WORD_CURVE}};
+#define IS_ONE_OF(word, length, names) is_one_of(word, length, names, sizeof names / sizeof *names)
 
-static enum word word_of(const char *word, size_t length)
+static bool is_one_of(const char *word, size_t length, const char *const *names, size_t count)
 {
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        if (pen_word_is(word, length, words[i].name))
-            return words[i].is;
-    return WORD_NONE;
+    for (size_t i = 0; i < count; i++)
+        if (pen_word_is(word, length, names[i]))
+            return true;
+    return false;
 }
 
-static void count_unknown(struct obj *o, const char *word, size_t length)
+static bool is_face(const char *word, size_t length)
+{
+    return pen_word_is(word, length, "f") || pen_word_is(word, length, "fo");
+}
+
+static bool count_other(struct obj *o, const char *word, size_t length)
 {
     struct unknown *u = o->unknown;
-    for (; u < &o->unknown[UNKNOWN_NAMES] && u->count > 0; u++)
-        if (u->length == length && memcmp(u->name, word, length) == 0)
-            break;
+    if (IS_ONE_OF(word, length, silent))
+        return true;
+    if (IS_ONE_OF(word, length, curves))
+        return pen_scan_fail(&o->b->scan, PEN_UNSUPPORTED, word,
+                             "%s belongs to a curve or curved surface, which are not read; export "
+                             "polygons",
+                             pen_scan_found(&o->b->scan, word).text);
+    while (u < &o->unknown[UNKNOWN_NAMES] && u->count > 0 &&
+           (u->length != length || memcmp(u->name, word, length) != 0))
+        u++;
     *u = (struct unknown){word, length, u->count + 1};
-}
-
-/* Counts the corners of a face. */
-static uint64_t count_corners(struct obj *o)
-{
-    struct pen_scan *s = &o->b->scan;
-    uint64_t count = 0;
-    for (const char *word; pen_scan_more(s); count++) {
-        size_t length = pen_scan_word(s, &word);
-        const char *slash = memchr(word, '/', length);
-        if (slash && memchr(slash + 1, '/', length - (size_t)(slash + 1 - word)))
-            o->corner_normals = true;
-    }
-    return count;
+    return true;
 }
 
 static bool count_statement(struct obj *o, const char *word, size_t length)
 {
-    uint64_t corners;
-    switch (word_of(word, length)) {
-    case WORD_V:
-        o->vertices++;
-        return true;
-    case WORD_VN:
-        o->normals++;
-        return true;
-    case WORD_F:
-        corners = count_corners(o);
-        if (corners < 3)
-            return pen_scan_fail(&o->b->scan, PEN_INVALID, word,
-                                 "a face of %u corners; write three or more", (unsigned)corners);
-        o->triangles += corners - 2;
-        return true;
-    case WORD_USEMTL:
-        o->materials = true;
-        return true;
-    case WORD_MTLLIB:
-        return pen_mtl_read(&o->mtl, o->b);
-    case WORD_CURVE:
-        return pen_scan_fail(&o->b->scan, PEN_UNSUPPORTED, word,
-                             "%s belongs to a curve or a curved surface, which are not read; "
-                             "export the model as polygons",
-                             pen_scan_found(&o->b->scan, word).text);
-    case WORD_NONE:
-        count_unknown(o, word, length);
-        return true;
-    case WORD_SILENT:
-        break;
-    }
-    return true;
-}
-
-static bool read_three(struct obj *o, const char *word, struct pen_number x[3])
-{
     struct pen_scan *s = &o->b->scan;
-    for (int i = 0; i < 3; i++) {
-        if (!pen_scan_more(s))
-            return pen_scan_fail(s, PEN_SYNTAX, word, "%s needs three numbers",
-                                 pen_scan_found(s, word).text);
-        if (!pen_scan_number(s, &x[i]))
-            return false;
+    uint64_t corners = 0;
+    if (pen_word_is(word, length, "v")) {
+        o->vertices++;
+    } else if (pen_word_is(word, length, "vn")) {
+        o->normals++;
+    } else if (is_face(word, length)) {
+        for (const char *corner; pen_scan_more(s); corners++)
+            pen_scan_word(s, &corner);
+        o->triangles += corners - 2;
+        return corners >= 3 ||
+               pen_scan_fail(s, PEN_INVALID, word, "a face of %u corners; write three or more",
+                             (unsigned)corners);
+    } else if (pen_word_is(word, length, "usemtl")) {
+        o->materials = true;
+    } else if (pen_word_is(word, length, "mtllib")) {
+        return pen_mtl_read(&o->mtl, o->b);
+    } else {
+        return count_other(o, word, length);
     }
     return true;
 }
 
 static bool read_vector(struct obj *o, const char *word, size_t length)
 {
+    struct pen_scan *s = &o->b->scan;
     struct pen_model *m = o->b->m;
     struct pen_number x[3];
-    if (word[0] != 'v' || length > 2 || (length == 2 && word[1] != 'n'))
+    const bool is_vertex = pen_word_is(word, length, "v");
+    if (!is_vertex && !pen_word_is(word, length, "vn"))
         return true;
-    if (!read_three(o, word, x))
-        return false;
-    if (length == 1)
-        pen_build_vertex(o->b, x, m->vertex[o->vertices++]);
-    else
-        for (int i = 0; m->normal && i < 3; i++)
+    for (int i = 0; i < 3; i++) {
+        if (!pen_scan_more(s))
+            return pen_scan_fail(s, PEN_SYNTAX, word, "%s needs three numbers",
+                                 pen_scan_found(s, word).text);
+        if (!pen_scan_number(s, &x[i]))
+            return false;
+        if (!is_vertex)
             m->normal[o->normals][i] = x[i].f;
-    o->normals += length == 2;
+    }
+    if (is_vertex)
+        pen_build_vertex(o->b, x, m->vertex[o->vertices++]);
+    o->normals += !is_vertex;
     return true;
 }
 
 /* Reads an index from 1, or from the end if it is negative. `count` are before it, and `all` in the
  * file. */
-static bool read_index(struct obj *o, const char *what, uint64_t count, uint64_t all, uint32_t *out)
+static bool read_index(struct obj *o, uint64_t count, uint64_t all, uint32_t *out)
 {
     struct pen_scan *s = &o->b->scan;
     const char *at = s->at, *first = at + (at < s->end && *at == '-');
     uint64_t n = 0;
     for (s->at = first; s->at < s->end && *s->at >= '0' && *s->at <= '9'; s->at++)
         n = n < UINT32_MAX ? n * 10 + (uint64_t)(*s->at - '0') : n;
-    if (s->at == first)
-        return pen_scan_fail(s, PEN_SYNTAX, at,
-                             "found %s in a face; write corners as v, v/vt, v//vn or v/vt/vn",
-                             pen_scan_found(s, at).text);
-    if (n == 0 || (first > at ? n > count : n > all))
-        return pen_scan_fail(s, PEN_INVALID, at,
-                             "the %s %s does not exist: the file has %llu, numbered from 1, and "
-                             "%llu before this line",
-                             what, pen_scan_found(s, at).text, (unsigned long long)all,
-                             (unsigned long long)count);
     *out = (uint32_t)(first > at ? count - n : n - 1);
-    return true;
+    return (n > 0 && n <= (first > at ? count : all)) || s->at == first ||
+           pen_scan_fail(s, PEN_INVALID, at,
+                         "%s does not exist: the file has %llu, numbered from 1, and %llu before "
+                         "this line",
+                         pen_scan_found(s, at).text, (unsigned long long)all,
+                         (unsigned long long)count);
 }
 
 /* Reads a corner: v, v/vt, v//vn or v/vt/vn. vt is not looked at. */
@@ -163,21 +134,22 @@ static bool read_corner(struct obj *o)
 {
     struct pen_build *b = o->b;
     struct pen_scan *s = &b->scan;
-    const char *at = s->at;
+    const char *at = s->at, *from;
     uint32_t v, n = PEN_MODEL_NO_NORMAL;
-    if (!read_index(o, "vertex", o->vertices, b->m->vertex_count, &v))
+    if (!read_index(o, o->vertices, b->m->vertex_count, &v))
         return false;
-    if (s->at < s->end && *s->at == '/') {
-        for (s->at++; s->at < s->end && (*s->at == '-' || (*s->at >= '0' && *s->at <= '9'));
-             s->at++)
+    bool ok = s->at > at;
+    if (ok && s->at < s->end && *s->at == '/') {
+        for (s->at++; s->at < s->end && strchr("-0123456789", *s->at) && *s->at; s->at++)
             ;
         if (s->at < s->end && *s->at == '/') {
-            s->at++;
-            if (!read_index(o, "normal", o->normals, b->m->normal_count, &n))
+            from = ++s->at;
+            if (!read_index(o, o->normals, b->m->normal_count, &n))
                 return false;
+            ok = s->at > from;
         }
     }
-    if (s->at < s->end && !pen_is_space(*s->at) && *s->at != '\\')
+    if (!ok || (s->at < s->end && !pen_is_space(*s->at) && *s->at != '\\'))
         return pen_scan_fail(s, PEN_SYNTAX, at,
                              "found %s in a face; write corners as v, v/vt, v//vn or v/vt/vn",
                              pen_scan_found(s, at).text);
@@ -187,22 +159,22 @@ static bool read_corner(struct obj *o)
     return true;
 }
 
-/* The place of the current material in the model, where its first face adds it. */
+/* Sets the place of the face's material in the model. Its first face adds it. */
 static bool use_material(struct obj *o, const char *at)
 {
     struct pen_model *m = o->b->m;
-    if (!o->b->m->material_of || o->current->used > 0) {
-        o->b->material = (uint16_t)(o->current->used - (o->current->used > 0));
-        return true;
+    struct pen_mtl_material *current = &o->mtl.material[o->current];
+    if (m->material_of && current->used == 0) {
+        if (m->material_count == MATERIALS)
+            return pen_scan_fail(&o->b->scan, PEN_TOO_LARGE, at, "more than %d materials",
+                                 MATERIALS);
+        current->used = ++m->material_count;
     }
-    if (m->material_count == MATERIALS)
-        return pen_scan_fail(&o->b->scan, PEN_TOO_LARGE, at, "more than %d materials", MATERIALS);
-    o->b->material = (uint16_t)m->material_count++;
-    o->current->used = m->material_count;
+    o->b->material = (uint16_t)(current->used - 1);
     return true;
 }
 
-static bool read_face(struct obj *o, const char *word)
+static bool read_face(struct obj *o, const char *at)
 {
     struct pen_build *b = o->b;
     bool all = true;
@@ -213,44 +185,30 @@ static bool read_face(struct obj *o, const char *word)
         all = all && b->face_normal[i] != PEN_MODEL_NO_NORMAL;
     for (uint32_t i = 0; !all && i < b->face_count; i++)
         b->face_normal[i] = PEN_MODEL_NO_NORMAL;
-    return use_material(o, word) && pen_build_face(b, word);
+    return use_material(o, at) && pen_build_face(b, at);
 }
 
-static void read_usemtl(struct obj *o, const char *word)
+static bool read_usemtl(struct obj *o, const char *at)
 {
-    const char *name;
-    char shown[PEN_MODEL_NAME_BYTES];
-    size_t length = pen_scan_rest(&o->b->scan, &name);
-    struct pen_mtl_material *found = pen_mtl_find(&o->mtl, name, length);
-    o->current = found ? found : &o->mtl.material[0];
-    if (found)
-        return;
-    snprintf(shown, sizeof shown, "%.*s", (int)(length < 60 ? length : 60), name);
-    pen_build_note(o->b, word, "no MTL file has the material %s; its faces are grey",
-                   pen_text_quote(shown).text);
+    const char *name, *text = (const char *)o->mtl.text.data;
+    const size_t length = pen_scan_rest(&o->b->scan, &name);
+    const struct pen_mtl_material *m = o->mtl.material;
+    uint32_t i = 1;
+    while (i < o->mtl.count && (m[i].length != length || memcmp(text + m[i].name, name, length)))
+        i++;
+    o->current = i < o->mtl.count ? i : 0;
+    if (o->current == 0)
+        o->missing =
+            (struct unknown){o->missing.count ? o->missing.name : name, 0, o->missing.count + 1};
+    return pen_build_steps(o->b, at, i / 4);
 }
 
 static bool read_element(struct obj *o, const char *word, size_t length)
 {
-    switch (word_of(word, length)) {
-    case WORD_V:
-        o->vertices++;
-        return true;
-    case WORD_VN:
-        o->normals++;
-        return true;
-    case WORD_F:
-        return read_face(o, word);
-    case WORD_USEMTL:
-        read_usemtl(o, word);
-        return true;
-    case WORD_MTLLIB:
-    case WORD_SILENT:
-    case WORD_CURVE:
-    case WORD_NONE:
-        break;
-    }
-    return true;
+    o->vertices += pen_word_is(word, length, "v");
+    o->normals += pen_word_is(word, length, "vn");
+    return is_face(word, length) ? read_face(o, word)
+                                 : !pen_word_is(word, length, "usemtl") || read_usemtl(o, word);
 }
 
 /* Gives each statement of the file to a function. */
@@ -260,7 +218,8 @@ static bool pass(struct obj *o, bool (*each)(struct obj *, const char *, size_t)
     const char *word;
     size_t length;
     o->vertices = o->normals = 0;
-    for (s->at = s->begin; pen_scan_statement(s, &word, &length); pen_scan_next_line(s))
+    s->at = s->begin + (o->b->file->bytes >= 3 && memcmp(s->begin, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
+    for (; pen_scan_statement(s, &word, &length); pen_scan_next_line(s))
         if (!each(o, word, length))
             return false;
     return true;
@@ -270,18 +229,14 @@ static bool make_space(struct obj *o)
 {
     struct pen_build *b = o->b;
     struct pen_model *m = b->m;
-    const uint64_t vertices = o->vertices, normals = o->corner_normals ? o->normals : 0;
-    if (vertices >= UINT32_MAX || o->normals >= UINT32_MAX)
-        return pen_fail(b->scan.st, PEN_TOO_LARGE, "The model has more than 4294967294 vertices");
     if (!pen_build_space(b, o->triangles, o->materials) ||
-        !(m->vertex = pen_build_alloc(b, vertices, sizeof *m->vertex)) ||
-        (normals > 0 && !(m->normal = pen_build_alloc(b, normals, sizeof *m->normal))) ||
-        (normals > 0 &&
-         !(m->corner_normal = pen_build_alloc(b, o->triangles, sizeof *m->corner_normal))))
+        !(m->vertex = pen_build_alloc(b, o->vertices, sizeof *m->vertex)))
         return false;
-    m->vertex_count = (uint32_t)vertices;
-    m->normal_count = (uint32_t)normals;
-    return true;
+    m->vertex_count = (uint32_t)o->vertices;
+    m->normal_count = (uint32_t)o->normals;
+    return o->normals == 0 ||
+           ((m->normal = pen_build_alloc(b, o->normals, sizeof *m->normal)) &&
+            (m->corner_normal = pen_build_alloc(b, o->triangles, sizeof *m->corner_normal)));
 }
 
 static bool take_materials(struct obj *o)
@@ -291,35 +246,38 @@ static bool take_materials(struct obj *o)
         return true;
     if (!(m->material = pen_build_alloc(o->b, m->material_count, sizeof *m->material)))
         return false;
-    for (uint32_t i = 0; i < o->mtl.materials; i++)
+    for (uint32_t i = 0; i < o->mtl.count; i++)
         if (o->mtl.material[i].used > 0)
             m->material[o->mtl.material[i].used - 1] = o->mtl.material[i].is;
     return true;
 }
 
-static void note_unknown(struct obj *o)
+static void add_notes(struct obj *o)
 {
+    struct pen_build *b = o->b;
     for (const struct unknown *u = o->unknown; u <= &o->unknown[UNKNOWN_NAMES] && u->count; u++)
-        if (u < &o->unknown[UNKNOWN_NAMES])
-            pen_build_note(o->b, u->name, "%u statements %s are not read", u->count,
-                           pen_scan_found(&o->b->scan, u->name).text);
-        else
-            pen_build_note(o->b, u->name, "%u statements of other names are not read", u->count);
+        pen_build_note(b, u->name, "%u statements %s are not read", u->count,
+                       u < &o->unknown[UNKNOWN_NAMES] ? pen_scan_found(&b->scan, u->name).text
+                                                      : "of other names");
+    if (o->missing.count > 0)
+        pen_build_note(b, o->missing.name,
+                       "no MTL file has the material of %u statements usemtl, first %s; their "
+                       "faces are grey",
+                       o->missing.count, pen_scan_found(&b->scan, o->missing.name).text);
 }
 
 static bool read(struct obj *o)
 {
-    if (!pass(o, count_statement) || !make_space(o) || !pen_mtl_index(&o->mtl, o->b))
+    if (!pen_mtl_add(&o->mtl, o->b, 0, 0) || !pass(o, count_statement) || !make_space(o))
         return false;
     do {
         pen_build_begin_vertices(o->b);
         if (!pass(o, read_vector))
             return false;
     } while (pen_build_far(o->b));
-    o->current = &o->mtl.material[0];
     if (!pass(o, read_element) || !take_materials(o))
         return false;
-    note_unknown(o);
+    add_notes(o);
     return true;
 }
 

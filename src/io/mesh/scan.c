@@ -1,19 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Decimals become the nearest double and the nearest float. A decimal of up to 2^53 and 22 places
- * takes one division, which rounds it correctly to a double. This double rounds to the right float,
- * unless it is in the middle between two floats. All other decimals are left to the C library.
- * Source: Clinger, "How to read floating point numbers accurately", PLDI 1990. */
 #include "io/mesh/scan.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
-enum { NUMBER_BYTES = 256, PLACES = 22, EXPONENT_MAX = 100000 };
+#include "io/json/number.h"
 
-static const double powers[PLACES + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                          1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                          1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+enum { NUMBER_BYTES = 256 };
 
 bool pen_scan_fail(const struct pen_scan *s, enum pen_code code, const char *at, const char *format,
                    ...)
@@ -108,15 +102,6 @@ size_t pen_scan_word(struct pen_scan *s, const char **word)
     return (size_t)(s->at - *word);
 }
 
-static const char *scan_digits(const char *at, const char *end, uint64_t *digits)
-{
-    uint64_t sum = *digits;
-    for (; at < end && *at >= '0' && *at <= '9'; at++)
-        sum = sum * 10 + (uint64_t)(*at - '0');
-    *digits = sum;
-    return at;
-}
-
 /* Whether the float nearest to d is also the float nearest to a decimal that rounds to d. */
 static bool decides_float(double d)
 {
@@ -125,72 +110,32 @@ static bool decides_float(double d)
     return (bits & 0x1fffffff) != 0x10000000 && (fabs(d) >= (double)FLT_MIN || d == 0);
 }
 
-static bool read_slowly(struct pen_scan *s, const char *end, struct pen_number *out)
-{
-    char text[NUMBER_BYTES];
-    size_t length = (size_t)(end - s->at);
-    if (length >= sizeof text)
-        return pen_scan_fail(s, PEN_SYNTAX, s->at,
-                             "a number of %zu characters; write at most %d digits", length, 17);
-    memcpy(text, s->at, length);
-    text[length] = '\0';
-    *out = (struct pen_number){strtod(text, NULL), strtof(text, NULL)};
-    if (!isfinite(out->f))
-        return pen_scan_fail(s, PEN_INVALID, s->at,
-                             "%s is too large: a coordinate is at most 3.4e38", text);
-    s->at = end;
-    return true;
-}
-
-/* The end of the number, or NULL. */
-static const char *scan_number(const struct pen_scan *s, uint64_t *digits, long *count,
-                               long *exponent)
-{
-    const char *at = s->at, *end = s->end, *first, *point;
-    at += at < end && (*at == '-' || *at == '+');
-    first = at;
-    at = scan_digits(at, end, digits);
-    *count = at - first;
-    *exponent = 0;
-    if (at < end && *at == '.') {
-        at = scan_digits(point = at + 1, end, digits);
-        *count += at - point;
-        *exponent = point - at;
-    }
-    if (*count > 0 && at < end && (*at == 'e' || *at == 'E')) {
-        uint64_t power = 0;
-        bool down = ++at < end && *at == '-';
-        at += at < end && (*at == '-' || *at == '+');
-        at = scan_digits(first = at, end, &power);
-        if (at == first)
-            return NULL;
-        if (power > EXPONENT_MAX || at - first > 18)
-            *exponent = EXPONENT_MAX;
-        else
-            *exponent += down ? -(long)power : (long)power;
-    }
-    bool ends = at == end || pen_is_space(*at) || continuation(s, at);
-    return *count > 0 && ends ? at : NULL;
-}
-
+/* The nearest double of most decimals takes one division; it rounds to the nearest float, unless it
+ * is in the middle between two. The others are left to the C library. */
 bool pen_scan_number(struct pen_scan *s, struct pen_number *out)
 {
-    uint64_t digits = 0;
-    long count, exponent;
-    const char *end = scan_number(s, &digits, &count, &exponent);
-    if (!end)
-        return pen_scan_fail(
-            s, PEN_SYNTAX, s->at,
-            "found %s where a number is expected; write a finite decimal number like -1.5e3",
-            pen_scan_found(s, s->at).text);
-    if (count > 19 || digits > UINT64_C(1) << 53 || exponent < -PLACES || exponent > PLACES)
-        return read_slowly(s, end, out);
-    double d = (double)digits;
-    d = exponent < 0 ? d / powers[-exponent] : d * powers[exponent];
-    if (!decides_float(d))
-        return read_slowly(s, end, out);
-    d = *s->at == '-' ? -d : d;
-    *out = (struct pen_number){d, (float)d};
-    s->at = end;
+    char text[NUMBER_BYTES];
+    struct pen_json_decimal decimal;
+    size_t bytes, end = pen_java_scan_number(s->at, 0, (size_t)(s->end - s->at), &decimal, &bytes);
+    const char *after = s->at + end;
+    if (end == 0 || end != bytes ||
+        (after < s->end && !pen_is_space(*after) && !continuation(s, after)))
+        return pen_scan_fail(s, PEN_SYNTAX, s->at,
+                             "found %s; write a finite decimal number like -1.5e3",
+                             pen_scan_found(s, s->at).text);
+    if (pen_json_nearest(&decimal, &out->d) && decides_float(out->d)) {
+        out->f = (float)out->d;
+    } else if (bytes < sizeof text) {
+        memcpy(text, s->at, bytes);
+        text[bytes] = '\0';
+        *out = (struct pen_number){strtod(text, NULL), strtof(text, NULL)};
+    } else {
+        return pen_scan_fail(s, PEN_SYNTAX, s->at, "a number of %zu characters; write fewer digits",
+                             bytes);
+    }
+    if (!isfinite(out->f))
+        return pen_scan_fail(s, PEN_INVALID, s->at, "%s is too large; numbers are below 3.4e38",
+                             pen_scan_found(s, s->at).text);
+    s->at = after;
     return true;
 }

@@ -2,7 +2,7 @@
 /* STL: a binary file has 84 bytes and 50 per triangle, an ASCII file any other size. (The header of
  * a binary file may begin with "solid" too.) Vertices at the same place become one. The normals in
  * the file repeat what the corners say, and are not read. */
-#include "io/mesh/weld.h"
+#include "io/mesh/build.h"
 
 #include <math.h>
 #include <strings.h>
@@ -156,6 +156,5 @@ bool pen_stl_read(struct pen_build *b)
         ok = binary ? read_binary(&stl) : read_text(&stl);
         pen_weld_release(&stl.weld, b);
     } while (ok && pen_build_far(b));
-    pen_build_shrink(b, (void **)&m->vertex, vertices, m->vertex_count, sizeof *m->vertex);
     return ok;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Open addressing with linear probing, at most 3/4 full. */
-#include "io/mesh/weld.h"
+#include "io/mesh/build.h"
 
 #include <sys/random.h>
 
