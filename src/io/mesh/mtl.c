@@ -160,7 +160,7 @@ static bool read_file(struct pen_mtl *mtl, struct pen_build *b, const char *name
     struct pen_scan *s = &b->scan;
     struct pen_status why = {0};
     const size_t from = mtl->text.bytes;
-    if (mtl->length == length && memcmp(mtl->name, name, length) == 0)
+    if (mtl->files > 0 && mtl->length == length && memcmp(mtl->name, name, length) == 0)
         return true; /* exporters repeat it for each object */
     if (!make_path(s, name, length, path))
         return false;

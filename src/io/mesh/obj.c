@@ -59,7 +59,7 @@ static bool count_other(struct obj *o, const char *word, size_t length)
     while (u < &o->unknown[UNKNOWN_NAMES] && u->count > 0 &&
            (u->length != length || memcmp(u->name, word, length) != 0))
         u++;
-    *u = (struct unknown){word, length, u->count + 1};
+    *u = (struct unknown){u->count > 0 ? u->name : word, length, u->count + 1};
     return true;
 }
 

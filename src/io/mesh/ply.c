@@ -242,16 +242,23 @@ static inline bool next(struct ply *ply, const struct element *e, uint32_t i, en
 static inline bool next_count(struct ply *ply, const struct element *e, uint32_t i, enum type type,
                               uint64_t most, uint32_t *count)
 {
+    struct pen_scan *s = &ply->b->scan;
     struct pen_number n;
-    const char *at = ply->b->scan.at;
+    if (!ply->binary)
+        pen_scan_space(s);
+    const char *at = s->at;
+    if (type == U8 && ply->binary && at < s->end && (unsigned char)*at <= most) { /* nearly all */
+        *count = (unsigned char)*s->at++;
+        return true;
+    }
     if (!next(ply, e, i, type, &n))
         return false;
     if (!(n.d >= 0 && n.d <= (double)most) || n.d != (double)(uint32_t)n.d)
-        return pen_scan_fail(&ply->b->scan, PEN_INVALID, at,
+        return pen_scan_fail(s, PEN_INVALID, at,
                              "number %u of the element %s has %s where 0 to %llu is allowed; "
                              "vertices are numbered from 0, and lists begin with their length",
-                             i + 1, pen_scan_found(&ply->b->scan, e->name).text,
-                             pen_text_number(n.d).text, (unsigned long long)most);
+                             i + 1, pen_scan_found(s, e->name).text, pen_text_number(n.d).text,
+                             (unsigned long long)most);
     *count = (uint32_t)n.d;
     return true;
 }
@@ -312,12 +319,10 @@ static bool read_corners(struct ply *ply, const struct element *e, uint32_t i, e
 static inline bool read_one(struct ply *ply, const struct element *e, uint32_t i, bool measures,
                             struct pen_number value[VALUES])
 {
-    const struct pen_scan *s = &ply->b->scan;
     for (uint32_t k = 0; k < e->properties; k++) {
         const struct property *p = &ply->property[e->first + k];
         uint32_t count = 1;
-        bool ok =
-            !p->list || next_count(ply, e, i, p->count_type, (size_t)(s->end - s->at), &count);
+        bool ok = !p->list || next_count(ply, e, i, p->count_type, UINT32_MAX - 1, &count);
         if (measures && p->role == CORNERS && count > 2)
             ply->triangles += count - 2;
         if (!ok)
