@@ -7,8 +7,8 @@
 
 #include "io/mesh/build.h"
 
-/* For files of some bytes; the rest is in proportion. */
-enum { MEMORY = 1 << 20, MEMORY_PER_BYTE = 4, STEPS = 120000000, STEPS_PER_BYTE = 5 };
+/* The limits of a file: these, and as many more for each byte. */
+enum { MEMORY = 1 << 20, MEMORY_PER_BYTE = 4, STEPS = 40000000, STEPS_PER_BYTE = 4 };
 
 enum pen_model_kind pen_model_kind_of_name(const char *name)
 {

@@ -148,6 +148,7 @@ START_TEST(test_model_obj__refuses_with_a_line_and_advice)
         {FOUR "f 1 2 3.5\n", PEN_SYNTAX, 5, "v/vt/vn"},
         {FOUR "f 1 2 x\n", PEN_SYNTAX, 5, "found \"x\""},
         {FOUR "f 1 2 3/1/\n", PEN_SYNTAX, 5, "v/vt/vn"},
+        {FOUR "f 1 2 3 - 4\n", PEN_SYNTAX, 5, "found \"-\""},
         {FOUR "f 1/1/1/1 2 3\n", PEN_INVALID, 5, "does not exist"},
         {FOUR "v 0 0\nf 1 2 3\n", PEN_SYNTAX, 5, "needs three numbers"},
         {FOUR "v 0 0 nan\nf 1 2 3\n", PEN_SYNTAX, 5, "found \"nan\""},

@@ -12,7 +12,7 @@
 #include "math/scale.h"
 
 /* The cost of decisions, in steps. */
-enum { EXACT_AREA = 300, EXACT_NORMAL = 1500 };
+enum { EXACT_AREA = 100, EXACT_NORMAL = 1500 };
 
 void *pen_build_alloc(struct pen_build *b, uint64_t count, size_t size)
 {

@@ -111,8 +111,8 @@ static bool read_vector(struct obj *o, const char *word, size_t length)
     return true;
 }
 
-/* Reads an index from 1, or from the end if it is negative. `count` are before it, and `all` in the
- * file. */
+/* Reads an index from 1, or from the end if it is negative. Does not move if there is none. `count`
+ * are before it, and `all` in the file. */
 static bool read_index(struct obj *o, uint64_t count, uint64_t all, uint32_t *out)
 {
     struct pen_scan *s = &o->b->scan;
@@ -121,7 +121,9 @@ static bool read_index(struct obj *o, uint64_t count, uint64_t all, uint32_t *ou
     for (s->at = first; s->at < s->end && *s->at >= '0' && *s->at <= '9'; s->at++)
         n = n < UINT32_MAX ? n * 10 + (uint64_t)(*s->at - '0') : n;
     *out = (uint32_t)(first > at ? count - n : n - 1);
-    return (n > 0 && n <= (first > at ? count : all)) || s->at == first ||
+    if (s->at == first)
+        s->at = at;
+    return (n > 0 && n <= (first > at ? count : all)) || s->at == at ||
            pen_scan_fail(s, PEN_INVALID, at,
                          "%s does not exist: the file has %llu, numbered from 1, and %llu before "
                          "this line",
@@ -200,7 +202,7 @@ static bool read_usemtl(struct obj *o, const char *at)
     if (o->current == 0)
         o->missing =
             (struct unknown){o->missing.count ? o->missing.name : name, 0, o->missing.count + 1};
-    return pen_build_steps(o->b, at, i / 4);
+    return pen_build_steps(o->b, at, i);
 }
 
 static bool read_element(struct obj *o, const char *word, size_t length)

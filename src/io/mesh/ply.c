@@ -46,6 +46,7 @@ struct ply {
     struct property property[PROPERTIES];
     uint32_t elements, properties;
     uint64_t triangles;
+    uint32_t unknown; /* lines of the header */
 };
 
 /* Reads a word of the header's line; empty at its end. */
@@ -130,10 +131,10 @@ static unsigned role_of(const struct ply *ply, const struct element *e, bool lis
 static bool read_property(struct ply *ply, struct pen_scan *s)
 {
     struct property *p = &ply->property[ply->properties];
-    struct element *e = &ply->element[ply->elements - 1];
     const char *word, *type = s->at;
     if (ply->elements == 0 || ply->properties == PROPERTIES)
         return refuse(s, type, "a property after its element, and at most 192");
+    struct element *e = &ply->element[ply->elements - 1];
     size_t length = read_word(s, &word);
     *p = (struct property){.list = pen_word_is(word, length, "list")};
     if (!p->list)
@@ -182,7 +183,7 @@ static bool read_header(struct ply *ply)
         else if (pen_word_is(word, length, "property"))
             ok = read_property(ply, s);
         else if (length > 0 && !pen_word_is(word, length, "comment") &&
-                 !pen_word_is(word, length, "obj_info"))
+                 !pen_word_is(word, length, "obj_info") && ply->unknown++ == 0)
             pen_build_note(ply->b, word, "the header's line %s is not known, and passed over",
                            pen_scan_found(s, word).text);
     }
