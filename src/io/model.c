@@ -8,7 +8,7 @@
 #include "io/mesh/build.h"
 
 /* The limits of a file: these, and as many more for each byte. */
-enum { MEMORY = 1 << 20, MEMORY_PER_BYTE = 4, STEPS = 40000000, STEPS_PER_BYTE = 4 };
+enum { MEMORY = 1 << 20, MEMORY_PER_BYTE = 4, STEPS = 30000000, STEPS_PER_BYTE = 3 };
 
 enum pen_model_kind pen_model_kind_of_name(const char *name)
 {

@@ -63,7 +63,7 @@ bool pen_build_steps(struct pen_build *b, const char *at, int64_t steps)
     b->steps -= steps;
     return b->steps >= 0 ||
            pen_scan_fail(&b->scan, PEN_TOO_LARGE, at,
-                         "the faces up to here take too long to cut; write triangles, or polygons "
+                         "reading takes too long up to here; write triangles, or polygons "
                          "of fewer corners");
 }
 

@@ -239,27 +239,27 @@ static inline bool next(struct ply *ply, const struct element *e, uint32_t i, en
     return true;
 }
 
-/* Reads a number that counts: 0 to `most`. */
+/* Reads an integer from 0 to below `limit`. */
 static inline bool next_count(struct ply *ply, const struct element *e, uint32_t i, enum type type,
-                              uint64_t most, uint32_t *count)
+                              uint32_t limit, uint32_t *count)
 {
     struct pen_scan *s = &ply->b->scan;
     struct pen_number n;
     if (!ply->binary)
         pen_scan_space(s);
     const char *at = s->at;
-    if (type == U8 && ply->binary && at < s->end && (unsigned char)*at <= most) { /* nearly all */
+    if (type == U8 && ply->binary && at < s->end && (unsigned char)*at < limit) { /* nearly all */
         *count = (unsigned char)*s->at++;
         return true;
     }
     if (!next(ply, e, i, type, &n))
         return false;
-    if (!(n.d >= 0 && n.d <= (double)most) || n.d != (double)(uint32_t)n.d)
-        return pen_scan_fail(s, PEN_INVALID, at,
-                             "number %u of the element %s has %s where 0 to %llu is allowed; "
-                             "vertices are numbered from 0, and lists begin with their length",
-                             i + 1, pen_scan_found(s, e->name).text, pen_text_number(n.d).text,
-                             (unsigned long long)most);
+    if (!(n.d >= 0 && n.d < limit) || n.d != (double)(uint32_t)n.d)
+        return pen_scan_fail(
+            s, PEN_INVALID, at,
+            "number %u of the element %s has %s where an integer from 0 to below %u is allowed; "
+            "vertices are numbered from 0, and lists begin with their length",
+            i + 1, pen_scan_found(s, e->name).text, pen_text_number(n.d).text, limit);
     *count = (uint32_t)n.d;
     return true;
 }
@@ -310,7 +310,7 @@ static bool read_corners(struct ply *ply, const struct element *e, uint32_t i, e
     if (count > b->face_space && !pen_build_corners(b, b->scan.at, count))
         return false;
     for (uint32_t k = read_usual_corners(ply, type, count); k < count; k++)
-        if (!next_count(ply, e, i, type, b->m->vertex_count - 1, &b->face[k]))
+        if (!next_count(ply, e, i, type, b->m->vertex_count, &b->face[k]))
             return false;
     b->face_count = count;
     return true;
@@ -323,7 +323,7 @@ static inline bool read_one(struct ply *ply, const struct element *e, uint32_t i
     for (uint32_t k = 0; k < e->properties; k++) {
         const struct property *p = &ply->property[e->first + k];
         uint32_t count = 1;
-        bool ok = !p->list || next_count(ply, e, i, p->count_type, UINT32_MAX - 1, &count);
+        bool ok = !p->list || next_count(ply, e, i, p->count_type, UINT32_MAX, &count);
         if (measures && p->role == CORNERS && count > 2)
             ply->triangles += count - 2;
         if (!ok)
