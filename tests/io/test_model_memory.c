@@ -9,13 +9,41 @@
 #include "support/models.h"
 #include "support/random.h"
 
-/* This program's malloc: it counts bytes, and fails on request. */
+/* This program's malloc: it fails on request and, in a build without sanitizers, whose runtime
+ * allocates before it can count, it counts bytes. */
 static size_t live, peak;
 static long fail_after = -1; /* allocations; negative: none fails */
 static bool refused;
 
-typedef void *(*reallocate)(void *, size_t);
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+static void count(size_t more)
+{
+    (void)more;
+}
+#define malloc_usable_size(memory) (0 * (size_t)(memory))
+#else
+static void count(size_t more)
+{
+    live += more;
+    peak = live > peak ? live : peak;
+}
+
 typedef void (*release)(void *);
+
+void free(void *memory)
+{
+    static release system_free;
+    if (!system_free) {
+        void *found = dlsym(RTLD_NEXT, "free");
+        memcpy(&system_free, &found, sizeof found);
+    }
+    if (memory)
+        live -= malloc_usable_size(memory);
+    system_free(memory);
+}
+#endif
+
+typedef void *(*reallocate)(void *, size_t);
 
 #define UNWATCHED __attribute__((no_sanitize("address"), no_sanitize("thread")))
 
@@ -33,10 +61,8 @@ UNWATCHED static void *allocate(void *old, size_t bytes)
     }
     const size_t before = old ? malloc_usable_size(old) : 0;
     void *memory = system_realloc(old, bytes);
-    if (memory) {
-        live += malloc_usable_size(memory) - before;
-        peak = live > peak ? live : peak;
-    }
+    if (memory)
+        count(malloc_usable_size(memory) - before);
     return memory;
 }
 
@@ -48,18 +74,6 @@ UNWATCHED void *malloc(size_t bytes)
 UNWATCHED void *realloc(void *old, size_t bytes)
 {
     return allocate(old, bytes);
-}
-
-UNWATCHED void free(void *memory)
-{
-    static release system_free;
-    if (!system_free) {
-        void *found = dlsym(RTLD_NEXT, "free");
-        memcpy(&system_free, &found, sizeof found);
-    }
-    if (memory)
-        live -= malloc_usable_size(memory);
-    system_free(memory);
 }
 
 static const char obj[] = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv .2 .3 0\nv 0 0 1\nvn 0 0 1\n"

@@ -44,7 +44,7 @@ static const int sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
 static size_t put(unsigned char *out, int type, double value, bool big)
 {
     const int size = sizes[type];
-    uint64_t bits = (uint64_t)(int64_t)value;
+    uint64_t bits = type < 6 ? (uint64_t)(int64_t)value : 0;
     float f = (float)value;
     uint32_t word;
     memcpy(&word, &f, sizeof word);
