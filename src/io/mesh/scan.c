@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "io/mesh/scan.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -102,12 +101,13 @@ size_t pen_scan_word(struct pen_scan *s, const char **word)
     return (size_t)(s->at - *word);
 }
 
-/* Whether the float nearest to d is also the float nearest to a decimal that rounds to d. */
+/* Whether the float nearest to d is also the float nearest to a decimal that rounds to d, which is
+ * 0 or above 1e-28. */
 static bool decides_float(double d)
 {
     uint64_t bits;
     memcpy(&bits, &d, sizeof bits);
-    return (bits & 0x1fffffff) != 0x10000000 && (fabs(d) >= (double)FLT_MIN || d == 0);
+    return (bits & 0x1fffffff) != 0x10000000;
 }
 
 /* The nearest double of most decimals takes one division; it rounds to the nearest float, unless it
