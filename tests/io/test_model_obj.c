@@ -9,7 +9,7 @@ START_TEST(test_model_obj__reads_all_forms_of_corners)
     struct model r = {.mtl = NULL};
     ck_assert(model_text(&r, PEN_MODEL_OBJ,
                          "\xEF\xBB\xBF# f 1 2 3 \\\n" FOUR "vt 0 0\nvt 1 1\nvn 0 0 1\nvn 0 2 0\r\n"
-                         "g side\nf 1 2 3\nf 1/1 2/2 4/1 # a comment\nf -4//-1 -2//1 -1//2\n"
+                         "g side\nf 1 2 3\nf 1/1 2/2 4/1 # a comment \\\nf -4//-1 -2//1 -1//2\n"
                          "s off\no thing\nfo 2/1/2 3/2/1\\\n 4/-1/-2\r\n"
                          "\tf 1//1 \\\r\n 2 4//1"));
     model_check_corners(

@@ -61,11 +61,13 @@ bool pen_scan_more(struct pen_scan *s)
 void pen_scan_next_line(struct pen_scan *s)
 {
     const char *first = s->at, *line;
+    const bool comment = first < s->end && *first == '#';
     do {
         line = memchr(s->at, '\n', (size_t)(s->end - s->at));
         s->at = line ? line + 1 : s->end;
-    } while (line && ((line - first >= 1 && line[-1] == '\\') ||
-                      (line - first >= 2 && line[-1] == '\r' && line[-2] == '\\')));
+    } while (line && !comment &&
+             ((line - first >= 1 && line[-1] == '\\') ||
+              (line - first >= 2 && line[-1] == '\r' && line[-2] == '\\')));
 }
 
 /* A comment ends with its line, also after a backslash. */
