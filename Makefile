@@ -8,7 +8,7 @@ BUILD ?= build
 PREFIX ?= /usr/local
 DESTDIR ?=
 OPT ?= -O2 -g
-# Optimisation of the rooms that compute pixels, where a build with sanitizers spends most of its time.
+# Optimisation of the modules that compute pixels, where a build with sanitizers spends most of its time.
 PIXEL_OPT ?=
 SAN ?=
 WERROR ?=
@@ -25,10 +25,10 @@ endif
 
 VERSION := 0.1.0
 VERSION_DATE := 2026-11-22
-RENDER_ROOMS := base math geom accel scene shade film render io embed
-SERVICE_ROOMS := study store jobs access http
-# A room's files: those in its folder and in folders of that.
-room_files = $(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c))
+RENDER_MODULES := base math geom accel scene shade film render io embed
+SERVICE_MODULES := report study store jobs access http
+# A module's files: those in its folder and in folders of that.
+module_files = $(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c))
 
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla \
     -Wswitch-enum $(WERROR)
@@ -37,7 +37,7 @@ HARDEN := -fstack-protector-strong -fno-omit-frame-pointer
 # All kernels of a build with sanitizers are one (src/shade/internal/surface.h).
 SHARED_KERNELS ?= $(if $(SAN),-DPEN_SHARED_KERNELS)
 CPP := -D_GNU_SOURCE -DPEN_VERSION='"$(VERSION)"' -Isrc -Iinclude $(SHARED_KERNELS) $(CPPFLAGS)
-COMPILE = $(CC) $(CPP) $(OPT) $(ROOM_OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
+COMPILE = $(CC) $(CPP) $(OPT) $(MODULE_OPT) $(WARN) $(HARDEN) $(SAN) $(CFLAGS) $(PIXEL_FLAGS)
 # The build id is in the reports of benchmarks (src/study/host.c).
 LINK = $(CC) $(SAN) -pthread -Wl,--build-id=sha1 $(LDFLAGS)
 
@@ -73,12 +73,12 @@ MAN_NAMES := penumbra.1 penumbra.3 penumbra-scene.5 penumbrad.8
 MAN_PAGES := $(if $(SAN),,$(MAN_NAMES:%=$(BUILD)/man/%))
 COMPLETION := $(if $(SAN),,$(BUILD)/completion/penumbra.bash $(BUILD)/completion/penumbra.zsh)
 
-LIB_SRC := $(foreach r,$(RENDER_ROOMS),$(call room_files,$(r)))
-SVC_SRC := $(filter-out $(if $(filter 1,$(FARM)),,src/store/db_postgres%),$(foreach r,$(SERVICE_ROOMS),$(call room_files,$(r))))
+LIB_SRC := $(foreach r,$(RENDER_MODULES),$(call module_files,$(r)))
+SVC_SRC := $(filter-out $(if $(filter 1,$(FARM)),,src/store/db_postgres%),$(foreach r,$(SERVICE_MODULES),$(call module_files,$(r))))
 ISA_SRC := $(filter %_isa.c,$(LIB_SRC))
 ISA_OBJ := $(foreach isa,$(ISAS),$(ISA_SRC:%.c=$(BUILD)/%_$(isa).o))
 LIB_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(ISA_SRC),$(LIB_SRC))) $(ISA_OBJ) $(BUILD)/gen/builtin_scenes.o
-SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o $(BUILD)/gen/page_files.o $(BUILD)/gen/schema.o
+SVC_OBJ := $(SVC_SRC:%.c=$(BUILD)/%.o) $(BUILD)/gen/api_files.o $(BUILD)/gen/page_files.o $(BUILD)/gen/report_files.o $(BUILD)/gen/schema.o
 CMD_COMMON := $(sort $(wildcard src/cmd/*.c))
 CMD_OBJ := $(CMD_COMMON:%.c=$(BUILD)/%.o)
 CLIENT_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard src/cmd/client/*.c)))
@@ -96,7 +96,7 @@ have-deps:
 # visible outside libpenumbra.
 $(LIB_OBJ): LIB_FLAGS := -fPIC -fvisibility=hidden
 
-# For programs and tests of this tree: every symbol of the rooms.
+# For programs and tests of this tree: every symbol of the modules.
 $(BUILD)/librender.a: $(LIB_OBJ)
 	@rm -f $@
 	$(call say,AR ,$@)
@@ -127,7 +127,7 @@ $(BUILD)/penumbra $(BUILD)/penumbrad:
 	$(call say,LD ,$@)
 	$(Q)$(LINK) -o $@ $^ $(PKG_LIBS)
 
-$(foreach r,math geom accel shade film,$(eval $$(BUILD)/src/$(r)/%.o: ROOM_OPT := $$(PIXEL_OPT)))
+$(foreach r,math geom accel shade film,$(eval $$(BUILD)/src/$(r)/%.o: MODULE_OPT := $$(PIXEL_OPT)))
 # Loops over bytes of pixels, which the compiler vectorises at -O3.
 $(BUILD)/src/store/pixels.o: EXTRA := -O3
 $(BUILD)/src/store/db.o: EXTRA := $(if $(filter 1,$(FARM)),-DPEN_FARM)
@@ -158,6 +158,9 @@ PAGE_FILES := $(sort $(filter-out api/page/report.%,$(wildcard api/page/*)))
 $(BUILD)/gen/page_files.c: $(PAGE_FILES) deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_page_files $(PAGE_FILES) > $@.tmp && mv $@.tmp $@
+$(BUILD)/gen/report_files.c: $(sort $(wildcard api/page/report.*)) deploy/embed.sh
+	@mkdir -p $(@D)
+	$(Q)sh deploy/embed.sh pen_report_files $(sort $(wildcard api/page/report.*)) > $@.tmp && mv $@.tmp $@
 $(BUILD)/gen/schema.c: src/store/schema.sql deploy/embed.sh
 	@mkdir -p $(@D)
 	$(Q)sh deploy/embed.sh pen_store_schema src/store/schema.sql > $@.tmp && mv $@.tmp $@

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Checks the project's rules: layers, headers that compile alone, format, exported symbols and who calls
 # them, no libm in the renderer, no absolute epsilon where intersections are decided, references to
-# files that exist, words. Prints every offence; exit 1 if there is any.
+# files that exist, words and sentences. Prints every offence; exit 1 if there is any.
 set -eu
 build=${1:-build}
 cd "$(dirname "$0")/.."
@@ -21,8 +21,8 @@ count() { # counts what a command prints, a line an offence
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# 1. Layers: each #include against src/LAYERS. A header directly in src/ROOM is the room's door; one in
-# a folder below that belongs to the room alone, and to the tests that LAYERS names.
+# 1. Layers: each #include against src/LAYERS. A header directly in src/MODULE is public; one in
+# a folder below that belongs to the module alone, and to the tests that LAYERS names.
 git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' | sort >"$work/files"
 awk '
 FNR == NR {
@@ -31,31 +31,31 @@ FNR == NR {
         known[$1] = 1
         for (i = 3; i <= NF; i++) allowed[$1, $i] = 1
     } else if ($1 ~ /:$/) {
-        room = $1; sub(/:/, "", room); rooms[room] = 1; sees[room, room] = 1
+        module = $1; sub(/:/, "", module); modules[module] = 1; sees[module, module] = 1
         for (i = 2; i <= NF; i++)
-            for (r in rooms) if (sees[$i, r]) sees[room, r] = 1
+            for (r in modules) if (sees[$i, r]) sees[module, r] = 1
     }
     next
 }
 FNR == 1 {
     n = split(FILENAME, part, "/")
-    room = part[1] == "src" ? part[2] : part[1]
-    if (part[1] == "src" && !(room in rooms)) print FILENAME ": room \"" room "\" is not in src/LAYERS"
+    module = part[1] == "src" ? part[2] : part[1]
+    if (part[1] == "src" && !(module in modules)) print FILENAME ": module \"" module "\" is not in src/LAYERS"
 }
 /^[ \t]*#[ \t]*include/ {
     target = $0
     sub(/^[^"<]*["<]/, "", target); sub(/[">].*/, "", target)
     depth = split(target, t, "/")
     if ($0 !~ /"/) {
-        if ((target in known) && part[1] != "tests" && !allowed[target, room])
-            print FILENAME ":" FNR ": room " room " must not use " target
-    } else if (!(t[1] in rooms)) {
+        if ((target in known) && part[1] != "tests" && !allowed[target, module])
+            print FILENAME ":" FNR ": module " module " must not use " target
+    } else if (!(t[1] in modules)) {
         if (part[1] == "src" && !(target == "penumbra.h" && part[2] == "embed"))
             print FILENAME ":" FNR ": write the path from src/: " target
-    } else if (depth > 2 && t[1] != room) {
-        if (!allowed[target, FILENAME]) print FILENAME ":" FNR ": private header of room " t[1] ": " target
-    } else if (part[1] == "src" && !sees[room, t[1]]) {
-        print FILENAME ":" FNR ": room " room " must not see " target
+    } else if (depth > 2 && t[1] != module) {
+        if (!allowed[target, FILENAME]) print FILENAME ":" FNR ": private header of module " t[1] ": " target
+    } else if (part[1] == "src" && !sees[module, t[1]]) {
+        print FILENAME ":" FNR ": module " module " must not see " target
     }
 }' src/LAYERS $(cat "$work/files") >"$work/out"
 count "$work/out"
@@ -84,7 +84,7 @@ git ls-files 'src/*.[ch]' 'include/*.h' 'tests/*.[ch]' | xargs -P "$jobs" -n 40 
 sed -i 's/$/: not formatted (clang-format -i)/' "$work/out"
 count "$work/out"
 
-# 4. Exported symbols begin with pen_, those of room embed also with penumbra_; the renderer calls no libm but sqrt,
+# 4. Exported symbols begin with pen_, those of module embed also with penumbra_; the renderer calls no libm but sqrt,
 # fma and rounding (H104).
 make -s all BUILD="$build" >/dev/null
 nm -A -g --defined-only "$build"/src/[a-z]*/*.o "$build"/src/[a-z]*/*/*.o "$build"/gen/*.o 2>/dev/null |
@@ -189,7 +189,7 @@ function normal(path) { # a/../b is b
     return path
 }
 function offence(name) {
-    if (name ~ /^(build|usr|etc|proc|var|lib|sys|tmp)\// || name ~ /(ROOM|FOLDER|NAME|BUILD)/) return
+    if (name ~ /^(build|usr|etc|proc|var|lib|sys|tmp)\// || name ~ /(MODULE|FOLDER|NAME|BUILD)/) return
     if (name ~ /^[^\/]*\.(json|yaml|txt|xml|in)$/) return # made by an example
     if (name in there || ("src/" name) in there || ("tests/" name) in there) return
     if (normal(folder "/" name) in there || (name !~ /\// && (name in named || name in other))) return
@@ -273,6 +273,10 @@ awk "$code"'
             print FILENAME ":" FNR ": not a word of the field: " name
     }
 }' $(cat "$work/files") >"$work/out"
+count "$work/out"
+
+# 12. The English of pages and header comments.
+git ls-files '*.md' 'src/*.h' 'include/*.h' 'tests/*.h' | xargs python3 deploy/prose.py >"$work/out" || :
 count "$work/out"
 
 if [ "$fails" -gt 0 ]; then

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* libpenumbra: a ray tracer to embed. A scene goes in as JSON or XML text; a picture and statistics
- * come out. README.md ("Embedding it") shows how to compile and link.
+ * come out. include/README.md shows how to compile and link.
  *
  *     struct penumbra_errors *errors = NULL;
  *     struct penumbra_scene *scene = penumbra_scene_builtin("room", &errors);
@@ -98,8 +98,7 @@ PENUMBRA_API char *penumbra_scene_settings(const struct penumbra_scene *scene,
 
 /* ---- Rendering ---- */
 
-/* Upper bounds of what rendering one view takes. They come from counts: nothing is built or traced.
- */
+/* Upper bounds for rendering one view. They come from counts: nothing is built or traced. */
 struct penumbra_estimate {
     size_t size;          /* set by the caller: sizeof(struct penumbra_estimate) */
     int width, height;    /* pixels */

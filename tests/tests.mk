@@ -51,12 +51,12 @@ $(REPLAYS): $(BUILD)/tests/fuzz/replay_%: tests/fuzz/fuzz_%.c tests/fuzz/replay.
 	$(Q)$(COMPILE) -Itests $(PKG_CFLAGS) -pthread $(LDFLAGS) -o $@ $< tests/fuzz/replay.c \
 	    $(BUILD)/libservice.a $(BUILD)/librender.a $(PKG_LIBS)
 
-# Proofs that a scene pays for its own effects alone (src/shade/README.md). The kernels that are
+# Proofs that a scene pays for its own effects alone (src/shade/KERNELS.md). The kernels that are
 # stripped by hand are compiled as those of kernel_isa.c for AVX2.
 STRIPPED_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(sort $(wildcard tests/effects/stripped/*.c)))
 $(STRIPPED_OBJ): HARDEN := $(if $(SAN),-fno-omit-frame-pointer,-fomit-frame-pointer)
 $(STRIPPED_OBJ): LIB_FLAGS := -fPIC -fvisibility=hidden
-$(STRIPPED_OBJ): ROOM_OPT := $(PIXEL_OPT)
+$(STRIPPED_OBJ): MODULE_OPT := $(PIXEL_OPT)
 $(STRIPPED_OBJ): EXTRA := $(ISA_FLAGS_avx2) -DPEN_ISA=avx2 -Itests
 $(INSTRUCTIONS).o: EXTRA := $(CHECK_CFLAGS) -Itests
 $(INSTRUCTIONS): $(INSTRUCTIONS).o $(STRIPPED_OBJ) $(TEST_SUPPORT_LIB) $(BUILD)/librender.a
@@ -218,10 +218,10 @@ tsan:
 # The tests of the code that can hold memory errors, with sanitizers: a part of .ci/run. They are built
 # by clang, whose warnings are errors, so that one build serves both; of other tests clang sees the syntax.
 .PHONY: memory memory-build memory-programs
-MEMORY_ROOMS := base io film scene store jobs access http
+MEMORY_MODULES := base io film report scene store jobs access http
 # These render for minutes with sanitizers and have little else that they could find; make asan runs them.
 MEMORY_NOT := jobs/test_study_kept jobs/test_audits
-MEMORY_TESTS := $(filter-out $(MEMORY_NOT:%=tests/%.c),$(filter $(MEMORY_ROOMS:%=tests/%/%),$(TEST_SRC))) \
+MEMORY_TESTS := $(filter-out $(MEMORY_NOT:%=tests/%.c),$(filter $(MEMORY_MODULES:%=tests/%/%),$(TEST_SRC))) \
     tests/golden/test_golden.c tests/fuzz/check_corpus.sh
 # The runtime of the sanitizers is shared, as gcc's is, since tests have a malloc of their own
 # (tests/support/alloc.h).

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Calls the daemon. Everything goes through fetch, so that the token can be sent with it. A call that
- * changes nothing is repeated while the daemon cannot be reached, until its signal aborts it. */
+/* Calls the daemon. All calls use fetch, so that the token can be sent with them. A call that changes nothing
+ * is repeated while the daemon cannot be reached, until its signal aborts it. */
 
 const RETRY_MS = 1000;
 const KEY = "penumbra-token";
@@ -16,7 +16,8 @@ export class Problem extends Error {
 }
 
 const listeners = [];
-/* Calls listener(state, detail) with "up", "down" (a sentence) or "token" (why a token is wanted). */
+/* Calls listener(state, detail) with "up", "down" (detail: a sentence) or "token" (detail: why a token is
+ * needed). */
 export const onState = (listener) => listeners.push(listener);
 const tell = (state, detail) => listeners.forEach((listener) => listener(state, detail));
 
@@ -51,12 +52,12 @@ async function problemOf(response) {
     try {
         body = await response.json();
     } catch {
-        // a front's own page: the status alone tells
+        // a page of a proxy: only the status is known
     }
     return new Problem(response.status, body);
 }
 
-/* Sends one request, and again where that is safe. options: method, headers, body, signal. */
+/* Sends a request, and repeats it where that is safe. options: method, headers, body, signal. */
 export async function call(path, options = {}) {
     const safe = !options.method || options.method === "GET" || options.headers?.["Idempotency-Key"];
     for (;;) {
@@ -94,7 +95,7 @@ export async function get(path, signal) {
     return (await call(path, {signal, headers: {Accept: "application/json"}})).json();
 }
 
-/* Sends text or an object as JSON. XML is told by its first character, as the daemon tells it. */
+/* Sends text, or an object as JSON. The first character shows whether a text is XML, as in the daemon. */
 export async function post(path, body, signal, extra) {
     const text = typeof body === "string" ? body : JSON.stringify(body);
     const type = /^\s*</.test(text) ? "application/xml" : "application/json";
@@ -111,7 +112,7 @@ export async function address(path, signal, accept) {
     return url;
 }
 
-/* Saves what a path answers as a file. */
+/* Saves the answer of a path as a file. */
 export async function download(path, name, accept) {
     const url = URL.createObjectURL(await (await call(path, {headers: accept ? {Accept: accept} : {}})).blob());
     const link = document.createElement("a");
@@ -157,8 +158,8 @@ async function* streamEvents(response) {
     }
 }
 
-/* The events of a job until it has ended: {type, data}, with data parsed. A stream that breaks goes on
- * where it was. */
+/* Yields the events of a job until it has ended: {type, data}, with data parsed. A stream that breaks is
+ * resumed at its place. */
 export async function* jobEvents(id, signal) {
     let last = null;
     for (;;) {

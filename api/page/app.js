@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Shows the page that the address names after #: a view ends, with all that it waits for, when the address
- * changes. */
+/* Shows the page that the address names after #. When the address changes, the view ends, and with it all
+ * calls that it waits for. */
 
 import {onState, setToken} from "./api.js";
 import {put} from "./dom.js";

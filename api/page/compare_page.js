@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Two jobs' pictures under a slider, their measures and the map of their difference (FLIP). */
+/* The pictures of two jobs under a slider, their metrics, and the map of their difference (FLIP). */
 
 import {address, get} from "./api.js";
 import {el, field, problemBox, put, table} from "./dom.js";

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes elements. All text becomes text nodes, never markup, so that no name or message of a scene can
- * become part of the page. */
+/* Makes elements. All text becomes text nodes, never markup. So no name or message of a scene can become part
+ * of the page. */
 
-/* el("button", {class: "small", onclick: f}, "Text", child, …). Attributes that are null or false, and
- * children that are null, are left out. */
+/* el("button", {class: "small", onclick: f}, "Text", child, …). Left out are attributes that are null or
+ * false, and children that are null. */
 export function el(tag, attributes, ...children) {
     const element = document.createElement(tag);
     for (const [name, value] of Object.entries(attributes || {})) {
@@ -22,7 +22,8 @@ export function put(element, ...children) {
     return element;
 }
 
-/* A table: heads are texts, rows are lists of texts or elements. The first cell of a row is its head. */
+/* Makes a table: heads are texts, rows are lists of texts or elements. The first cell of a row is its head.
+ */
 export function table(caption, heads, rows) {
     return el("div", {class: "scroll", tabindex: "0", role: "region", "aria-label": caption},
         el("table", null,
@@ -32,7 +33,8 @@ export function table(caption, heads, rows) {
                 el("tr", null, el("th", {scope: "row"}, first), rest.map((cell) => el("td", null, cell)))))));
 }
 
-/* A labelled form field. Attributes go to the control; the kind "select" takes options as [value, text]. */
+/* Makes a labelled form field. Attributes go to the control. The kind "select" takes options as [value,
+ * text]. */
 let fields = 0;
 export function field(label, control, attributes, options) {
     const id = `field-${++fields}`;
@@ -45,7 +47,7 @@ export function button(text, onclick, attributes) {
     return el("button", {type: "button", onclick, ...attributes}, text);
 }
 
-/* What a call was refused for: its sentence and its list of places. */
+/* Shows why a call was refused: its sentence and its list of places. */
 export function problemBox(problem) {
     return el("div", {class: "problem", role: "alert"},
         el("p", null, problem.message),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The editor of a scene's text: paste, drop, line numbers, and marks at the lines of errors. `problems` is
- * the box of their sentences. */
+/* The editor of a scene's text: paste, drop, line numbers, and marks at lines with errors. `problems` is the
+ * box of the error sentences. */
 
 import {button, el, put} from "./dom.js";
 import {bytes} from "./format.js";
@@ -33,7 +33,7 @@ export function makeEditor(changed) {
         try {
             sessionStorage.setItem(KEPT, area.value);
         } catch {
-            // no space: the text is then lost when the page is loaded again
+            // no space: reloading the page then loses the text
         }
         changed();
     };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Numbers as people read them. */
+/* Numbers for readers. */
 
 const digits = (value, count) => value.toLocaleString("en", {maximumSignificantDigits: count});
 
@@ -30,5 +30,5 @@ export const number = (value) => (typeof value === "number" ? digits(value, 5) :
 
 export const date = (text) => (text ? new Date(text).toLocaleString() : "–");
 
-/* What a job is called: its name, or the last characters of its id, which differ most. */
+/* The title of a job: its name, or the last characters of its id, which differ most. */
 export const title = (job) => job.name || `${job.kind} …${job.id.slice(-8)}`;

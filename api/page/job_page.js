@@ -22,20 +22,16 @@ function progressBox(job, rate) {
     if (left != null)
         facts.push(`${time(left * 1000)} left`);
     if (rate != null)
-        facts.push(`${count(rate)} rays per second on this daemon`);
+        facts.push(`${count(rate)} rays per second`);
     return [el("progress", {max: "1", value: String(fraction), "aria-label": "Progress"}), el("p", null, facts.join(", "))];
 }
 
-/* The daemon's rays per second, from its counter, as long as the signal lasts. */
-async function watchRate(signal, tell) {
-    let before = null;
+/* Shows the rays per second of the committed work, until the signal aborts. */
+async function watchRate(id, signal, tell) {
     for (;;) {
-        const text = await (await call("metrics", {signal})).text();
-        const now = {rays: Number(/^penumbra_rays_total (\S+)/m.exec(text)?.[1]), ms: performance.now()};
-        if (before && now.rays > before.rays)
-            tell(((now.rays - before.rays) * 1000) / (now.ms - before.ms));
-        if (!before || now.rays > before.rays)
-            before = now;
+        const stats = await get(`v1/jobs/${id}/stats?so_far=true`, signal);
+        if (stats.rays.total > 0)
+            tell(stats.mrays_per_second * 1e6);
         await sleep(RATE_MS, signal);
     }
 }
@@ -137,7 +133,7 @@ export async function show(main, query, signal, [id]) {
     if (!ended(job)) {
         if (job.kind === "render")
             quietly(drawPreviews());
-        quietly(watchRate(live, (value) => {
+        quietly(watchRate(id, live, (value) => {
             rate = value;
             drawHead();
         }));

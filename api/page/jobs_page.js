@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The list of jobs: thumbnails, chips of states with counts, paging, and the choice of two to compare. The
- * address has the filters. */
+/* The list of jobs: thumbnails, chips of states with counts, paging, and the choice of two jobs to compare.
+ * The address contains the filters. */
 
 import {address, get, sleep} from "./api.js";
 import {button, el, field, put} from "./dom.js";
@@ -84,7 +84,7 @@ export function show(main, query, signal) {
         const answer = await get(`v1/jobs?${asked}`, signal);
         const key = JSON.stringify([answer.jobs.map((job) => [job.id, job.revision, job.progress]), answer.counts, answer.next]);
         if (key === shown)
-            return; // nothing moves under a pointer or a reader
+            return; // so that nothing moves under a pointer or a screen reader
         shown = key;
         const focused = list.contains(document.activeElement) && document.activeElement.closest("li");
         const at = focused ? [...list.children].indexOf(focused) : -1;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds the place of a JSON Pointer (RFC 6901) in a text. */
 
-/* Returns {start, end}, the offsets of the value that the pointer names. If the text lacks it, its nearest
- * parent is returned. The text must be valid JSON; null otherwise. For a pointer to a key of an object,
- * start is that of the key. */
+/* Returns {start, end}, the offsets of the value that the pointer names. If the text lacks it, those of its
+ * nearest parent. Returns null if the text is not valid JSON. For a pointer to a key of an object, start is
+ * that of the key. */
 export function findPointer(text, pointer) {
     const path = pointer.split("/").slice(1).map((part) => part.replace(/~1/g, "/").replace(/~0/g, "~"));
     let at = 0;

@@ -9,15 +9,14 @@ import {makeSettings} from "./settings.js";
 
 const PAUSE_MS = 500; // after the last change, before the daemon is asked
 
-/* The body of a job. The scene's text stays as it is, on lines of its own, so that places of errors can be
- * told. */
+/* The body of a job. The scene's text stays as it is, on its own lines, so that errors keep their places. */
 export function jobText(scene, job) {
     const rest = Object.entries(job).map(([key, value]) => `,\n${JSON.stringify(key)}:${JSON.stringify(value)}`);
     const text = /^\s*</.test(scene) ? JSON.stringify(scene) : scene;
     return `{"scene":\n${text}\n${rest.join("")}}`;
 }
 
-/* The name that a scene gives itself, for lists of jobs; undefined without one. */
+/* The name in a scene, for lists of jobs; undefined without a name. */
 function sceneName(scene) {
     try {
         const name = /^\s*</.test(scene)
@@ -29,7 +28,7 @@ function sceneName(scene) {
     }
 }
 
-/* Places in a job as places in its scene. Errors of other keys have their pointer in the sentence. */
+/* Converts places in a job to places in its scene. For errors of other keys, the sentence has the pointer. */
 function inScene(error, xml) {
     if (error.line)
         return xml ? error : {...error, line: error.line - 1};

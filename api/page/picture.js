@@ -8,7 +8,7 @@ import {bytes, number} from "./format.js";
 const ZOOMS = [0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32];
 const HEAD = 64; // bytes that hold the head of a PFM file
 
-/* Reads a PFM file: three lines of text, then rows of floats from the bottom row on. */
+/* Reads a PFM file: three lines of text, then rows of floats, the bottom row first. */
 export function parsePfm(buffer) {
     const head = new TextDecoder("latin1").decode(buffer.slice(0, HEAD));
     const [, kind, width, height, scale] = /^(PF|Pf)\s(\d+)\s(\d+)\s(\S+)\s/.exec(head);
@@ -26,7 +26,7 @@ export function parsePfm(buffer) {
     };
 }
 
-/* Returns {box, show(address, exactPath)}. exactPath is that of the same picture as PFM, or null. */
+/* Returns {box, show(address, exactPath)}. exactPath names the same picture as PFM; it may be null. */
 export function makePicture(label, signal) {
     const image = el("img", {alt: label, draggable: "false"});
     const mark = el("div", {class: "mark", hidden: true});
@@ -135,7 +135,7 @@ export function makePicture(label, signal) {
             exactButton.hidden = !path;
             exactButton.disabled = false;
         },
-        /* Says how large the floats are, before they are loaded. */
+        /* Shows the size of the floats before they are loaded. */
         size: (width, height) => { exactButton.title = `Loads the picture as floats, ${bytes(width * height * 12)}`; },
     };
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The form of a job's settings. An empty field leaves the scene's own value. */
+/* The form of a job's settings. An empty field keeps the scene's own value. */
 
 import {el, field} from "./dom.js";
 
@@ -83,7 +83,7 @@ export function makeSettings(changed) {
                 target[name] = Number(value(name));
         }
     };
-    /* The keys of a job beside its scene. Throws an Error whose message names the field. */
+    /* The keys of a job except its scene. Throws an Error whose message names the field. */
     const job = () => {
         const kind = value("kind");
         const result = {kind, render: parsed(fields.render.input, "The field of other settings")};

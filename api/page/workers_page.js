@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The workers of this daemon, and what they hold. */
+/* The workers of this daemon, and the jobs that they hold. */
 
 import {get, sleep} from "./api.js";
 import {el, put, table} from "./dom.js";

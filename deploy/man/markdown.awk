@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Turns the Markdown of this project's pages into man source: headings, paragraphs, `code`, **bold**
+# Turns the Markdown of this project's pages into man source: headings, paragraphs, lists, `code`, **bold**
 # and *emphasis*, fenced code, and tables, of which each row becomes a tagged paragraph.
 
 function inline(line,    out, at, piece) {
@@ -52,6 +52,7 @@ BEGIN { fresh = 1 } # behind a heading, where a paragraph has begun
 fenced { print roff($0); next }
 /^# / { next }
 /^## / { sub(/^## /, ""); print ".SH " toupper($0); table = 0; fresh = 1; next }
+/^### / { sub(/^### /, ""); print ".SS " $0; table = 0; fresh = 1; next }
 /^\|/ {
     if (!table) {
         table = 1
@@ -62,7 +63,9 @@ fenced { print roff($0); next }
     next
 }
 /^$/ { table = 0; gap = 1; next }
+/^- / { print ".IP \\(bu 2\n" inline(substr($0, 3)); gap = fresh = 0; next }
 {
+    sub(/^  /, "") # within an item
     if (gap && !fresh) print ".PP"
     gap = fresh = 0
     print inline($0)

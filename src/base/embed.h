@@ -22,5 +22,7 @@ extern const struct pen_embedded_file pen_api_files[];
 
 /* The files of the page at "/": all of api/page but the template of reports. As pen_api_files. */
 extern const struct pen_embedded_file pen_page_files[];
+/* The files api/page/report.*: the template of reports. Not part of libpenumbra. */
+extern const struct pen_embedded_file pen_report_files[];
 
 #endif

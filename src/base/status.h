@@ -88,7 +88,7 @@ const char *pen_code_title(enum pen_code code);
 /* The HTTP status of a response with this code. */
 int pen_code_http(enum pen_code code);
 
-/* The exit code of a command with this code (documented in README.md). */
+/* The exit code of a command with this code (documented in api/command-line.md). */
 int pen_code_exit(enum pen_code code);
 
 /* The code with this name, or PEN_INTERNAL if there is none. */

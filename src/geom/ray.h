@@ -7,7 +7,7 @@
  * thread or SIMD width can change which intersection is nearest.
  *
  * What a ray meets near its origin is decided by identity and geometry, never by an epsilon in
- * scene units: see the self-intersection rule in src/geom/README.md. */
+ * scene units: see the self-intersection rule in src/geom/SELF_INTERSECTION.md. */
 #ifndef PEN_GEOM_RAY_H
 #define PEN_GEOM_RAY_H
 

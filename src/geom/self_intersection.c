@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The intersections of a ray that starts on a surface, by the self-intersection rule, for each kind
- * of shape. src/geom/README.md states the rule with a figure and a decision table. P is the
- * primitive that the ray starts on, Q another one. internal/contact.h judges Q where the ray
+ * of shape. src/geom/SELF_INTERSECTION.md states the rule with a figure and a decision table. P is
+ * the primitive that the ray starts on, Q another one. internal/contact.h judges Q where the ray
  * starts. */
 #include "geom/internal/contact.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The callbacks of libmicrohttpd, which lead a request through its phases (see request.h).
+/* The callbacks of libmicrohttpd, which move a request through its phases (request.h).
  *
- * A reply is queued in the access callback only, never from another thread: the thread that answers
- * fills the reply and resumes the connection, and libmicrohttpd then calls the callback again. */
+ * A reply is queued in the access callback only, never from another thread. The thread that answers
+ * fills the reply and resumes the connection. libmicrohttpd then calls the callback again. */
 #include "http/internal/listener.h"
 
 #include <gnutls/gnutls.h>
@@ -24,8 +24,8 @@
 
 enum {
     STREAM_BYTES = 4096,   /* read from a stream at once */
-    STREAM_ACK_MS = 20000, /* a stream ends if its client acknowledges nothing for so long */
-    CLIENT_GONE = 499      /* in the log: nobody waited for the answer, as nginx has it */
+    STREAM_ACK_MS = 20000, /* a stream ends if its client acknowledges nothing for this time */
+    CLIENT_GONE = 499      /* in the log: the client had gone before the answer, as in nginx */
 };
 
 /* The header fields that the server reads. */
@@ -59,7 +59,7 @@ static const struct {
     {.name = "X-Forwarded-Host", .offset = offsetof(struct fields, forwarded_host), .last = true},
 };
 
-/* Keeps the value of a header field that the server reads; notes a repeated or malformed one. */
+/* Keeps the value of a header field that the server reads. Notes a repeated or malformed field. */
 static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *name,
                                 const char *value)
 {
@@ -87,9 +87,9 @@ static void unref_body(void *blob)
     pen_http_blob_unref(blob);
 }
 
-/* Called by libmicrohttpd when it can send more of an event stream. Without an event, the stream
- * suspends the connection until it has one. A stream never ends with an error: libmicrohttpd
- * (0.9.75 to 1.0.10) would keep the descriptor until its thread happens to look again. */
+/* Called by libmicrohttpd when it can send more of an event stream. Without an event, the
+ * connection is suspended until there is one. A stream never ends with an error, since
+ * libmicrohttpd (0.9.75 to 1.0.10) would then keep the descriptor for an unlimited time. */
 static ssize_t read_stream(void *cls, uint64_t position, char *out, size_t bytes)
 {
     (void)position;
@@ -106,8 +106,8 @@ static struct MHD_Response *make_response(struct request *request)
 {
     const struct reply *reply = &request->reply;
     if (reply->streaming && !reply->failed) {
-        /* The kernel does not probe while it has something to send. Not for other answers: it would
-         * end those of slow readers. */
+        /* The kernel does not probe a connection while it has data to send. Only streams get this
+         * timeout, since it would end other answers to slow readers. */
         setsockopt(request->fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &(unsigned){STREAM_ACK_MS},
                    sizeof(unsigned));
         return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BYTES, read_stream,
@@ -136,8 +136,8 @@ static void add_to_text(void *answer, const char *name, const char *value)
     pen_buf_printf(answer, "%s: %s\r\n", name, value);
 }
 
-/* A page of an origin that --cors names may read the answer. Whether it may depends on the field
- * Origin. */
+/* Adds the CORS fields: a page of an origin in --cors may read the answer. The answer then depends
+ * on the field Origin. */
 static void add_cors(const struct request *request, field_adder *add, void *answer)
 {
     if (!request->http->cors)
@@ -205,7 +205,7 @@ static enum MHD_Result dispatch(struct request *request)
     return MHD_YES;
 }
 
-/* Notes the client's address: the connection's, or the one for which the trusted proxy sends. */
+/* Sets the client's address: the connection's, or the one that the trusted proxy names. */
 static void find_client(struct request *request)
 {
     const union MHD_ConnectionInfo *info =
@@ -215,15 +215,16 @@ static void find_client(struct request *request)
     const bool known = info && pen_http_address_of(info->client_addr, peer);
     request->is_from_proxy = http->has_proxy && known && memcmp(peer, http->proxy, 16) == 0;
     const char *forwarded = request->is_from_proxy ? request->fields.forwarded_for : NULL;
-    /* Clients that the proxy names in vain are one. */
+    /* Clients whose address from the proxy cannot be read count as one client. */
     request->address_is_shared =
         !forwarded && (!known || request->is_from_proxy || pen_http_address_is_loopback(peer));
     if (forwarded)
         pen_http_address_forwarded(forwarded, peer);
 }
 
-/* The head is complete. libmicrohttpd closes the connection after an answer that is queued now. So
- * an answer is queued here only if a body follows that must not be read, else in the next call. */
+/* Called when the head is complete. libmicrohttpd closes the connection after an answer that is
+ * queued now. So an answer is queued here only if a body follows that must not be read. Otherwise
+ * it is queued in the next call. */
 static enum MHD_Result begin(struct request *request, const char *method, const char *version)
 {
     const union MHD_ConnectionInfo *info =
@@ -244,8 +245,9 @@ static enum MHD_Result begin(struct request *request, const char *method, const 
     return request->refused_early ? send_reply(request) : MHD_YES;
 }
 
-/* libmicrohttpd takes no answer in the middle of a body. So this one is sent past it: nothing else
- * is being sent on the connection. Then it closes the connection, and the close lingers. */
+/* Answers in the middle of a body. libmicrohttpd cannot do that, so the answer is written to the
+ * socket directly. This is safe, since nothing else is being sent on the connection. libmicrohttpd
+ * then closes the connection, and the close lingers. */
 static enum MHD_Result cut_short(struct request *request)
 {
     const struct reply *reply = &request->reply;

@@ -56,7 +56,7 @@ bool pen_http_is_address(const char *text)
     return pen_http_address_parse(text, ignored);
 }
 
-/* Leaves the address of one with a port: 192.0.2.1:80, [2001:db8::1]:80 or [2001:db8::1]. */
+/* Removes the port from an address: 192.0.2.1:80, [2001:db8::1]:80 or [2001:db8::1]. */
 static char *without_port(char *text)
 {
     char *end = strrchr(text, text[0] == '[' ? ']' : ':');

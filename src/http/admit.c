@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Admission: a request that can be refused by its request line and header fields is refused before
- * its body is read. Its connection then closes, and the close lingers (guard.c), so that a client
- * that writes before it reads gets its answer. */
+ * its body is read. Its connection then closes, and the close lingers (guard.c). So a client that
+ * writes before it reads gets its answer. */
 #include "http/internal/request.h"
 
 #include <stdio.h>
@@ -12,9 +12,9 @@
 #include "http/internal/http.h"
 #include "http/internal/routes.h"
 
-enum { HEAD_BYTES = 6 << 10 }; /* the most of a head */
+enum { HEAD_BYTES = 6 << 10 }; /* largest head */
 
-/* Reads a length, or UINT64_MAX if it is larger than that. */
+/* Reads a length. A larger number becomes UINT64_MAX. */
 static bool read_length(const char *text, uint64_t *length)
 {
     size_t digits = strspn(text, "0123456789");
@@ -24,8 +24,8 @@ static bool read_length(const char *text, uint64_t *length)
     return true;
 }
 
-/* Keeps a trace context (W3C Trace Context, version 00) only if it is well formed, as text that is
- * safe in logs. Zeros alone are not an id. */
+/* Keeps a trace context (W3C Trace Context, version 00) only if it is well formed, so that it is
+ * safe in logs. An id of zeros is not valid. */
 static void check_traceparent(struct fields *fields)
 {
     static const int part[] = {2, 32, 16, 2};
@@ -43,8 +43,7 @@ static void check_traceparent(struct fields *fields)
         fields->traceparent = NULL;
 }
 
-/* Checks what libmicrohttpd lets through but the parsed head shows: whatever two servers could read
- * differently is refused. */
+/* Refuses heads that two servers could read differently and that libmicrohttpd accepts. */
 static bool check_framing(struct request *request, struct pen_status *st)
 {
     const struct fields *fields = &request->fields;
@@ -77,8 +76,9 @@ static const char *host_of(const struct request *request)
     return request->target.authority ? request->target.authority : request->fields.host;
 }
 
-/* Without tokens everybody who reaches the port may do everything. So it must be reached under a
- * name of this machine: a page of a foreign site could otherwise resolve its own name to it. */
+/* Checks the Host field if there are no tokens. Then every client that reaches the port may do
+ * everything. So the Host must be a name of this machine. Otherwise a page of a foreign site could
+ * resolve its own name to this machine. */
 static bool check_host(const struct request *request, struct pen_status *st)
 {
     const char *host = host_of(request);
@@ -88,8 +88,8 @@ static bool check_host(const struct request *request, struct pen_status *st)
                     host ? host : "");
 }
 
-/* A browser lets a page of any site send simple requests to this server, and names the page's
- * origin. It must be the daemon's own, or one that --cors names. */
+/* Checks the Origin field. A browser lets a page of any site send simple requests to this server,
+ * and names the page's origin. It must be the daemon's own, or one in --cors. */
 static bool check_origin(struct request *request, struct pen_status *st)
 {
     const struct pen_http *http = request->http;
@@ -102,17 +102,20 @@ static bool check_origin(struct request *request, struct pen_status *st)
         return true;
     request->is_cross_origin = http->cors && pen_origin_listed(http->cors, origin);
     return request->is_cross_origin ||
-           pen_fail(st, PEN_FORBIDDEN, "requests from pages of %.200s are not allowed", origin);
+           pen_fail(st, PEN_FORBIDDEN,
+                    "requests from pages of %.200s are not allowed; the daemon's --cors allows "
+                    "another site, --trusted-proxy a proxy",
+                    origin);
 }
 
-/* Job ids are UUIDs. Any other text names no job. */
+/* Reads the job id of the path. Job ids are UUIDs; any other text names no job. */
 static bool read_job_id(struct request *request, struct pen_status *st)
 {
     return pen_uuid_parse(request->arg, request->job_id) ||
            pen_fail(st, PEN_NOT_FOUND, "there is no job \"%.80s\"", request->arg);
 }
 
-/* Checks the token before anything is told of the path: an unknown path needs one, too. */
+/* Checks the token before the path, so that an unknown path needs a token too. */
 static bool check_token(struct request *request, struct pen_status *st)
 {
     struct pen_tokens *tokens = request->http->tokens;
@@ -173,7 +176,6 @@ static bool check_media(const struct request *request, struct pen_status *st)
     case PEN_MEDIA_NONE:
     case PEN_MEDIA_JSON:
     case PEN_MEDIA_XML:
-    case PEN_MEDIA_XML_UTF16:
         return true;
     case PEN_MEDIA_OTHER:
         break;
@@ -185,7 +187,7 @@ static bool check_media(const struct request *request, struct pen_status *st)
         request->fields.content_type);
 }
 
-/* "identity" says that the body is as it is, as no field does. */
+/* Checks Content-Encoding. "identity" means an uncompressed body, as a missing field does. */
 static bool check_encoding(struct request *request, struct pen_status *st)
 {
     const char *encoding = request->fields.content_encoding;
@@ -213,7 +215,8 @@ static bool check_drain(const struct request *request, struct pen_status *st)
     return true;
 }
 
-/* A page of an allowed origin asks what it may send. It has no token yet. */
+/* Answers a preflight request, with which a page of an allowed origin asks what it may send. It has
+ * no token yet. */
 static bool answer_preflight(struct request *request)
 {
     struct reply *reply = &request->reply;
@@ -228,7 +231,7 @@ static bool answer_preflight(struct request *request)
     return true;
 }
 
-/* Returns whether the request may go on; otherwise *st says why not, or the reply is there. */
+/* Returns whether the request is admitted. If not, *st has the reason, or the reply is filled. */
 static bool admit(struct request *request, struct pen_status *st)
 {
     return pen_target_parse(request->raw_target, &request->target, st) && check_host(request, st) &&

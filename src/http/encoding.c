@@ -12,13 +12,13 @@
 
 enum {
     PART_BYTES = 64 << 10,
-    GZIP_BITS = 15 + 16,    /* zlib's way to say gzip */
-    LEVEL = 5,              /* beyond it, reports take twice the time and become 2 % smaller */
+    GZIP_BITS = 15 + 16,    /* zlib's code for gzip */
+    LEVEL = 5,              /* higher levels take twice the time for reports that are 2 % smaller */
     SMALL_BYTES = 1400,     /* one packet */
-    LARGE_BYTES = 32 << 20, /* would keep a thread for too long */
+    LARGE_BYTES = 32 << 20, /* would occupy a thread for too long */
 };
 
-/* Decompresses one member and those that follow it. */
+/* Decompresses all members of a gzip file. */
 static bool inflate_all(z_stream *stream, size_t limit, struct pen_buf *out, struct pen_status *st)
 {
     unsigned char *part = malloc(PART_BYTES);
@@ -110,7 +110,8 @@ static int find_field(const struct reply *reply, const char *name)
     return -1;
 }
 
-/* A strong tag names the bytes that are sent, so the compressed ones have a tag of their own. */
+/* Changes the entity tag. A strong tag identifies the bytes that are sent, so compressed bytes have
+ * their own tag. */
 static void change_tag(struct reply *reply)
 {
     const int at = find_field(reply, "ETag");
@@ -121,7 +122,7 @@ static void change_tag(struct reply *reply)
     pen_http_reply_remove(reply, at);
 }
 
-/* Whether compression makes the body smaller: pictures of pixels are compressed already. */
+/* Whether compression makes the body smaller. Pictures are compressed already. */
 static bool is_compressible(const struct reply *reply)
 {
     const int type = find_field(reply, "Content-Type");
@@ -140,13 +141,13 @@ void pen_http_request_encode(struct request *request)
     if (reply->bytes < SMALL_BYTES || reply->bytes > LARGE_BYTES ||
         !pen_encoding_is_gzip(request->fields.accept_encoding))
         return;
-    if (reply->status == 304) { /* it has no body */
+    if (reply->status == 304) { /* a 304 has no body */
         change_tag(reply);
         return;
     }
     struct blob *gzip = pen_http_blob_gzip(reply->body);
     if (!gzip)
-        return; /* the plain body is as good */
+        return; /* the plain body is sent instead */
     pen_http_blob_unref(reply->body);
     reply->body = gzip;
     reply->bytes = gzip->content.bytes;

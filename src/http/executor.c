@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The queues and one lock, which is held for a few instructions at a time. */
+/* The queues, with one lock, which is held for a few instructions at a time. */
 #include "http/internal/executor.h"
 
 #include <malloc.h>
@@ -13,9 +13,9 @@
 #include "jobs/jobs.h"
 
 enum {
-    QUEUES = QUEUE_COMPUTE + 1, /* that of QUEUE_NONE stays empty */
+    QUEUES = QUEUE_COMPUTE + 1, /* the queue of QUEUE_NONE stays empty */
     THREADS = 10,
-    WAITING_MOST = 1024, /* requests in a queue */
+    WAITING_MOST = 1024, /* most requests in a queue */
     LARGE_BYTES = 1 << 20
 };
 
@@ -25,7 +25,7 @@ static const enum queue_id queue_of[THREADS] = {
     QUEUE_CHANGES, QUEUE_CHANGES, QUEUE_CHANGES, QUEUE_COMPUTE, QUEUE_COMPUTE};
 
 struct queue {
-    struct request *first, **last; /* guarded by lock, as the count */
+    struct request *first, **last; /* guarded by lock, as is the count */
     int count;
     pthread_cond_t filled;
 };
@@ -41,11 +41,11 @@ struct executor {
     pthread_mutex_t lock;
     struct queue queue[QUEUES];
     bool closed;      /* guarded by lock */
-    int thread_count; /* of those that have been started */
+    int thread_count; /* number of started threads */
     struct thread thread[THREADS];
 };
 
-/* Waits for the next request of a queue. Returns NULL once the executor is closed and the queue
+/* Waits for the next request of a queue. Returns NULL when the executor is closed and the queue is
  * empty. */
 static struct request *next_request(struct executor *executor, struct queue *queue)
 {
@@ -63,7 +63,7 @@ static struct request *next_request(struct executor *executor, struct queue *que
     return request;
 }
 
-/* Runs the handler, and answers 503 instead if there is no memory for the answer. */
+/* Runs the handler. Answers 503 if there is no memory for the answer. */
 static void run(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_http *http = request->http;
@@ -79,7 +79,7 @@ static void run(struct request *request, struct pen_jobs *jobs)
     pen_http_resume(request);
     pen_http_check_store(http, jobs);
     if (large)
-        malloc_trim(0); /* a body's parsed form is many small blocks, whose pages would be kept */
+        malloc_trim(0); /* returns the pages of a parsed body, which is many small blocks */
 }
 
 static void *work(void *arg)
@@ -156,7 +156,7 @@ void pen_http_executor_free(struct executor *executor)
     free(executor);
 }
 
-/* Returns NULL, or why the request is not taken. */
+/* Adds a request to a queue. Returns NULL, or the reason for a refusal. */
 static const char *enqueue(struct executor *executor, struct queue *queue, struct request *request)
 {
     if (executor->closed)

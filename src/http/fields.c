@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The meaning of single header fields and parameters. A malformed field is read in the harmless
- * way: as no match, no range, another type, a host that is not loopback. */
+ * way: as no match, no range, another type, or a host that is not loopback. */
 #include <ctype.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -84,7 +84,8 @@ bool pen_origin_listed(const char *list, const char *origin)
     return false;
 }
 
-/* The media type with the charset of its parameters; PEN_MEDIA_OTHER if that is not read. */
+/* The media type; PEN_MEDIA_OTHER if its parameters name a charset that is not supported. The bytes
+ * of an XML document show whether it is in UTF-16. */
 static enum pen_media with_charset(enum pen_media media, const char *parameters)
 {
     const char *charset = strcasestr(parameters, "charset=");
@@ -99,7 +100,7 @@ static enum pen_media with_charset(enum pen_media media, const char *parameters)
     bool utf16 = (length == 6 && strncasecmp(charset, "utf-16", length) == 0) ||
                  (length == 8 && strncasecmp(charset, "utf-16le", length) == 0) ||
                  (length == 8 && strncasecmp(charset, "utf-16be", length) == 0);
-    return utf16 && media == PEN_MEDIA_XML ? PEN_MEDIA_XML_UTF16 : PEN_MEDIA_OTHER;
+    return utf16 && media == PEN_MEDIA_XML ? media : PEN_MEDIA_OTHER;
 }
 
 enum pen_media pen_media_parse(const char *content_type)
@@ -157,7 +158,7 @@ bool pen_etag_known(const char *if_none_match, const char *etag)
     return pen_etag_listed(if_none_match, etag) || pen_etag_listed(if_none_match, compressed);
 }
 
-/* How closely a media range of `length` bytes names a type: 3 exactly, 2 as "main/" and a star, 1
+/* How closely a media range of `length` bytes matches a type: 3 exactly, 2 as "main/" and a star, 1
  * as any type, 0 not at all. */
 static int range_fits(const char *range, size_t length, const char *type)
 {
@@ -169,7 +170,7 @@ static int range_fits(const char *range, size_t length, const char *type)
     return length == 3 && memcmp(range, "*/*", 3) == 0;
 }
 
-/* The value of the parameter q of a media range: 1 if there is none, 0 if it is malformed. */
+/* The value of the parameter q of a media range: 1 if it is missing, 0 if it is malformed. */
 static double quality_of(const char *at, const char *end)
 {
     while (at < end) {
@@ -201,7 +202,7 @@ bool pen_encoding_is_gzip(const char *accept_encoding)
     return (gzip < 0 ? any : gzip) > 0;
 }
 
-/* How much a type is preferred: the q of the media range that names it most closely. */
+/* The preference for a type: the q of the media range that matches it most closely. */
 static double preference_for(const char *accept, const char *type)
 {
     double preference = 0;
@@ -234,7 +235,7 @@ int pen_accept_choose(const char *accept, const char *const *types, int count)
     return best;
 }
 
-/* Reads digits. A number beyond UINT64_MAX becomes UINT64_MAX, which lies beyond any size too. */
+/* Reads digits. A larger number becomes UINT64_MAX, which also lies beyond any size. */
 static bool read_offset(const char **text, uint64_t *value)
 {
     const char *at = *text;

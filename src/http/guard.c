@@ -17,29 +17,32 @@
 
 enum {
     TICK_MS = 250,
-    LINGER_MS = 60000,      /* the longest time for which a closed connection is read */
-    LINGER_QUIET_MS = 2000, /* without a byte */
-    LINGER_MOST = 512,      /* connections at once, */
-    LINGER_PART = 16,       /* and one in so many descriptors */
-    EVICT_IDLE_MS = 100,    /* a connection that has waited for less is not closed for others */
-    EVICT_BUSY_MS = 1000,   /* the same within a head or a body */
-    EVICT_PART = 128,    /* one in so many more is closed, so that not every new connection is one
-                          * too many */
-    SEND_GRACE_MS = 2000 /* answers that take less are not looked at */
+    LINGER_MS = 60000,      /* longest time for which a closed connection is read */
+    LINGER_QUIET_MS = 2000, /* longest time without a byte */
+    LINGER_MOST = 512,      /* lingering connections at once: at most this number, */
+    LINGER_PART = 16,       /* and at most one in this number of descriptors */
+    EVICT_IDLE_MS = 100,    /* a connection that waited for less is not closed for others */
+    EVICT_BUSY_MS = 1000,   /* the same for a connection within a head or a body */
+    /* One in this number of connections is closed in addition, so that not every new connection is
+     * one too many. */
+    EVICT_PART = 128,
+    SEND_GRACE_MS = 2000 /* answers that take less time are not checked */
 };
 
 struct peer {
-    _Atomic int state;         /* atomic: release, with since_ms */
-    _Atomic int64_t since_ms;  /* when it came into its state, or when a window of it began.
-                                * atomic: relaxed, a time that is late by a tick does no harm */
+    _Atomic int state; /* atomic: release, with since_ms */
+    /* Start of its state, or of a window of the state. atomic: relaxed, a time that is late by a
+     * tick does no harm */
+    _Atomic int64_t since_ms;
     _Atomic uint64_t received; /* bytes of bodies. atomic: relaxed, a sum */
-    atomic_bool served;        /* it has had an answer. atomic: relaxed, it chooses a deadline */
-    /* Guarded by the lock, as what follows. */
-    uint64_t window_from; /* `received`, or bytes that were acknowledged, when the window began */
-    int window_state;     /* the state that the window is of */
-    bool doomed;          /* shut down, and not yet closed by libmicrohttpd */
+    atomic_bool served;        /* it has got an answer. atomic: relaxed, it chooses a deadline */
+    /* The following members are guarded by the lock. */
+    /* `received`, or the acknowledged bytes, at the start of the window. */
+    uint64_t window_from;
+    int window_state; /* the state of the window */
+    bool doomed;      /* shut down, and not yet closed by libmicrohttpd */
     struct request *watched;
-    int64_t linger_ms, quiet_ms; /* until when a lingering descriptor is read; 0: it is none */
+    int64_t linger_ms, quiet_ms; /* deadlines of a lingering descriptor; 0: it does not linger */
 };
 
 struct guard {
@@ -47,11 +50,11 @@ struct guard {
     pthread_t thread;
     int set, wake;        /* an epoll set; an eventfd in it */
     atomic_bool stopping; /* atomic: relaxed, read in a loop that wake ends */
-    atomic_int open;      /* connections. atomic: relaxed, a number to look at */
+    atomic_int open;      /* number of connections. atomic: relaxed, for information */
     pthread_mutex_t lock;
     int top;                /* guarded by lock: the highest descriptor so far */
     int lingering;          /* guarded by lock */
-    int *sorted;            /* the thread's: room for all descriptors */
+    int *sorted;            /* the thread's: space for all descriptors */
     char dropped[64 << 10]; /* the thread's: what lingering connections send */
     struct peer peer[];
 };
@@ -101,9 +104,9 @@ void pen_guard_opened(struct guard *guard, int fd)
         eventfd_write(guard->wake, 1);
 }
 
-/* To close a socket with unread bytes would reset the connection, and the client could lose its
- * answer. A second descriptor keeps the socket: its sending side is shut down, and the guard reads
- * and drops what the client still sends. Called with the lock held. */
+/* Makes a close linger. Closing a socket with unread bytes would reset the connection, and the
+ * client could lose its answer. So a second descriptor keeps the socket. Its sending side is shut
+ * down, and the guard reads and drops what the client still sends. Called with the lock held. */
 static void linger(struct guard *guard, int fd)
 {
     int unread = 0;
@@ -135,7 +138,7 @@ static void end_linger(struct guard *guard, int fd)
 {
     guard->peer[fd].linger_ms = 0;
     guard->lingering--;
-    close(fd); /* which takes it out of the set: it is the last descriptor of the socket */
+    close(fd); /* also removes it from the set, as the last descriptor of the socket */
 }
 
 void pen_guard_closing(struct guard *guard, int fd)
@@ -181,12 +184,13 @@ int pen_guard_count(struct guard *guard, int counts[PEER_STATES])
     return atomic_load_explicit(&guard->open, memory_order_relaxed);
 }
 
-/* Shuts a connection down; libmicrohttpd sees its end and closes it. Called with the lock held. */
+/* Shuts a connection down; libmicrohttpd notices and closes it. Called with the lock held. */
 static void doom(struct guard *guard, int fd)
 {
     const struct linger at_once = {.l_onoff = 1};
     guard->peer[fd].doomed = true;
-    if (atomic_load(&guard->peer[fd].state) == PEER_SEND) /* drop what the client does not take */
+    if (atomic_load(&guard->peer[fd].state) ==
+        PEER_SEND) /* drop the bytes that the client does not read */
         setsockopt(fd, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
     shutdown(fd, SHUT_RDWR);
 }
@@ -198,7 +202,8 @@ static uint64_t acknowledged(int fd)
     return getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &bytes) == 0 ? info.tcpi_bytes_acked : 0;
 }
 
-/* Closes a body or a reader that was too slow in its window, or begins the next window. */
+/* Closes a connection whose body or reader was too slow in its window. Otherwise begins the next
+ * window. */
 static void check_window(struct guard *guard, int fd, int state, int64_t now, int ms,
                          unsigned least)
 {

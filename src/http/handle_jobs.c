@@ -11,11 +11,11 @@
 #include "http/internal/watch.h"
 #include "io/document.h"
 
-enum { EXPLAIN_WAIT_S = 10 }; /* after which the answer to an explain is the job */
+enum { EXPLAIN_WAIT_S = 10 }; /* after this time the answer to an explain is the job */
 
-/* Adds to the first error that the body seems to have lost its line breaks, which curl -d removes:
- * all places then are on line 1. A body of curl's type on one line shows it by indentation between
- * its elements, or by its length. */
+/* Adds a hint to the first error if the body seems to have lost its line breaks, which curl -d
+ * removes. All places are then on line 1. The signs are curl's default type, one line, and
+ * indentation between elements or a great length. */
 static void hint_at_lost_lines(const struct request *request, struct pen_errors *errors)
 {
     enum { LONG_LINE = 200 };
@@ -43,7 +43,7 @@ static enum outcome answer_errors(struct request *request, struct pen_errors *er
     return OUTCOME_ANSWERED;
 }
 
-/* The body as a submission. A body without a type is XML if it begins like XML. */
+/* Reads the body as a submission. A body without a type is XML if it begins like XML. */
 static struct pen_submission read_submission(const struct request *request)
 {
     struct pen_submission in = {.body = request->body.data ? (const char *)request->body.data : "",
@@ -52,45 +52,13 @@ static struct pen_submission read_submission(const struct request *request)
                                 .traceparent = request->fields.traceparent,
                                 .idempotency_key = request->fields.idempotency_key};
     enum pen_media media = pen_media_parse(request->fields.content_type);
-    in.xml = media == PEN_MEDIA_XML || media == PEN_MEDIA_XML_UTF16 ||
-             (media == PEN_MEDIA_NONE && pen_text_is_xml(in.body, in.bytes));
+    in.xml =
+        media == PEN_MEDIA_XML || (media == PEN_MEDIA_NONE && pen_text_is_xml(in.body, in.bytes));
     return in;
 }
 
-/* Answers a request whose charset is UTF-16 although its body is not. Returns whether it is right.
- */
-static bool check_charset(struct request *request)
-{
-    struct pen_status st;
-    if (pen_media_parse(request->fields.content_type) != PEN_MEDIA_XML_UTF16 ||
-        pen_text_is_utf16((const char *)request->body.data, request->body.bytes))
-        return true;
-    pen_fail(&st, PEN_MEDIA_TYPE,
-             "the charset is UTF-16, but the body does not begin with a byte-order mark of UTF-16; "
-             "application/xml in UTF-8 needs no charset");
-    pen_http_request_fail(request, &st);
-    return false;
-}
-
-bool pen_http_quick_refusal(struct request *request)
-{
-    enum { BYTES_MAX = 128 }; /* of any kind take 6 µs at most, 1 KiB of "[{},{}…" takes 37 */
-    struct pen_errors errors;
-    errors.count = errors.total = 0; /* the list has 16 KB, which need not be cleared */
-    if (request->body.bytes > BYTES_MAX || request->fields.content_encoding ||
-        request->fields.idempotency_key)
-        return false;
-    const struct pen_submission in = read_submission(request);
-    if (!check_charset(request))
-        return true;
-    if (!pen_jobs_refuses(&in, &request->http->limits, &errors))
-        return false;
-    answer_errors(request, &errors);
-    return true;
-}
-
-/* A job that was stored tells what a probe would tell /readyz. If the store has just refused one,
- * the next /readyz probes it again. */
+/* Notes for /readyz whether the store took a job. A stored job proves as much as a probe. If the
+ * store refused a job, the next /readyz probes it. */
 static void note_readiness(struct pen_http *http, const struct pen_errors *errors)
 {
     const enum pen_code code = errors->count ? errors->item[0].code : PEN_OK;
@@ -103,15 +71,13 @@ static void note_readiness(struct pen_http *http, const struct pen_errors *error
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* Makes a job of the body. Returns whether it is there; otherwise the request is answered. */
+/* Makes a job of the body. Returns whether there is one; otherwise the request is answered. */
 static bool submit(struct request *request, struct pen_jobs *jobs, bool explain,
                    struct pen_submitted *out)
 {
     char client[CLIENT_BYTES];
     struct pen_submission in = read_submission(request);
     struct pen_errors errors = {0};
-    if (!check_charset(request))
-        return false;
     in.client = pen_http_request_client(request, client);
     in.explain = explain;
     if (explain)
@@ -150,8 +116,6 @@ enum outcome pen_http_handle_validate(struct request *request, struct pen_jobs *
     struct pen_submission in = read_submission(request);
     struct pen_errors errors = {0};
     json_t *answer = NULL;
-    if (!check_charset(request))
-        return OUTCOME_ANSWERED;
     if (!pen_jobs_validate(jobs, &in, &answer, &errors))
         return answer_errors(request, &errors);
     return pen_http_request_json(request, 200, answer);
@@ -185,7 +149,7 @@ static void answer_error(struct request *request, const struct snapshot *snapsho
     json_decref(job);
 }
 
-/* Only a client that has gone knows of the job: it is cancelled, and not kept. */
+/* Cancels and deletes a job, since its only client has gone. */
 static void drop_job(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_job_snapshot job;
@@ -198,9 +162,9 @@ static void drop_job(struct request *request, struct pen_jobs *jobs)
     pen_http_request_fail(request, &st);
 }
 
-/* Answers with the explanation, the error that took its place, or the job if it takes long. The job
- * of an explanation that was answered is not kept, nor is a cancelled one. A failed job stays,
- * since its error says how to repeat it from the job's scene. */
+/* Answers with the explanation, the error of a failed job, or the job if it takes long. The job of
+ * an explanation is deleted when it was answered or cancelled. A failed job stays, since its error
+ * says how to repeat it from the job's scene. */
 static void answer_explanation(struct request *request, struct pen_jobs *jobs,
                                const struct snapshot *snapshot)
 {
@@ -224,10 +188,10 @@ static void answer_explanation(struct request *request, struct pen_jobs *jobs,
         pen_http_reply_field(reply, "Location", "/v1/jobs/%s", request->job_id);
     if ((reply->status == 200 && !reply->failed) || snapshot->state == PEN_JOB_CANCELLED)
         pen_jobs_delete(jobs, request->job_id, NULL, false,
-                        &st); /* if it fails, the list has one job more */
+                        &st); /* if this fails, the list keeps the job */
 }
 
-/* Reads the job, and answers, or gives the request to the watcher until its deadline. */
+/* Reads the job. Answers, or gives the request to the watcher until its deadline. */
 static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_http *http = request->http;
@@ -243,7 +207,7 @@ static enum outcome read_or_wait(struct request *request, struct pen_jobs *jobs)
         result = pen_http_watch_add(http->watch, request, changes);
     /* A request that the watcher has accepted must not be touched here any more. */
     if (result != WATCH_ACCEPTED && explains) {
-        answer_explanation(request, jobs, &snapshot); /* its job is made in any case */
+        answer_explanation(request, jobs, &snapshot); /* its job exists in any case */
     } else if (result == WATCH_CLOSED) {
         pen_http_snapshot_reply(&snapshot, request);
     } else if (result == WATCH_FULL) {
@@ -271,7 +235,7 @@ enum outcome pen_http_handle_explain(struct request *request, struct pen_jobs *j
             return OUTCOME_ANSWERED;
         pen_buf_release(&out.answer);
         pen_http_request_drop_body(request);
-        request->fields.if_none_match = NULL; /* of a POST it says nothing */
+        request->fields.if_none_match = NULL; /* has no meaning for a POST */
         request->deadline_ns = pen_clock_ns() + EXPLAIN_WAIT_S * INT64_C(1000000000);
     }
     return read_or_wait(request, jobs);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* GET /metrics: the state of the queue, of the store and of this process in Prometheus' text format
- * 0.0.4, with base units. Counters of work and of the store are those of all its processes
- * (pen_tally); they begin again at 0 when its -wake file is made anew, which Prometheus takes for a
- * restart. */
+ * 0.0.4, with base units. Counters of work and of the store are sums over all processes of the
+ * store. */
 #include <math.h>
 #include <stdio.h>
 #include <unistd.h>
@@ -84,7 +83,7 @@ static void add_work(struct pen_buf *out, const struct pen_counters *counters)
             counters->count[PEN_COUNT_WORKER_STARTS]);
 }
 
-/* The resident memory of this process; 0: not known. */
+/* The resident memory of this process; 0: unknown. */
 static double resident_bytes(void)
 {
     unsigned long long size, resident = 0;
@@ -125,7 +124,7 @@ static unsigned long long count_of(const atomic_uint_least64_t *sum)
     return atomic_load_explicit(sum, memory_order_relaxed);
 }
 
-/* Of this process alone, since it started. */
+/* Adds counters of this process alone, since it started. */
 static void add_refusals(struct pen_buf *out, const struct pen_http *http)
 {
     const char *const refused = "penumbra_http_refused_requests_total";

@@ -7,6 +7,7 @@
 #include "http/internal/request.h"
 #include "http/internal/routes.h"
 #include "io/document.h"
+#include "report/report.h"
 
 static const char forever[] = "private, max-age=86400, immutable";
 
@@ -17,8 +18,8 @@ static bool other_job(const struct request *request, char id[PEN_ID_BYTES])
     return with && pen_uuid_parse(with, id);
 }
 
-/* Whether a result that is not there may still come: a job of the request has not ended, and none
- * has ended without a picture. */
+/* Whether a missing result may still come: a job of the request has not ended, and no job has ended
+ * without a picture. */
 static bool may_come(const struct request *request, struct pen_jobs *jobs)
 {
     char with[PEN_ID_BYTES];
@@ -46,7 +47,7 @@ static enum outcome answer_status(struct request *request, struct pen_jobs *jobs
     return OUTCOME_ANSWERED;
 }
 
-/* Answers with what was made for this client alone. */
+/* Answers with an image that was made for this client alone. */
 static enum outcome answer_image(struct request *request, struct pen_image *image,
                                  const char *cache_control)
 {
@@ -72,7 +73,7 @@ static enum outcome answer_hashed(struct request *request, struct blob *blob, co
 typedef bool make_image(struct pen_jobs *jobs, const char *id, const struct pen_image_query *query,
                         struct pen_image *out, struct pen_status *st);
 
-/* Answers with a picture that is kept, or with a new one, which is then kept. */
+/* Answers with a kept picture, or makes and keeps it. */
 static enum outcome answer_kept(struct request *request, struct pen_jobs *jobs,
                                 const struct pen_image_query *query, make_image *make)
 {
@@ -150,7 +151,7 @@ enum outcome pen_http_handle_scene(struct request *request, struct pen_jobs *job
                          xml ? "application/xml" : "application/json", forever);
 }
 
-/* The format of a report that the client prefers; HTML if it accepts anything. */
+/* The format of a report that the client prefers; HTML if it accepts all. */
 static const char *choose_format(const struct request *request, struct pen_status *st)
 {
     static const char *const types[] = {"text/html", "application/json", "text/csv",
@@ -166,8 +167,8 @@ static const char *choose_format(const struct request *request, struct pen_statu
     return NULL;
 }
 
-/* Makes the report in *format, or, where there is none in that format, as JSON if the client
- * accepts that too; *format is then "json". */
+/* Makes the report in *format. If it does not exist in that format, makes it as JSON if the client
+ * accepts JSON; *format is then "json". */
 static bool make_report(const struct request *request, struct pen_jobs *jobs, const char **format,
                         struct pen_image *report, struct pen_status *st)
 {
@@ -189,7 +190,6 @@ enum outcome pen_http_handle_report(struct request *request, struct pen_jobs *jo
         return answer_status(request, jobs, &st);
     pen_http_reply_field(&request->reply, "Vary", "Accept, Accept-Encoding");
     if (strcmp(format, "html") == 0)
-        pen_http_reply_field(&request->reply, "Content-Security-Policy",
-                             "default-src 'none'; style-src 'unsafe-inline'; img-src data:");
+        pen_http_reply_field(&request->reply, "Content-Security-Policy", "%s", pen_report_policy());
     return answer_image(request, &report, forever);
 }

@@ -12,8 +12,7 @@
 static const int64_t probe_again_ns = INT64_C(1000000000);
 static const int64_t probe_late_ns = 5 * INT64_C(1000000000);
 
-/* The file of static_files.h that a path names: those of a folder have the folder's name before
- * theirs. */
+/* Finds the file that a path names. A file in a folder has the name "folder/file". */
 static const struct static_file *find_file(const struct request *request, struct pen_status *st)
 {
     const struct pen_target *target = &request->target;
@@ -68,10 +67,10 @@ enum outcome pen_http_handle_workers(struct request *request, struct pen_jobs *j
                    : pen_http_request_fail(request, &st);
 }
 
-/* Whether a write reaches the disk: as the last job that was stored says (handle_jobs.c), or else a
- * probe, at most once a second, so that a monitor that polls often does not wear the disk. While
- * one thread probes, which may have to wait for a large job to be stored, others use the last
- * result, if it is not old. */
+/* Finds out whether a write reaches the disk. The last submit shows it (handle_jobs.c), else a
+ * probe. There is at most one probe a second, so that a frequent monitor does not wear the disk. A
+ * probe may wait until a large job is stored. Meanwhile other threads use the last result, if it is
+ * recent. */
 static void probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
 {
     pthread_mutex_lock(&http->ready_lock);
@@ -91,8 +90,7 @@ static void probe(struct pen_http *http, struct pen_jobs *jobs, struct pen_statu
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* Fails with the reason why the daemon is not ready: it ends, a reason that pen_http_set_not_ready
- * has set, the store takes no writes, or a broken token file. */
+/* Fails with the reason why the daemon is not ready. */
 static bool check_ready(struct pen_http *http, struct pen_jobs *jobs, struct pen_status *st)
 {
     struct pen_status fault;
@@ -102,7 +100,7 @@ static bool check_ready(struct pen_http *http, struct pen_jobs *jobs, struct pen
     const bool ok =
         !http->not_ready_reason[0] || pen_fail(st, PEN_UNAVAILABLE, "%s", http->not_ready_reason);
     pthread_mutex_unlock(&http->ready_lock);
-    if (!ok) /* after an I/O error a probe might end this process, too */
+    if (!ok) /* after an I/O error, a probe might end this process too */
         return false;
     probe(http, jobs, &fault);
     if (fault.code != PEN_OK)

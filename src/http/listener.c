@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* The acceptor thread accepts connections and gives them to libmicrohttpd, which does not accept
- * any itself, for three reasons:
+/* The acceptor thread accepts connections and gives them to libmicrohttpd, which accepts none
+ * itself, for three reasons:
  *   - MHD_quiesce_daemon races with the library's threads.
  *   - MHD_stop_daemon shuts the listening socket down, but the socket belongs to the supervisor.
- *   - One of its threads that has its share of the limit stops accepting without a word. So its
- *     limit is far above the guard's, and the guard closes idle connections for new ones.
+ *   - A thread of the library that has its share of the limit stops accepting silently. So the
+ *     library's limit is far above the guard's, and the guard closes idle connections.
  *
- * TLS is served in poll mode: in epoll mode a stalled handshake keeps a thread busy
- * (0.9.75, 1.0.1). */
+ * TLS is served in poll mode, since in epoll mode a stalled handshake keeps a thread busy (0.9.75,
+ * 1.0.1). */
 #include "http/internal/listener.h"
 
 #include <errno.h>
@@ -35,35 +35,37 @@
 enum {
     CONNECTIONS = 8192,
     SPARE_FILES = 128,     /* descriptors for the store and everything else */
-    POOL_BYTES = 16 << 10, /* of a connection: its head, and what is read of a body at once */
+    POOL_BYTES = 16 << 10, /* memory of a connection: its head, and a part of a body */
     THREADS = 2,
-    BACKLOG_BURST = 64, /* connections that are accepted before the acceptor looks up */
-    REFRESH_MS = 1000,  /* between looks at tokens and certificate */
-    FULL_WAIT_MS = 50,  /* without descriptors */
+    BACKLOG_BURST =
+        64, /* connections that are accepted before the acceptor checks its other tasks */
+    REFRESH_MS = 1000, /* between checks of tokens and certificate */
+    FULL_WAIT_MS = 50, /* pause when there are no descriptors */
     IDLE_S = 30,
     HEAD_S = 10,
     BODY_S = 10,
-    BODY_BYTES = 40 << 10, /* the least of a body in BODY_S */
+    BODY_BYTES = 40 << 10, /* fewest bytes of a body in BODY_S */
     SEND_S = 30,
-    SEND_BYTES = 128 << 10 /* the least of an answer in SEND_S */
+    SEND_BYTES = 128 << 10 /* fewest bytes of an answer in SEND_S */
 };
 
-/* A host that has vanished closes nothing. Probes find that out on a silent connection within 20 s.
- * The kernel sends none while it has something to send; the deadline of readers ends that wait. */
+/* A host that has vanished closes no connection. Probes detect it within 20 s on a silent
+ * connection. The kernel sends no probes while it has data to send; then the deadline of readers
+ * applies. */
 enum { PROBE_AFTER_S = 10, PROBE_EVERY_S = 5, PROBES = 2 };
 
-/* What the kernel takes of an answer beyond what it has sent. With megabytes the guard could not
- * tell a slow reader from one that reads nothing. */
+/* The bytes of an answer that the kernel takes beyond those that it has sent. With megabytes, the
+ * guard could not distinguish a slow reader from a client that reads nothing. */
 enum { UNSENT_BYTES = 128 << 10 };
 
 struct listener {
     struct pen_http *http;
     struct MHD_Daemon *daemon;
     int listen_fd;
-    int stop_fd;                  /* an eventfd: readable once accepting has to end */
+    int stop_fd;                  /* an eventfd: readable when accepting must end */
     int connections, descriptors; /* the guard's limits */
     pthread_t acceptor;
-    bool accepting; /* the acceptor thread runs and has to be joined */
+    bool accepting; /* the acceptor thread runs and must be joined */
 };
 
 static void on_message(void *cls, const char *format, va_list args)
@@ -89,7 +91,7 @@ static void on_connection(void *cls, struct MHD_Connection *connection, void **c
         pen_guard_closing(http->guard, fd);
 }
 
-/* Leaves percent-encoding in targets: target.c splits them before it decodes them. */
+/* Keeps percent-encoding in targets, since target.c splits them before it decodes them. */
 static size_t keep_escapes(void *cls, struct MHD_Connection *connection, char *text)
 {
     (void)cls, (void)connection;
@@ -107,7 +109,7 @@ static void set_options(int fd)
     static const struct {
         int level, name, value;
     } options[] = {{SOL_SOCKET, SO_KEEPALIVE, 1},
-                   {IPPROTO_TCP, TCP_NODELAY, 1}, /* answers are written whole */
+                   {IPPROTO_TCP, TCP_NODELAY, 1}, /* answers are written as a whole */
                    {IPPROTO_TCP, TCP_KEEPIDLE, PROBE_AFTER_S},
                    {IPPROTO_TCP, TCP_KEEPINTVL, PROBE_EVERY_S},
                    {IPPROTO_TCP, TCP_KEEPCNT, PROBES},
@@ -116,7 +118,7 @@ static void set_options(int fd)
         setsockopt(fd, options[i].level, options[i].name, &options[i].value, sizeof(int));
 }
 
-/* Accepts one connection. Returns whether there may be more. */
+/* Accepts one connection. Returns whether more may be waiting. */
 static bool accept_one(struct listener *listener)
 {
     struct sockaddr_storage peer;
@@ -137,8 +139,8 @@ static bool accept_one(struct listener *listener)
     return true;
 }
 
-/* Reads tokens and certificate again if they have changed. This thread does it since it never waits
- * for the store. */
+/* Reads tokens and certificate again if they have changed. The acceptor thread does it, since it
+ * never waits for the store. */
 static void refresh(struct pen_http *http)
 {
     if (http->tokens)
@@ -167,7 +169,7 @@ static void *accept_all(void *arg)
     return NULL;
 }
 
-/* The numbers of connections and descriptors that the process may have. */
+/* Sets the numbers of connections and descriptors that the process may have. */
 static void set_limits(struct listener *listener, int wanted)
 {
     struct rlimit files;
@@ -200,8 +202,9 @@ static bool start_guard(struct listener *listener, int idle_seconds, struct pen_
     return listener->http->guard != NULL;
 }
 
-/* Level 1 of 1.0 refuses malformed heads. In 0.9.75 it drops a space in a target without an answer
- * and sends the head of a refusal twice; there level -1 and the checks of admit.c do better. */
+/* Strictness level 1 of version 1.0 refuses malformed heads. In 0.9.75, level 1 drops a space in a
+ * target without an answer, and sends the head of a refusal twice. There, level -1 with the checks
+ * of admit.c is better. */
 #if MHD_VERSION >= 0x00097701
 #define STRICTNESS                                                                                 \
     {                                                                                              \
@@ -223,7 +226,7 @@ static bool start_daemon(struct listener *listener, struct pen_status *st)
         STRICTNESS,
         {MHD_OPTION_THREAD_POOL_SIZE, THREADS, NULL},
         {MHD_OPTION_CONNECTION_LIMIT, THREADS * 2 * listener->descriptors, NULL},
-        {MHD_OPTION_CONNECTION_TIMEOUT, 0, NULL}, /* the guard's work */
+        {MHD_OPTION_CONNECTION_TIMEOUT, 0, NULL}, /* the guard has the deadlines */
         {MHD_OPTION_CONNECTION_MEMORY_LIMIT, POOL_BYTES, NULL},
         {http->tls ? MHD_OPTION_HTTPS_PRIORITIES : MHD_OPTION_END, 0, (void *)pen_tls_priorities},
         {MHD_OPTION_END, 0, NULL}};
@@ -242,7 +245,8 @@ static bool start_daemon(struct listener *listener, struct pen_status *st)
            pen_fail(st, PEN_UNAVAILABLE, "libmicrohttpd %s does not start", MHD_get_version());
 }
 
-/* Another process may accept the connection that poll() announced: accept must not block. */
+/* Prepares the socket. Another process may accept a connection that poll() announced, so accept
+ * must not block. */
 static bool prepare_socket(struct listener *listener, struct pen_status *st)
 {
     const int flags = fcntl(listener->listen_fd, F_GETFL);

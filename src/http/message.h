@@ -15,12 +15,12 @@
 enum { PEN_SEGMENTS_MAX = 8, PEN_PARAMS_MAX = 16 };
 
 struct pen_param {
-    const char *name, *value; /* value is "" where the query has none */
+    const char *name, *value; /* value is "" if the query has none */
 };
 
 /* A parsed and decoded request target. "/" has no segments, "/a/" has "a" and "". */
 struct pen_target {
-    char *text;            /* owns the bytes that the other members point into */
+    char *text;            /* owns the bytes to which the other members point */
     const char *authority; /* of a target "http://authority/path"; else NULL */
     int segment_count;     /* may exceed PEN_SEGMENTS_MAX; the array holds the first ones */
     const char *segment[PEN_SEGMENTS_MAX];
@@ -35,20 +35,20 @@ struct pen_target {
 bool pen_target_parse(const char *raw, struct pen_target *target, struct pen_status *st);
 void pen_target_release(struct pen_target *target);
 
-/* Whether the path matches a template such as "/v1/jobs/{id}/image". *arg becomes the segment in
+/* Whether the path matches a template such as "/v1/jobs/{id}/image". *arg becomes the segment at
  * the place of the braces, or NULL if the template has none. */
 bool pen_target_matches(const struct pen_target *target, const char *template, const char **arg);
 
 /* The value of a parameter, or NULL if the query does not have it. */
 const char *pen_target_param(const struct pen_target *target, const char *name);
 
-/* Whether text has no control character except tab, and none of those in `excluded`. */
+/* Whether text has no control character except tab, and no character of `excluded`. */
 bool pen_text_is_plain(const char *text, const char *excluded);
 
 /* Whether text is an integer of one to nine digits, from low to high; stores it in *number. */
 bool pen_number_parse(const char *text, long low, long high, long *number);
 
-/* Whether text is a UUID; writes it in lower case, which is the same one. */
+/* Whether text is a UUID. Writes it in lower case, which names the same UUID. */
 enum { PEN_UUID_BYTES = 37 };
 bool pen_uuid_parse(const char *text, char uuid[PEN_UUID_BYTES]);
 
@@ -56,11 +56,11 @@ bool pen_uuid_parse(const char *text, char uuid[PEN_UUID_BYTES]);
  * for NULL. */
 bool pen_host_is_loopback(const char *host);
 
-/* Whether an Origin is the site that a scheme (NULL: any) and a Host name: the request then comes
+/* Whether an Origin names the same site as a scheme (NULL: any) and a Host. Then the request comes
  * from a page of the daemon itself. */
 bool pen_origin_is_host(const char *origin, const char *scheme, const char *host);
 
-/* Whether an Origin is one of a list with spaces between them. */
+/* Whether an Origin is in a list of origins separated by spaces. */
 bool pen_origin_listed(const char *list, const char *origin);
 
 /* The type of a body, from its Content-Type. */
@@ -68,7 +68,6 @@ enum pen_media {
     PEN_MEDIA_NONE, /* no type, or curl's default type: the body's first byte decides */
     PEN_MEDIA_JSON,
     PEN_MEDIA_XML,
-    PEN_MEDIA_XML_UTF16, /* XML that must begin with a byte-order mark of UTF-16 */
     PEN_MEDIA_OTHER
 };
 enum pen_media pen_media_parse(const char *content_type);
@@ -77,29 +76,30 @@ enum pen_media pen_media_parse(const char *content_type);
  * Source: RFC 9110, section 13.1.2. */
 bool pen_etag_listed(const char *if_none_match, const char *etag);
 
-/* What the entity tag of a compressed representation has before its closing quote. */
+/* The text that the entity tag of a compressed representation has before its closing quote. */
 #define PEN_GZIP_TAG "-gzip"
 
 /* As pen_etag_listed; the tag of the compressed representation counts as well. */
 bool pen_etag_known(const char *if_none_match, const char *etag);
 
-/* Whether an Accept-Encoding field (NULL: not sent) accepts gzip. Source: RFC 9110, section
- * 12.5.3. */
+/* Whether an Accept-Encoding field (NULL: not sent) accepts gzip.
+ * Source: RFC 9110, section 12.5.3. */
 bool pen_encoding_is_gzip(const char *accept_encoding);
 
-/* The index of the media type, of `count`, that an Accept field prefers; of equally preferred ones
- * the first; -1: it accepts none of them. An absent or empty field accepts anything. Parameters
- * other than q are ignored.
+/* The index of the media type, among `count` types, that an Accept field prefers. Of equally
+ * preferred types, the first; -1 if it accepts none of them. An absent or empty field accepts any
+ * type. Parameters other than q are ignored.
  * Source: RFC 9110, section 12.5.1. */
 int pen_accept_choose(const char *accept, const char *const *types, int count);
 
 enum pen_range_kind {
-    PEN_RANGE_WHOLE, /* no range, several, or one of another unit: send everything */
+    PEN_RANGE_WHOLE, /* no range, several ranges, or another unit: send everything */
     PEN_RANGE_PART,
     PEN_RANGE_OUTSIDE /* 416 */
 };
 
-/* The part of `size` bytes that a Range field selects. Source: RFC 9110, section 14.1.2. */
+/* The part of `size` bytes that a Range field selects.
+ * Source: RFC 9110, section 14.1.2. */
 enum pen_range_kind pen_range_parse(const char *range, uint64_t size, uint64_t *first,
                                     uint64_t *count);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The pictures that were kept last, in a ring. */
+/* The pictures that were kept last, as a ring. */
 #include "http/internal/pictures.h"
 
 #include <pthread.h>
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEPT = 256, KEY_BYTES = 340 }; /* a list of thumbnails is kept whole */
+enum { KEPT = 256, KEY_BYTES = 340 }; /* enough for a list of thumbnails */
 
 struct kept {
     char key[KEY_BYTES];
@@ -18,7 +18,7 @@ struct pictures {
     size_t budget_bytes;
     atomic_size_t bytes; /* of the answers. atomic: relaxed, a sum */
     pthread_mutex_t lock;
-    int next;               /* guarded by lock: the place that is filled next, the oldest */
+    int next; /* guarded by lock: the place that is filled next, which holds the oldest picture */
     struct kept kept[KEPT]; /* guarded by lock */
 };
 
@@ -48,7 +48,8 @@ void pen_http_pictures_free(struct pictures *pictures)
     free(pictures);
 }
 
-/* The name of a view has 200 bytes at most, so only a key that is not kept can be cut. */
+/* Writes the key of a picture. The name of a view has at most 200 bytes, so a key of a kept picture
+ * is never cut. */
 static void write_key(const char *job, const struct pen_image_query *query, char key[KEY_BYTES])
 {
     const char *layer = query->layer ? query->layer : "beauty";
@@ -82,8 +83,8 @@ bool pen_http_pictures_find(struct pictures *pictures, const char *job,
     return found;
 }
 
-/* Counts an answer, if it is large; if need be, drops pictures that nobody reads, the oldest first.
- * Called with the lock held. */
+/* Counts an answer, if it is large. If necessary, drops pictures without a reader, the oldest
+ * first. Called with the lock held. */
 static bool count(struct pictures *pictures, struct blob *blob, struct pen_status *st)
 {
     const size_t bytes = blob->content.bytes;
@@ -123,11 +124,12 @@ bool pen_http_pictures_take(struct pictures *pictures, const char *job,
     write_key(job, query, key);
     memcpy(picture.type, image->type, sizeof picture.type);
     memcpy(picture.etag, image->etag, sizeof picture.etag);
-    picture.blob = pen_http_blob_take(&image->bytes); /* may write a file: without the lock */
+    picture.blob =
+        pen_http_blob_take(&image->bytes); /* may write a file, so the lock is not held */
     if (!picture.blob)
         return pen_fail(st, PEN_NO_MEMORY, "no memory for a picture");
     pthread_mutex_lock(&pictures->lock);
-    bool ok = find(pictures, key, out); /* if another thread was quicker */
+    bool ok = find(pictures, key, out); /* another thread may have kept it meanwhile */
     if (!ok && count(pictures, picture.blob, st)) {
         keep(pictures, key, &picture);
         ok = find(pictures, key, out);

@@ -10,21 +10,14 @@
 #include "base/clock.h"
 #include "store/store.h"
 
-/* How long a queue is kept, in units of the time that it took to read. */
+/* How long a queue is kept, in units of its reading time. */
 enum { KEPT_TIMES = 20 };
-
-struct entry {
-    char id[PEN_ID_BYTES];
-    int64_t place;
-};
 
 struct queue {
     pthread_mutex_t lock;
-    struct entry *entry;    /* guarded by lock, sorted by id */
-    size_t count;           /* guarded by lock */
-    struct pen_queue facts; /* guarded by lock: of the queue, without its ids */
-    int64_t until_ns;       /* guarded by lock: when it has to be read again */
-    bool reading;           /* guarded by lock: a thread is reading it */
+    struct pen_queue last; /* guarded by lock: the queue at the last reading */
+    int64_t until_ns;      /* guarded by lock: the time of the next reading */
+    bool reading;          /* guarded by lock: a thread is reading it */
 };
 
 struct queue *pen_http_queue_new(void)
@@ -40,57 +33,31 @@ void pen_http_queue_free(struct queue *queue)
     if (!queue)
         return;
     pthread_mutex_destroy(&queue->lock);
-    free(queue->entry);
+    pen_buf_release(&queue->last.ids);
     free(queue);
 }
 
-static int by_id(const void *a, const void *b)
-{
-    return strcmp(((const struct entry *)a)->id, ((const struct entry *)b)->id);
-}
-
-/* The entries of a queue. *count is 0 if there is no memory. Owns: the caller frees them. */
-static struct entry *make_entries(const struct pen_queue *queue, size_t *count)
-{
-    *count = queue->ids.bytes / PEN_ID_BYTES;
-    struct entry *entry = *count ? malloc(*count * sizeof *entry) : NULL;
-    if (!entry)
-        *count = 0;
-    for (size_t i = 0; i < *count; i++) {
-        memcpy(entry[i].id, queue->ids.data + i * PEN_ID_BYTES, PEN_ID_BYTES);
-        entry[i].place = (int64_t)i + 1;
-    }
-    if (*count)
-        qsort(entry, *count, sizeof *entry, by_id);
-    return entry;
-}
-
-/* Called with the lock held, which is given up meanwhile: others use what was read last. */
+/* Reads the queue again. Called with the lock held, which is released meanwhile, so that other
+ * threads use the last reading. */
 static void read_again(struct queue *queue, struct pen_jobs *jobs)
 {
-    size_t count = 0;
-    struct entry *entry = NULL;
     struct pen_queue read;
     struct pen_status ignored;
     queue->reading = true;
     pthread_mutex_unlock(&queue->lock);
     const int64_t begun_ns = pen_clock_ns();
-    if (pen_store_queue(pen_jobs_store(jobs), &read, &ignored))
-        entry = make_entries(&read, &count);
-    pen_buf_release(&read.ids);
+    if (!pen_store_queue(pen_jobs_store(jobs), &read, &ignored))
+        pen_buf_release(&read.ids);
     const int64_t now_ns = pen_clock_ns();
     pthread_mutex_lock(&queue->lock);
-    free(queue->entry);
-    queue->entry = entry;
-    queue->count = count;
-    queue->facts = read;
-    queue->facts.ids = (struct pen_buf){0};
+    pen_buf_release(&queue->last.ids);
+    queue->last = read;
     queue->until_ns = now_ns + KEPT_TIMES * (now_ns - begun_ns);
     queue->reading = false;
 }
 
-/* The jobs before a place, and the one there, take a worker's time each, once the batches in hand
- * are done. The last one takes that long, however many workers there are. */
+/* The expected time until the job at a place ends. After the batches in progress, the jobs up to
+ * this place take a worker's time each. The last job takes that long for any number of workers. */
 static double eta_seconds(const struct pen_queue *queue, int64_t place)
 {
     if (queue->workers == 0 || queue->job_us == 0)
@@ -103,17 +70,16 @@ static double eta_seconds(const struct pen_queue *queue, int64_t place)
 struct queue_place pen_http_queue_place(struct queue *queue, struct pen_jobs *jobs, const char *id)
 {
     struct queue_place place = {0};
-    struct entry key = {.place = 0};
-    strncpy(key.id, id, sizeof key.id - 1);
     pthread_mutex_lock(&queue->lock);
     if (!queue->reading && pen_clock_ns() >= queue->until_ns)
         read_again(queue, jobs);
-    const struct entry *found =
-        queue->count ? bsearch(&key, queue->entry, queue->count, sizeof key, by_id) : NULL;
-    if (found) {
-        place.number = found->place;
-        place.eta_seconds = eta_seconds(&queue->facts, found->place);
+    const struct pen_buf *ids = &queue->last.ids;
+    for (size_t at = 0; at < ids->bytes && place.number == 0; at += PEN_ID_BYTES) {
+        if (strcmp((const char *)ids->data + at, id) == 0)
+            place.number = (int64_t)(at / PEN_ID_BYTES) + 1;
     }
+    if (place.number > 0)
+        place.eta_seconds = eta_seconds(&queue->last, place.number);
     pthread_mutex_unlock(&queue->lock);
     return place;
 }

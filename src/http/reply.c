@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Bodies that are shared, and building replies. */
+/* Shared bodies, and building replies. */
 #include "http/internal/reply.h"
 
 #include <fcntl.h>
@@ -13,14 +13,14 @@
 
 #include "http/internal/encoding.h"
 
-/* A file that has no name, in $TMPDIR. -1: there is none. */
+/* Opens a file without a name in $TMPDIR. Returns -1 on failure. */
 static int open_unlinked(void)
 {
     const char *folder = getenv("TMPDIR");
     return open(folder && *folder ? folder : "/tmp", O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
 }
 
-/* Moves large contents into a mapped file. Where that fails they stay as they are. */
+/* Moves large contents into a mapped file. On failure they stay in memory. */
 static void map_content(struct blob *blob)
 {
     struct pen_buf *content = &blob->content;
@@ -139,7 +139,7 @@ void pen_http_reply_field(struct reply *reply, const char *name, const char *for
     char *value = NULL;
     va_list args;
     va_start(args, format);
-    if (!strchr(format, '%')) /* nearly all: these two take a third of the time */
+    if (!strchr(format, '%')) /* nearly all formats; the two calls below take a third of the time */
         value = strdup(format);
     else if (strcmp(format, "%s") == 0)
         value = strdup(va_arg(args, const char *));

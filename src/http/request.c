@@ -2,6 +2,7 @@
 /* Making, answering and freeing a request. */
 #include "http/internal/request.h"
 
+#include <inttypes.h>
 #include <microhttpd.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,14 +17,6 @@
 
 enum { BODIES_BYTES = 256 << 20 };
 
-/* Writes a number in so many hexadecimal digits, and a zero byte. */
-static void write_hex(char *out, uint32_t number, int digits)
-{
-    out[digits] = '\0';
-    for (int i = digits - 1; i >= 0; i--, number >>= 4)
-        out[i] = "0123456789abcdef"[number & 15];
-}
-
 void pen_http_request_name(struct request *request)
 {
     const char *theirs = request->fields.request_id;
@@ -36,9 +29,7 @@ void pen_http_request_name(struct request *request)
     }
     struct pen_http *http = request->http;
     uint32_t n = atomic_fetch_add_explicit(&http->request_count, 1, memory_order_relaxed);
-    write_hex(request->id, http->id_prefix, 8);
-    request->id[8] = '-';
-    write_hex(request->id + 9, n, n < 1 << 24 ? 6 : 8);
+    snprintf(request->id, sizeof request->id, "%08" PRIx32 "-%06" PRIx32, http->id_prefix, n);
 }
 
 struct request *pen_http_request_new(struct pen_http *http, const char *raw_target)
@@ -161,7 +152,7 @@ const char *pen_http_request_owner(const struct request *request, char text[CLIE
                                                      : NULL;
 }
 
-/* The part that a GET asks for. If-Range must be the entity tag, byte by byte; a date never
+/* The part that a GET requests. If-Range must be the entity tag, byte for byte. A date never
  * matches, since the server sends no dates. */
 static enum pen_range_kind read_range(const struct request *request, const struct content *content,
                                       uint64_t *first, uint64_t *count)

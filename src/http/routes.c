@@ -41,7 +41,7 @@ static const struct param_rule delete_params[] = {{.name = "stats", .allowed = b
 static const struct param_rule stats_params[] = {{.name = "so_far", .allowed = booleans}, {0}};
 static const struct param_rule preview_params[] = {{.name = "view", .longest = 200}, {0}};
 
-/* A route does not compile without its scope. */
+/* Defines a route. Without a scope it does not compile. */
 #define ROUTE(METHOD, PATH, SCOPE, HANDLE, ...)                                                    \
     {                                                                                              \
         .method = METHOD, .path = PATH, .scope = PEN_SCOPE_##SCOPE,                                \
@@ -49,8 +49,8 @@ static const struct param_rule preview_params[] = {{.name = "view", .longest = 2
     }
 
 static const struct route table[] = {
-    ROUTE("POST", "/v1/jobs", SUBMIT, submit, .quick = pen_http_quick_refusal,
-          .queue = QUEUE_CHANGES, .takes_body = true, .submits = true),
+    ROUTE("POST", "/v1/jobs", SUBMIT, submit, .queue = QUEUE_CHANGES, .takes_body = true,
+          .submits = true),
     ROUTE("GET", "/v1/jobs", READ, list, .queue = QUEUE_STORE, .params = list_params),
     ROUTE("GET", "/v1/jobs/{id}", READ, job, .quick = pen_http_quick_job, .queue = QUEUE_STORE,
           .params = job_params),
@@ -68,8 +68,7 @@ static const struct route table[] = {
     ROUTE("GET", "/v1/jobs/{id}/report", READ, report, .queue = QUEUE_COMPUTE),
     ROUTE("GET", "/v1/jobs/{id}/scene", READ, scene, .queue = QUEUE_COMPUTE),
     ROUTE("POST", "/v1/jobs/{id}/cancel", SUBMIT, cancel, .queue = QUEUE_CHANGES),
-    ROUTE("POST", "/v1/validate", READ, validate, .quick = pen_http_quick_refusal,
-          .queue = QUEUE_COMPUTE, .takes_body = true),
+    ROUTE("POST", "/v1/validate", READ, validate, .queue = QUEUE_COMPUTE, .takes_body = true),
     ROUTE("POST", "/v1/explain", SUBMIT, explain, .queue = QUEUE_CHANGES, .takes_body = true,
           .submits = true, .handle_again = true),
     ROUTE("GET", "/v1/scenes", READ, file, .queue = QUEUE_NONE),
@@ -87,7 +86,7 @@ static const struct route table[] = {
 enum { LARGE_BODY = 64 << 10 }; /* bytes; larger bodies take some milliseconds to parse */
 enum { ROUTES = sizeof table / sizeof table[0] };
 
-/* Paths of resources that are not supported yet: they get a 404 with that explanation. */
+/* Paths of resources that are not supported yet. They get a 404 that says so. */
 static const char *const unsupported[] = {"/v1/plan", "/v1/assets/{sha256}"};
 
 bool pen_http_route(int i, const char **method, const char **path, int *scope)

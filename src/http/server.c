@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Start and stop. The server stops in this order:
- *   1. no new connections are accepted, and new requests are refused;
- *   2. long polls are answered, and event streams end;
- *   3. requests in progress are finished and sent, for finish_max_ns at most;
- *   4. the executor's threads end, so that no connection is suspended;
- *   5. all connections are closed. */
+ *   1. No new connections are accepted, and new requests are refused.
+ *   2. Long polls are answered, and event streams end.
+ *   3. Requests in progress are finished and sent, for finish_max_ns at most.
+ *   4. The executor's threads end, so that no connection is suspended.
+ *   5. All connections are closed. */
 #include "http/server.h"
 
 #include <sodium.h>
@@ -29,7 +29,7 @@
 enum { HEARTBEAT_MS = 10000, ANSWERS_BYTES = 256 << 20 };
 static const int64_t finish_max_ns = INT64_C(1500000000);
 
-/* Frees the server and those of its parts that exist. No connection may be open. */
+/* Frees the server and its existing parts. No connection may be open. */
 static void release(struct pen_http *http)
 {
     pen_http_executor_free(http->executor);
@@ -86,7 +86,8 @@ struct pen_http *pen_http_start(const struct pen_http_options *options, struct p
     return NULL;
 }
 
-/* The watcher comes last: when it is stopped, all streams end for good. */
+/* Opens the store and starts the parts that need it. The watcher is the last of them: when it is
+ * stopped, all streams end. */
 static bool open_store(struct pen_http *http, const struct pen_http_options *options,
                        struct pen_status *st)
 {
@@ -139,7 +140,8 @@ void pen_http_set_not_ready(struct pen_http *http, const char *reason)
     pthread_mutex_unlock(&http->ready_lock);
 }
 
-/* Waits until no request is in progress; finish_max_ns at most, as a client may stop reading. */
+/* Waits until no request is in progress, for finish_max_ns at most, since a client may stop
+ * reading. */
 static void wait_for_requests(struct pen_http *http)
 {
     const struct timespec pause = {.tv_nsec = 5000000};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A table with one slot for each hash value. A collision only costs a read of the store. */
+/* A table with one slot for each hash value. A collision costs a read of the store and nothing
+ * else. */
 #include "http/internal/snapshot_cache.h"
 
 #include <inttypes.h>
@@ -92,7 +93,7 @@ static void remember(struct snapshot_cache *cache, uint32_t changes, int64_t rea
     pen_http_blob_unref(old);
 }
 
-/* Adds the place in the queue, and the time that it tells; null where they are not known. */
+/* Adds the place in the queue and the expected time; null where they are unknown. */
 static bool add_place(struct snapshot_cache *cache, struct pen_jobs *jobs, const char *id,
                       json_t *job)
 {
@@ -124,7 +125,8 @@ bool pen_http_snapshot_cache_read(struct snapshot_cache *cache, uint32_t changes
     return true;
 }
 
-/* A queued job's tag is weak: its place in the queue changes without a revision. */
+/* Writes the entity tag. A queued job's tag is weak, since its place in the queue changes without a
+ * new revision. */
 static void tag_of(const struct snapshot *snapshot, char etag[ETAG_BYTES])
 {
     const char *weak = snapshot->state == PEN_JOB_QUEUED ? "W/" : "";

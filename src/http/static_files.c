@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Making the files from the data that is embedded in the program. */
+/* Makes the files from the data that is embedded in the program. */
 #include "http/internal/static_files.h"
 
 #include <stdio.h>
@@ -9,18 +9,27 @@
 #include "base/embed.h"
 #include "io/builtin.h"
 #include "jobs/jobs.h"
-
-/* Of the page: everything comes from this server, and nothing is inline. A report that the page
- * shows in a frame (blob:) inherits this policy. */
-static const char page_policy[] =
-    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
-    "img-src 'self' blob: data:; frame-src blob:; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'";
+#include "report/report.h"
 
 struct static_files {
+    char page_policy[512];
     size_t count;
     struct static_file file[];
 };
+
+/* Writes the policy of the page. All parts of the page come from this server, and none is inline. A
+ * report that the page shows in a frame (blob:) inherits this policy, so its script and style are
+ * allowed. */
+static void write_page_policy(struct static_files *files)
+{
+    char script[PEN_REPORT_SOURCE_BYTES], style[PEN_REPORT_SOURCE_BYTES];
+    pen_report_sources(script, style);
+    snprintf(files->page_policy, sizeof files->page_policy,
+             "default-src 'none'; script-src 'self' %s; style-src 'self' %s; connect-src 'self'; "
+             "img-src 'self' blob: data:; frame-src blob:; base-uri 'none'; form-action 'none'; "
+             "frame-ancestors 'none'",
+             script, style);
+}
 
 static bool add(struct static_files *files, const char *name, const char *type, struct blob *blob)
 {
@@ -31,7 +40,9 @@ static bool add(struct static_files *files, const char *name, const char *type, 
     file->type = type;
     file->blob = blob;
     pen_http_etag(&blob->content, file->etag);
-    blob->gzip = pen_http_blob_gzip(blob); /* now: later a thread of connections would */
+    if (strcmp(type, "image/png") !=
+        0) /* compressed now, since later a thread of connections would do it */
+        blob->gzip = pen_http_blob_gzip(blob);
     return true;
 }
 
@@ -42,22 +53,13 @@ static struct blob *copy(const void *data, size_t bytes)
     return pen_http_blob_take(&content);
 }
 
-static bool add_api_files(struct static_files *files)
-{
-    for (const struct pen_embedded_file *file = pen_api_files; file->name; file++) {
-        const char *type = strstr(file->name, ".yaml") ? "application/yaml" : "application/json";
-        if (!add(files, file->name, type, copy(file->data, file->bytes)))
-            return false;
-    }
-    return true;
-}
-
 static const char *type_of(const char *name)
 {
     static const char *const types[][2] = {{".html", "text/html; charset=utf-8"},
                                            {".css", "text/css; charset=utf-8"},
                                            {".js", "text/javascript; charset=utf-8"},
                                            {".svg", "image/svg+xml"},
+                                           {".yaml", "application/yaml"},
                                            {".png", "image/png"},
                                            {".json", "application/json"}};
     const char *ending = strrchr(name, '.');
@@ -68,16 +70,18 @@ static const char *type_of(const char *name)
     return "application/octet-stream";
 }
 
-static bool add_page(struct static_files *files)
+/* Adds the files of a table. The name of their folder is put before their names. */
+static bool add_table(struct static_files *files, const struct pen_embedded_file *file,
+                      const char *folder)
 {
-    for (const struct pen_embedded_file *file = pen_page_files; file->name; file++) {
+    for (; file->name; file++) {
         char name[64];
-        snprintf(name, sizeof name, "page/%s", file->name);
         const char *type = type_of(file->name);
+        snprintf(name, sizeof name, "%s%s", folder, file->name);
         if (!add(files, name, type, copy(file->data, file->bytes)))
             return false;
         if (strncmp(type, "text/html", 9) == 0)
-            files->file[files->count - 1].policy = page_policy;
+            files->file[files->count - 1].policy = files->page_policy;
     }
     return true;
 }
@@ -98,15 +102,23 @@ static bool add_builtin_scenes(struct static_files *files)
     return ok;
 }
 
+static size_t count_of(const struct pen_embedded_file *table)
+{
+    size_t count = 0;
+    while (table[count].name)
+        count++;
+    return count;
+}
+
 struct static_files *pen_http_static_files_new(struct pen_status *st)
 {
-    size_t count = 1 + pen_builtin_count();
-    for (const struct pen_embedded_file *file = pen_api_files; file->name; file++)
-        count++;
-    for (const struct pen_embedded_file *file = pen_page_files; file->name; file++)
-        count++;
+    const size_t count =
+        1 + pen_builtin_count() + count_of(pen_api_files) + count_of(pen_page_files);
     struct static_files *files = calloc(1, sizeof *files + count * sizeof files->file[0]);
-    if (files && add_api_files(files) && add_page(files) && add_builtin_scenes(files))
+    if (files)
+        write_page_policy(files);
+    if (files && add_table(files, pen_api_files, "") && add_table(files, pen_page_files, "page/") &&
+        add_builtin_scenes(files))
         return files;
     pen_http_static_files_free(files);
     pen_fail(st, PEN_NO_MEMORY, "no memory for the built-in files");

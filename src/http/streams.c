@@ -13,15 +13,16 @@
 #include "http/internal/watch.h"
 
 struct stream {
-    struct event_cursor cursor; /* its place once `text` is sent */
-    struct blob *text;          /* what is being sent; NULL: nothing */
+    struct event_cursor cursor; /* place of the stream after `text` */
+    struct blob *text;          /* the text that is being sent; NULL: none */
     size_t sent;                /* bytes of text */
     uint64_t total;             /* bytes sent before text */
     uint32_t changes;           /* the change counter from before the last text was written */
-    bool over;                  /* nothing follows text */
+    bool over;                  /* `text` is the last one */
 };
 
-/* Gives the stream its next text, and the time of its heartbeat: at once if more is due. */
+/* Gives the stream its next text, and sets the time of its heartbeat. If more events are due, it is
+ * now. */
 static void set_text(struct request *request, struct blob *text)
 {
     struct stream *stream = request->stream;
@@ -41,7 +42,7 @@ ssize_t pen_http_stream_read(struct request *request, char *out, size_t bytes)
         const bool waits =
             !stream->over && !request->gone &&
             pen_http_watch_add(request->http->watch, request, stream->changes) == WATCH_ACCEPTED;
-        return waits ? 0 : -1; /* a waiting request belongs to the watcher */
+        return waits ? 0 : -1; /* the watcher has a waiting request */
     }
     const struct pen_buf *text = &stream->text->content;
     const size_t left = text->bytes - stream->sent;
@@ -74,8 +75,8 @@ void pen_http_stream_texts_release(struct stream_texts *texts)
         pen_http_blob_unref(texts->text[--texts->count].text);
 }
 
-/* Writes the next text from a place on. If the store cannot be read now, there is none, and the
- * next one has these events too. The streams of a job that was deleted end. */
+/* Writes the next text from a place on. If the store cannot be read now, there is no text, and the
+ * next one has these events too. The streams of a deleted job end. */
 static void write_text(struct pen_http *http, struct pen_jobs *jobs, uint32_t changes,
                        struct stream_text *out)
 {
@@ -140,7 +141,7 @@ bool pen_http_stream_advance(struct request *request, struct pen_jobs *jobs, uin
         stream->cursor = next->to;
         set_text(request, pen_http_blob_ref(next->text));
     } else if (request->deadline_ns <= pen_clock_ns()) {
-        stream->cursor.more = false; /* it could not be written now: the next change tries again */
+        stream->cursor.more = false; /* no text could be written; the next change tries again */
         set_text(request, heartbeat());
     }
     return stream->text || stream->over;
@@ -160,7 +161,8 @@ static bool open_stream(struct request *request, struct pen_jobs *jobs,
         pen_buf_puts(&text, "retry: 2000\n\n");
         if (pen_http_events_write(snapshot, jobs, cursor, &text, st)) {
             stream = calloc(1, sizeof *stream);
-            pen_fail(st, PEN_NO_MEMORY, "no memory for a stream of events"); /* if it is so */
+            pen_fail(st, PEN_NO_MEMORY,
+                     "no memory for a stream of events"); /* if memory is missing */
         }
     }
     struct blob *first = stream ? pen_http_blob_take(&text) : NULL;
@@ -177,7 +179,8 @@ static bool open_stream(struct request *request, struct pen_jobs *jobs,
     return true;
 }
 
-/* A store thread writes the events up to now; the watcher's thread writes those that follow. */
+/* Opens a stream. A store thread writes the events until now; the watcher's thread writes the later
+ * ones. */
 enum outcome pen_http_handle_events(struct request *request, struct pen_jobs *jobs)
 {
     struct pen_http *http = request->http;
@@ -198,7 +201,7 @@ enum outcome pen_http_handle_events(struct request *request, struct pen_jobs *jo
         reply->streaming = true;
         pen_http_reply_field(reply, "Content-Type", "text/event-stream");
         pen_http_reply_field(reply, "Cache-Control", "no-store");
-        pen_http_reply_field(reply, "X-Accel-Buffering", "no"); /* a proxy must not hold events */
+        pen_http_reply_field(reply, "X-Accel-Buffering", "no"); /* a proxy must not buffer events */
     } else {
         pen_http_request_fail(request, &st);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Request targets are split first and decoded afterwards: an encoded slash stays inside its segment
- * and an encoded ampersand inside its value. */
+/* Request targets are split first and decoded afterwards. So an encoded slash stays inside its
+ * segment, and an encoded ampersand inside its value. */
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -47,7 +47,7 @@ static char *skip_authority(char *text, struct pen_target *target)
     else
         return text;
     char *path = rest + strcspn(rest, "/?");
-    /* The authority is moved one byte down, over the slash before it, to make place for its
+    /* The authority is moved down by one byte, over the slash before it, to make room for its
      * terminating zero. */
     memmove(rest - 1, rest, (size_t)(path - rest));
     path[-1] = '\0';

@@ -2,13 +2,14 @@
 /* A request is in the watcher's list from pen_http_watch_add until its wait is over, except while
  * the thread checks its job.
  *
- * Why no change is missed: a counter is raised, under the lock, before the jobs are read. A request
- * that is added with an older counter may have missed that check, and wakes the thread for another.
- * One with the same counter or a newer one is in the list before the next check.
+ * No change is missed, because a counter is raised, under the lock, before the jobs are read. A
+ * request that is added with an older counter may have missed that check, so it wakes the thread
+ * for another. A request with the same or a newer counter is in the list before the next check.
  *
- * The guard watches a request's client while it waits. Whoever ends the wait owns the request: the
- * thread, if it can take it back from the guard, else pen_http_watch_gone. Order of locks: the
- * watcher's, then libmicrohttpd's or the guard's. */
+ * While a request waits, the guard watches its client. The thread that ends the wait owns the
+ * request afterwards. This is the watcher's thread if it can take the request back from the guard,
+ * else the thread in pen_http_watch_gone. Order of locks: the watcher's, then libmicrohttpd's or
+ * the guard's. */
 #include "http/internal/watch.h"
 
 #include <pthread.h>
@@ -25,16 +26,16 @@
 #include "jobs/jobs.h"
 
 enum {
-    POLL_MS = 250,   /* the longest delay until a deadline is noticed */
-    UPDATE_MS = 20,  /* the shortest time between two updates of streams, on average */
-    UPDATE_BURST = 4 /* updates that may follow each other at once: the whole life of a small job */
+    POLL_MS = 250,   /* longest delay until a deadline is noticed */
+    UPDATE_MS = 20,  /* mean shortest time between two updates of streams */
+    UPDATE_BURST = 4 /* updates that may follow each other at once: enough for a small job */
 };
 static const int64_t update_interval_ns = UPDATE_MS * INT64_C(1000000);
 static const int64_t check_all_ns = INT64_C(1000000000); /* between checks of all jobs */
 
 struct watch {
     struct pen_http *http;
-    struct pen_jobs *jobs; /* used by the thread alone, except in pen_store_wait and _wake */
+    struct pen_jobs *jobs; /* used by the thread only, except in pen_store_wait and _wake */
     pthread_t thread;
     pthread_mutex_t lock;
     struct request *list;      /* guarded by lock */
@@ -44,9 +45,9 @@ struct watch {
     struct stream_texts texts; /* the thread's */
 };
 
-/* Answers a poll if the change that it waits for has come, or in any case if `now` is set. Returns
- * whether its wait is over. The text of a job is made only for an answer: most changes are those of
- * other jobs. */
+/* Answers a poll if its job has changed, or in any case if `now` is set. Returns whether its wait
+ * is over. The text of a job is made only for an answer, since most changes are those of other
+ * jobs. */
 static bool answer(struct watch *watch, struct request *request, uint32_t changes, bool now)
 {
     struct snapshot_cache *cache = watch->http->snapshot_cache;
@@ -75,7 +76,7 @@ static void enlist(struct watch *watch, struct request *request)
     watch->list = request;
 }
 
-/* Gives a request whose wait is over to its connection, or to its handler. */
+/* Gives a request whose wait is over to its connection or to its handler. */
 static void pass_on(struct watch *watch, struct request *request)
 {
     if (!request->stream) {
@@ -89,8 +90,8 @@ static void pass_on(struct watch *watch, struct request *request)
     pen_http_resume(request);
 }
 
-/* Notes what came of a check: puts a request whose wait is not over back to the list. Returns
- * whether its wait is over, and the request the caller's. */
+/* Ends the check of a request. If its wait is not over, puts it back into the list. Returns whether
+ * the wait is over and the caller has the request. */
 static bool settle(struct watch *watch, struct request *request, bool over)
 {
     bool mine = false;
@@ -101,27 +102,28 @@ static bool settle(struct watch *watch, struct request *request, bool over)
         enlist(watch, request);
     } else {
         mine = pen_guard_unwatch(watch->http->guard, request->fd);
-        request->watch = WATCHED_LEFT; /* to pen_http_watch_gone, unless it is mine */
+        request->watch = WATCHED_LEFT; /* the caller has it, or pen_http_watch_gone */
     }
     pthread_mutex_unlock(&watch->lock);
     return mine;
 }
 
-/* One pass of the thread's loop, and what it keeps from pass to pass. */
+/* One pass of the thread's loop, and the values that it keeps between passes. */
 struct pass {
     uint32_t changes; /* the store's change counter */
     int64_t now_ns;
     int64_t checked_ns; /* when all polls were last checked */
-    int64_t update_ns;  /* the earliest time of the next update of streams. It lies up to
-                         * UPDATE_BURST intervals in the past, which allows a burst */
+    /* The earliest time of the next update of streams. It lies up to UPDATE_BURST intervals in the
+     * past, which allows a burst. */
+    int64_t update_ns;
     bool closing;
-    bool check;      /* check every poll, and not only those past their deadline */
+    bool check;      /* check every poll, not only those past their deadline */
     bool update_due; /* streams have had no update since the last check of all polls */
     bool update;     /* check every stream */
 };
 
-/* Sleeps until the store has changed, or something else is due. It notices changes for the whole
- * process (pen_store_changes), so it does so while no request waits, too. */
+/* Sleeps until the store has changed, or a deadline has come. Changes are noticed here for the
+ * whole process (pen_store_changes), so the thread does this even if no request waits. */
 static void sleep_until_due(struct watch *watch, struct pass *pass)
 {
     pthread_mutex_lock(&watch->lock);
@@ -154,7 +156,7 @@ static void plan(struct watch *watch, struct pass *pass)
     }
 }
 
-/* Takes the requests out of the list that are to be checked. */
+/* Takes the requests that are to be checked out of the list. */
 static struct request *take_requests(struct watch *watch, struct pass *pass)
 {
     struct request *taken = NULL;
@@ -243,8 +245,8 @@ void pen_http_watch_free(struct watch *watch)
     free(watch);
 }
 
-/* Puts a request into the list, unless there is no place. Sets *late if it needs the thread at
- * once. Called with the lock held. */
+/* Puts a request into the list, if there is a place. Sets *late if it needs the thread at once.
+ * Called with the lock held. */
 static enum watch_result add(struct watch *watch, struct request *request, uint32_t changes,
                              bool *late)
 {
@@ -278,7 +280,8 @@ enum watch_result pen_http_watch_add(struct watch *watch, struct request *reques
 void pen_http_watch_gone(struct watch *watch, struct request *request)
 {
     pthread_mutex_lock(&watch->lock);
-    const bool mine = request->watch != WATCHED_CHECKED; /* else the thread finds it gone */
+    const bool mine =
+        request->watch != WATCHED_CHECKED; /* otherwise the thread finds that it has gone */
     request->gone = true;
     for (struct request **link = &watch->list; mine && *link; link = &(*link)->next) {
         if (*link == request) {

@@ -9,23 +9,12 @@
 #include "io/xml/parse.h"
 #include "io/xml/utf16.h"
 
-/* Whether a text in UTF-8 begins with this character, after a byte-order mark and blanks. */
-static bool begins_with(const char *text, size_t bytes, char wanted)
+bool pen_text_is_xml(const char *text, size_t bytes)
 {
     size_t i = bytes >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
     while (i < bytes && (text[i] == ' ' || text[i] == '\t' || text[i] == '\n' || text[i] == '\r'))
         i++;
-    return i < bytes && text[i] == wanted;
-}
-
-bool pen_text_is_xml(const char *text, size_t bytes)
-{
-    return begins_with(text, bytes, '<') || pen_text_is_utf16(text, bytes);
-}
-
-bool pen_text_is_object(const char *text, size_t bytes)
-{
-    return begins_with(text, bytes, '{');
+    return (i < bytes && text[i] == '<') || pen_text_is_utf16(text, bytes);
 }
 
 bool pen_document_parse(const char *text, size_t bytes, bool xml, const struct pen_limits *limits,

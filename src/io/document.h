@@ -34,11 +34,9 @@ struct pen_document {
     struct pen_xml *xml; /* the positions of an XML document; NULL for JSON */
 };
 
-/* Whether the text is XML (pen_text_is_xml) or a JSON object (pen_text_is_object). It begins with
- * `<`, or `{`, after an optional byte-order mark and white space. A text in UTF-16 is XML, since
- * JSON is UTF-8. */
+/* Whether the text is XML: begins with `<` after an optional byte-order mark and white space, or is
+ * in UTF-16, which JSON cannot be. */
 bool pen_text_is_xml(const char *text, size_t bytes);
-bool pen_text_is_object(const char *text, size_t bytes);
 
 /* Whether the text begins with a byte-order mark of UTF-16. */
 bool pen_text_is_utf16(const char *text, size_t bytes);

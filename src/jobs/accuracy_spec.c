@@ -112,9 +112,9 @@ static bool read_target(const json_t *members, struct pen_accuracy_spec *spec,
     }
     if (!ok)
         return false;
-    const int metric = pen_word_read(json_object_get(target, "metric"), "/target", "metric",
-                                     pen_accuracy_metrics, errors);
-    spec->metric = metric >= 0 ? (enum pen_accuracy_metric)metric : spec->metric;
+    const int metric =
+        pen_word_read(json_object_get(target, "metric"), "/target", "metric", pen_metrics, errors);
+    spec->metric = metric >= 0 ? (enum pen_metric)metric : spec->metric;
     return pen_number_read(target, "/target", "value", PEN_ABOVE_0, DBL_MAX, "above 0",
                            &spec->target, errors) &&
            metric >= 0;
@@ -263,9 +263,9 @@ json_t *pen_accuracy_spec_members(const struct pen_accuracy_spec *spec, json_t *
     object = pen_json_with(object, "product", json_boolean(spec->product));
     if (spec->reference)
         object = pen_json_with(object, "reference", json_incref(spec->reference));
-    object = pen_json_with(object, "target",
-                           json_pack("{s:s, s:f}", "metric", pen_accuracy_metrics[spec->metric],
-                                     "value", spec->target));
+    object = pen_json_with(
+        object, "target",
+        json_pack("{s:s, s:f}", "metric", pen_metrics[spec->metric], "value", spec->target));
     object = pen_json_with(object, "seeds", json_integer(spec->seeds));
     return pen_json_with(object, "budget_seconds", json_real(spec->budget_s));
 }

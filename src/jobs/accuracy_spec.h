@@ -20,7 +20,7 @@ struct pen_accuracy_spec {
     json_t *ladder;
     bool product;
     json_t *reference; /* NULL: none */
-    enum pen_accuracy_metric metric;
+    enum pen_metric metric;
     double target;
     int seeds;
     double budget_s;

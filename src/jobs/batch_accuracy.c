@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* An accuracy study in the worker. */
 #include <math.h>
-#include <string.h>
 
 #include "jobs/accuracy_spec.h"
 #include "jobs/internal/study.h"
@@ -36,37 +35,25 @@ static bool read_spec(struct accuracy *a, struct pen_status *st)
         return false;
     }
     a->task = pen_accuracy_of_spec(&a->spec);
-    a->task.desc = &a->study.desc;
+    a->task.frame = pen_study_frame_of(&a->study, a);
     a->task.settings = &request->settings;
     a->task.view = a->study.views[0];
-    a->task.scene_cap_bytes = context->options->scene_cap_bytes;
     a->task.limits = pen_limits_default();
-    a->task.pool = context->pool;
-    a->task.cancel = pen_heartbeat_cancel_flag(context->heart);
     a->task.forecast = forecast;
-    a->task.progress = pen_study_progress;
-    a->task.between = pen_study_keep;
-    a->task.kept = pen_study_kept(&a->study);
-    a->task.user = a;
-    a->task.pixel_begins = pen_batch_pixel_hook(context);
-    a->task.pixel_user = context;
     return true;
-}
-
-static bool write_format(const void *user, const char *format, struct pen_buf *out,
-                         struct pen_status *st)
-{
-    const struct accuracy *a = user;
-    return strcmp(format, "html") == 0 ? pen_accuracy_write_html(&a->accuracy, a->report, out, st)
-                                       : pen_accuracy_write(a->report, format, out, st);
 }
 
 static bool write_report(struct accuracy *a, struct pen_batch_output *output, struct pen_status *st)
 {
     const char *name = a->study.desc.name;
+    struct pen_buf figures = {0};
     a->report = pen_accuracy_json(&a->accuracy, name ? name : "");
-    return a->report ? pen_study_store_report(&a->study, write_format, a, output, st)
-                     : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
+    const bool ok = a->report
+                        ? pen_accuracy_figures(&a->accuracy, a->report, &figures, st) &&
+                              pen_study_store_report(&a->study, a->report, &figures, output, st)
+                        : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
+    pen_buf_release(&figures);
+    return ok;
 }
 
 bool pen_batch_accuracy(struct pen_batch_context *context, struct pen_batch_output *output,

@@ -4,7 +4,6 @@
  * continues later. */
 #include "jobs/bench_spec.h"
 #include "jobs/internal/study.h"
-#include "study/report.h"
 
 struct benchmark {
     struct pen_study study; /* the first member: progress and keep take the address for the study */
@@ -12,18 +11,6 @@ struct benchmark {
     struct pen_bench bench;
     struct pen_bench_result result;
 };
-
-static json_t *state_json(const void *state)
-{
-    return pen_bench_state_json(state);
-}
-
-static bool keep(void *user, const struct pen_bench_state *state)
-{
-    const struct pen_unfinished unfinished = {
-        .done = pen_bench_state_done(state), .study = state, .state = state_json};
-    return pen_study_keep(user, &unfinished);
-}
 
 static bool read_spec(struct benchmark *benchmark, struct pen_status *st)
 {
@@ -35,26 +22,10 @@ static bool read_spec(struct benchmark *benchmark, struct pen_status *st)
         return false;
     }
     benchmark->bench = pen_bench_of_spec(&benchmark->spec);
-    benchmark->bench.desc = &benchmark->study.desc;
+    benchmark->bench.frame = pen_study_frame_of(&benchmark->study, benchmark);
     benchmark->bench.views = benchmark->study.views;
     benchmark->bench.view_count = request->view_count;
-    benchmark->bench.scene_cap_bytes = context->options->scene_cap_bytes;
-    benchmark->bench.pool = context->pool;
-    benchmark->bench.cancel = pen_heartbeat_cancel_flag(context->heart);
-    benchmark->bench.progress = pen_study_progress;
-    benchmark->bench.between = keep;
-    benchmark->bench.user = benchmark;
-    benchmark->bench.kept = pen_study_kept(&benchmark->study)->state;
     return true;
-}
-
-static bool run(struct benchmark *benchmark, struct pen_status *st)
-{
-    struct pen_batch_context *context = benchmark->study.context;
-    benchmark->bench.pixel_begins = pen_batch_pixel_hook(context);
-    benchmark->bench.pixel_user = context;
-    return pen_batch_hook_done(context, pen_bench_run(&benchmark->bench, &benchmark->result, st),
-                               st);
 }
 
 static bool write_report(struct benchmark *benchmark, struct pen_batch_output *output,
@@ -64,10 +35,9 @@ static bool write_report(struct benchmark *benchmark, struct pen_batch_output *o
         pen_bench_report_new(&benchmark->bench, &benchmark->result,
                              pen_bench_spec_head(&benchmark->spec, &benchmark->bench,
                                                  &benchmark->study.context->request.settings));
-    bool ok = report ? pen_bench_report_write(report, "json", &output->artefact, st)
+    bool ok = report ? pen_study_store_report(&benchmark->study, report, NULL, output, st)
                      : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
     json_decref(report);
-    pen_batch_set_artefact(output, PEN_REPORT_LAYER, PEN_REPORT_FORMAT);
     return ok;
 }
 
@@ -84,9 +54,10 @@ bool pen_batch_benchmark(struct pen_batch_context *context, struct pen_batch_out
                          struct pen_status *st)
 {
     struct benchmark benchmark = {.spec = {.matrix = NULL}};
-    bool ok = pen_study_begin(&benchmark.study, context, st) && read_spec(&benchmark, st) &&
-              run(&benchmark, st) && write_report(&benchmark, output, st) &&
-              write_stats(&benchmark, output, st);
+    bool ok =
+        pen_study_begin(&benchmark.study, context, st) && read_spec(&benchmark, st) &&
+        pen_batch_hook_done(context, pen_bench_run(&benchmark.bench, &benchmark.result, st), st) &&
+        write_report(&benchmark, output, st) && write_stats(&benchmark, output, st);
     pen_bench_result_release(&benchmark.bench, &benchmark.result);
     pen_bench_spec_release(&benchmark.spec);
     pen_study_end(&benchmark.study);

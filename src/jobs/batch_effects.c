@@ -8,34 +8,30 @@ struct effects {
     struct pen_bill bill;
 };
 
-static bool write_format(const void *user, const char *format, struct pen_buf *out,
-                         struct pen_status *st)
+static bool write_report(struct effects *e, struct pen_batch_output *output, struct pen_status *st)
 {
-    const struct effects *e = user;
     const char *scene = e->study.desc.name;
-    return pen_bill_write(&e->bill, scene ? scene : "", format, out, st);
+    struct pen_buf figures = {0};
+    json_t *report = pen_bill_json(&e->bill, scene ? scene : "");
+    pen_bill_figures(&e->bill, &figures);
+    const bool ok = report ? pen_study_store_report(&e->study, report, &figures, output, st)
+                           : pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
+    pen_buf_release(&figures);
+    json_decref(report);
+    return ok;
 }
 
 static bool make_bill(struct effects *e, struct pen_batch_output *output, struct pen_status *st)
 {
     struct pen_batch_context *context = e->study.context;
     struct pen_bill *bill = &e->bill;
-    const struct pen_bill_task task = {.desc = &e->study.desc,
+    const struct pen_bill_task task = {.frame = pen_study_frame_of(&e->study, e),
                                        .settings = &context->request.settings,
                                        .view = e->study.views[0],
-                                       .repeats = context->request.repeats,
-                                       .scene_cap_bytes = context->options->scene_cap_bytes,
-                                       .pool = context->pool,
-                                       .cancel = pen_heartbeat_cancel_flag(context->heart),
-                                       .progress = pen_study_progress,
-                                       .between = pen_study_keep,
-                                       .kept = pen_study_kept(&e->study),
-                                       .user = e,
-                                       .pixel_begins = pen_batch_pixel_hook(context),
-                                       .pixel_user = context};
+                                       .repeats = context->request.repeats};
     const bool ok =
         pen_batch_hook_done(context, pen_bill_make(&task, bill, st), st) &&
-        pen_study_store_report(&e->study, write_format, e, output, st) &&
+        write_report(e, output, st) &&
         pen_study_write_stats(&e->study, &bill->whole, &bill->accel, bill->build_ms, output, st);
     pen_bill_release(bill);
     return ok;

@@ -257,12 +257,12 @@ static json_t *shared_settings(const struct pen_bench_spec *spec, const struct p
 json_t *pen_bench_spec_head(const struct pen_bench_spec *spec, const struct pen_bench *bench,
                             const struct pen_settings *base)
 {
-    const char *name = bench->desc->name;
+    const char *name = bench->frame.desc->name;
     json_t *views = json_array();
     for (int i = 0; i < bench->view_count; i++)
-        json_array_append_new(views, json_string(bench->desc->views[bench->views[i]].name));
+        json_array_append_new(views, json_string(bench->frame.desc->views[bench->views[i]].name));
     return json_pack("{s:s, s:s, s:o, s:I, s:O, s:o}", "kind", "benchmark", "scene",
                      name ? name : "", "views", pen_json_all(views, (size_t)bench->view_count),
-                     "primitives", (json_int_t)bench->desc->primitive_count, "matrix", spec->matrix,
-                     "render", shared_settings(spec, base));
+                     "primitives", (json_int_t)bench->frame.desc->primitive_count, "matrix",
+                     spec->matrix, "render", shared_settings(spec, base));
 }

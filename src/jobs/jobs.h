@@ -61,13 +61,6 @@ struct pen_submitted {
 bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
                      struct pen_submitted *out, struct pen_errors *errors);
 
-/* Returns true if a body is refused by its first character, because neither an object nor XML
- * begins with it. `errors` then has what pen_jobs_submit and pen_jobs_validate would report.
- * Threads: any.
- * Cost: grows only with the length of the body; the store is not used. */
-bool pen_jobs_refuses(const struct pen_submission *in, const struct pen_limits *limits,
-                      struct pen_errors *errors);
-
 /* Checks a scene or a job without storing it; *answer is {"valid": true, "warnings": […]}. The
  * store is not used. `jobs` NULL stands for the default limits.
  * Owns: *answer is the caller's.
@@ -183,7 +176,7 @@ json_t *pen_jobs_stats(struct pen_jobs *jobs, const char *id, struct pen_status 
  * batches. */
 json_t *pen_jobs_stats_so_far(struct pen_jobs *jobs, const char *id, struct pen_status *st);
 
-/* Returns the report of a job in one of the formats of pen_bench_report_formats.
+/* Returns the report of a job in one of the formats of pen_report_formats.
  * Fails: PEN_CONFLICT (unfinished, failed, cancelled), PEN_NOT_FOUND (no such job, or of a kind
  * without a report), PEN_ACCEPT (an explanation in another format than "json"). */
 bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, struct pen_image *out,

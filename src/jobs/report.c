@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports of jobs. The JSON is stored with the job's commit. The other formats of a benchmark are
- * made from it at each request. Reports of kinds "accuracy" and "effects" have pictures, so all
- * their formats are stored. An explanation has only JSON. */
+/* Reports of jobs. The JSON is stored with the job's commit. The other formats are made from it at
+ * each request. Pages of kinds "accuracy" and "effects" have pictures, so they are stored too. An
+ * explanation has only JSON. */
 #include <string.h>
 
 #include "jobs/internal/ids.h"
 #include "jobs/internal/jobs.h"
 #include "jobs/internal/kind.h"
-#include "study/report.h"
+#include "report/report.h"
 
 /* Fails unless the job is of a kind that has a report in this format, and has succeeded. */
 static bool check_job(const struct pen_job_record *job, const char *form, enum pen_job_kind *kind,
@@ -30,7 +30,7 @@ static bool convert(const char *id, const char *form, struct pen_buf *bytes, str
     json_error_t error;
     json_t *report = json_loadb((const char *)bytes->data, bytes->bytes, 0, &error);
     pen_buf_release(bytes);
-    bool ok = report ? pen_bench_report_write(report, form, bytes, st)
+    bool ok = report ? pen_report_write(report, form, NULL, bytes, st)
                      : pen_fail(st, PEN_STORAGE, "the stored report of job %s is damaged: %s", id,
                                 error.text);
     json_decref(report);
@@ -47,7 +47,8 @@ bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, st
     enum pen_job_kind kind;
     bool ok = check_job(&job, form, &kind, st);
     pen_job_record_release(&job);
-    const char *stored = ok && kind == PEN_KIND_BENCHMARK ? PEN_REPORT_FORMAT : form;
+    const bool is_page = strcmp(form, "html") == 0 && ok && kind != PEN_KIND_BENCHMARK;
+    const char *stored = is_page ? form : PEN_REPORT_FORMAT;
     ok = ok && pen_store_artefact(jobs->store, id, 0, PEN_REPORT_LAYER, stored, &out->bytes, st);
     if (ok && strcmp(form, stored) != 0)
         ok = convert(id, form, &out->bytes, st);
@@ -55,7 +56,7 @@ bool pen_jobs_report(struct pen_jobs *jobs, const char *id, const char *form, st
         pen_buf_release(&out->bytes);
         return false;
     }
-    strcpy(out->type, pen_bench_report_media_type(form));
+    strcpy(out->type, pen_report_media_type(form));
     pen_etag_make(out->bytes.data, out->bytes.bytes, out->etag);
     return true;
 }

@@ -228,7 +228,7 @@ static bool is_within_limits(const struct pen_request *request, const struct pen
         return pen_bench_spec_check(&request->spec, limits, desc, request->view_count, st);
     if (request->kind == PEN_KIND_ACCURACY) {
         struct pen_accuracy_task task = pen_accuracy_of_spec(&request->accuracy);
-        task.desc = desc;
+        task.frame.desc = desc;
         task.settings = &request->settings;
         task.limits = *limits;
         return pen_accuracy_check(&task, at, st);

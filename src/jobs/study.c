@@ -7,7 +7,7 @@
 
 #include "base/clock.h"
 #include "film/film.h"
-#include "study/report.h"
+#include "report/report.h"
 
 enum { PROGRESS_MS = 250 };          /* the shortest time between two reports of progress */
 enum { KEEP_MS = 250, ASK_MS = 50 }; /* shortest times between two states, two questions */
@@ -122,7 +122,8 @@ static bool keep_state(struct pen_study *study, const struct pen_unfinished *u, 
     return !gives_way;
 }
 
-bool pen_study_keep(void *user, const struct pen_unfinished *unfinished)
+/* Keeps the study, if that is due: pen_between_fn; `user` is the study. A failure is ignored. */
+static bool keep(void *user, const struct pen_unfinished *unfinished)
 {
     struct pen_study *study = user;
     if (!pen_keeper_is_due(&study->keeper))
@@ -154,31 +155,38 @@ static bool read_picture(void *user, int place, uint64_t hash, int width, int he
     return true;
 }
 
-const struct pen_kept_study *pen_study_kept(struct pen_study *study)
+struct pen_study_frame pen_study_frame_of(struct pen_study *study, void *user)
 {
+    struct pen_batch_context *context = study->context;
     struct pen_buf text = {0};
     struct pen_status ignored;
-    if (!study->kept_state && pen_store_kept(study->context->store, study->context->claim,
-                                             PEN_KEPT_STATE, &text, &ignored))
+    if (pen_store_kept(context->store, context->claim, PEN_KEPT_STATE, &text, &ignored))
         study->kept_state = json_loadb((const char *)text.data, text.bytes, 0, NULL);
     pen_buf_release(&text);
     study->kept =
         (struct pen_kept_study){.state = study->kept_state, .picture = read_picture, .user = study};
-    return &study->kept;
+    return (struct pen_study_frame){.desc = &study->desc,
+                                    .scene_cap_bytes = context->options->scene_cap_bytes,
+                                    .pool = context->pool,
+                                    .cancel = pen_heartbeat_cancel_flag(context->heart),
+                                    .progress = pen_study_progress,
+                                    .between = keep,
+                                    .user = user,
+                                    .kept = &study->kept,
+                                    .pixel_begins = pen_batch_pixel_hook(context),
+                                    .pixel_user = context};
 }
 
-bool pen_study_store_report(struct pen_study *study, pen_study_write_fn *write, const void *user,
-                            struct pen_batch_output *output, struct pen_status *st)
+bool pen_study_store_report(struct pen_study *study, const json_t *report,
+                            const struct pen_buf *figures, struct pen_batch_output *output,
+                            struct pen_status *st)
 {
-    bool ok = true;
-    for (int i = 0; ok && pen_bench_report_formats[i]; i++) {
-        const char *format = pen_bench_report_formats[i];
-        const bool committed = strcmp(format, PEN_REPORT_FORMAT) == 0;
-        struct pen_buf text = {0};
-        ok = write(user, format, committed ? &output->artefact : &text, st) &&
-             (committed || pen_batch_store(study->context, PEN_REPORT_LAYER, format, &text, st));
-        pen_buf_release(&text);
-    }
+    struct pen_buf page = {0};
+    const bool ok =
+        pen_report_write(report, PEN_REPORT_FORMAT, NULL, &output->artefact, st) &&
+        (!figures || (pen_report_write(report, "html", figures, &page, st) &&
+                      pen_batch_store(study->context, PEN_REPORT_LAYER, "html", &page, st)));
+    pen_buf_release(&page);
     pen_batch_set_artefact(output, PEN_REPORT_LAYER, PEN_REPORT_FORMAT);
     return ok;
 }

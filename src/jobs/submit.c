@@ -326,17 +326,6 @@ bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
     return ok;
 }
 
-bool pen_jobs_refuses(const struct pen_submission *in, const struct pen_limits *limits,
-                      struct pen_errors *errors)
-{
-    struct pen_request request;
-    if (pen_text_is_object(in->body, in->bytes) || pen_text_is_xml(in->body, in->bytes))
-        return false;
-    const bool refused = !pen_request_read(in, limits, &request, errors);
-    pen_request_release(&request);
-    return refused;
-}
-
 static json_t *warnings_json(const struct pen_errors *warnings)
 {
     json_t *list = json_array();

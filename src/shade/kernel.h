@@ -14,7 +14,7 @@
 #include "math/sample.h"
 #include "scene/scene.h"
 
-/* Numbers of rays by kind, as src/shade/README.md counts them. */
+/* Numbers of rays by kind, as src/shade/KERNELS.md counts them. */
 struct pen_ray_counts {
     uint64_t primary, shadow, reflection, transmission;
     uint64_t dropped_samples; /* not finite or beyond the film; not in the mean; expected 0 */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The order of an accuracy study's runs, and what of them the budget allows. */
+/* The order of an accuracy study's runs, and which of them the budget allows. */
 #include "study/accuracy.h"
 
 #include <math.h>
@@ -7,32 +7,20 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "film/flip.h"
-#include "film/metrics.h"
-#include "film/ssim.h"
+#include "film/film.h"
 #include "render/layers.h"
-#include "render/transfer.h"
+#include "report/values.h"
 #include "study/accuracy_summary.h"
-#include "study/host.h"
 #include "study/internal/accuracy_run.h"
-#include "study/internal/accuracy_words.h"
 #include "study/internal/calibration.h"
 #include "study/internal/random_order.h"
 #include "study/verdict.h"
 
 enum { CALIBRATIONS = 11 };
 
-const char *const pen_accuracy_metrics[] = {"rmse", "relative_mse", "psnr", "ssim",
-                                            "flip", "max_error",    NULL};
-
-bool pen_accuracy_metric_rises(enum pen_accuracy_metric metric)
-{
-    return metric == PEN_METRIC_PSNR || metric == PEN_METRIC_SSIM;
-}
-
 double pen_accuracy_left_ms(const struct pen_accuracy_state *state)
 {
-    return state->task->budget_ms - (double)(pen_clock_ns() - state->begun_ns) * 1e-6;
+    return state->task->budget_ms - pen_making_spent_ms(&state->making);
 }
 
 bool pen_accuracy_left_out(struct pen_accuracy *accuracy, json_t *text, struct pen_status *st)
@@ -45,33 +33,11 @@ bool pen_accuracy_leave_out(struct pen_accuracy_state *state, int row, const cha
                             struct pen_status *st)
 {
     struct pen_buf name = {0};
-    pen_accuracy_write_settings(state->task->rows[row].varied, &name);
+    pen_write_settings(state->task->rows[row].varied, &name);
     const bool ok = pen_accuracy_left_out(
         state->out, json_sprintf("%s: %s", name.data ? (const char *)name.data : "", why), st);
     pen_buf_release(&name);
     return ok;
-}
-
-static bool check_cancel(const struct pen_accuracy_state *state, struct pen_status *st)
-{
-    const atomic_bool *cancel = state->task->cancel;
-    return !cancel || !atomic_load_explicit(cancel, memory_order_relaxed) ||
-           pen_fail(st, PEN_CANCELLED, "cancelled after %d of %d runs", state->done, state->total);
-}
-
-static void count_run(struct pen_accuracy_state *state)
-{
-    const struct pen_accuracy_task *task = state->task;
-    state->done++;
-    if (task->progress)
-        task->progress(task->user, state->done < state->total ? state->done : state->total,
-                       state->total);
-}
-
-bool pen_accuracy_end_run(struct pen_accuracy_state *state, struct pen_status *st)
-{
-    count_run(state);
-    return pen_accuracy_between(state, st);
 }
 
 bool pen_accuracy_render(struct pen_accuracy_state *state, struct pen_render_task *render,
@@ -80,13 +46,13 @@ bool pen_accuracy_render(struct pen_accuracy_state *state, struct pen_render_tas
     const struct pen_accuracy_task *task = state->task;
     render->scene = state->scene;
     render->view = task->view;
-    render->cancel = task->cancel;
-    render->pixel_begins = task->pixel_begins;
-    render->pixel_user = task->pixel_user;
-    if (!check_cancel(state, st))
+    render->cancel = task->frame.cancel;
+    render->pixel_begins = task->frame.pixel_begins;
+    render->pixel_user = task->frame.pixel_user;
+    if (!pen_making_check(&state->making, st))
         return false;
     const struct pen_run_watch watch = pen_run_begin();
-    if (!pen_render_run(task->pool, render, stats, st))
+    if (!pen_render_run(task->frame.pool, render, stats, st))
         return false;
     state->use = pen_run_end(&watch, stats, 0, 0);
     state->out->thread_ms += stats->thread_ms;
@@ -94,48 +60,21 @@ bool pen_accuracy_render(struct pen_accuracy_state *state, struct pen_render_tas
     return true;
 }
 
-/* A film on a picture's pixels. */
-static struct pen_film film_of(const struct pen_accuracy_state *state, const float *rgb)
-{
-    return (struct pen_film){.width = state->task->settings->width,
-                             .height = state->task->settings->height,
-                             .rgb = (float *)(uintptr_t)rgb};
-}
-
 uint64_t pen_accuracy_hash(const struct pen_accuracy_state *state, const float *rgb)
 {
-    const struct pen_film film = film_of(state, rgb);
+    const struct pen_film film = {state->task->settings->width, state->task->settings->height,
+                                  (float *)(uintptr_t)rgb};
     return pen_film_hash(&film);
 }
 
 bool pen_accuracy_measure(const struct pen_accuracy_state *state, const float *rgb,
-                          double error[PEN_METRIC_COUNT], struct pen_status *st)
+                          struct pen_accuracy_run *run, struct pen_status *st)
 {
-    const struct pen_film film = film_of(state, rgb),
-                          reference = film_of(state, state->out->reference.rgb);
-    struct pen_picture *a =
-        pen_picture_of_film(&film, pen_settings_transfer(state->task->settings), st);
-    struct pen_picture *b =
-        a ? pen_picture_of_film(&reference, pen_settings_transfer(state->task->settings), st)
-          : NULL;
-    struct pen_difference d;
-    struct pen_flip flip;
-    const bool ok = b && check_cancel(state, st) && pen_picture_compare(a, b, 0, &d, st) &&
-                    pen_picture_ssim(a, b, &error[PEN_METRIC_SSIM], st) &&
-                    pen_picture_flip(a, b, NULL, &flip, st);
-    pen_picture_free(a);
-    pen_picture_free(b);
-    if (!ok)
-        return false;
-    error[PEN_METRIC_RMSE] = d.rmse;
-    error[PEN_METRIC_RELATIVE_MSE] = d.relative_mse;
-    error[PEN_METRIC_PSNR] = d.psnr;
-    error[PEN_METRIC_FLIP] = flip.mean;
-    error[PEN_METRIC_MAX_ERROR] = d.max_error;
-    return true;
+    const struct pen_study_pair pair = {state->task->settings, rgb, state->out->reference.rgb};
+    return pen_study_measure(&pair, run->error, NULL, st);
 }
 
-/* Renders a row with the seed after its base seed by so many. The first picture is kept. */
+/* Renders a row with its own seed plus `seed`. Keeps the picture of seed 0. */
 static bool render_row(struct pen_accuracy_state *state, int number, int seed,
                        struct pen_render_stats *stats, struct pen_status *st)
 {
@@ -154,13 +93,13 @@ static bool render_row(struct pen_accuracy_state *state, int number, int seed,
     return true;
 }
 
-/* Whether a run is made again whose time is spoiled. */
+/* Whether a run that took `ms` is repeated: it is spoiled, and the remaining time allows it. */
 static bool is_repeated(const struct pen_accuracy_state *state, double ms)
 {
     return state->use.spoiled && 4 * ms <= pen_accuracy_left_ms(state);
 }
 
-/* One run of a row, with the seed after that of its last one. */
+/* Makes the next run of a row, with the next seed. */
 static bool run_row(struct pen_accuracy_state *state, int number, struct pen_status *st)
 {
     struct pen_accuracy_row_result *row = &state->out->row[number];
@@ -174,16 +113,16 @@ static bool run_row(struct pen_accuracy_state *state, int number, struct pen_sta
     run->time = (struct pen_run_time){stats.render_ms, state->use.used, state->use.spoiled};
     row->runs++;
     if (row->runs > 1)
-        return pen_accuracy_measure(state, state->target, run->error, st) &&
-               pen_accuracy_end_run(state, st);
+        return pen_accuracy_measure(state, state->target, run, st) &&
+               pen_making_end_run(&state->making, st);
     row->rays = stats.rays;
     row->threads = stats.threads;
     row->picture_hash = pen_accuracy_hash(state, row->rgb);
-    return pen_accuracy_end_run(state, st);
+    return pen_making_end_run(&state->making, st);
 }
 
-/* The first run of a process that goes on where another has ended; its time is thrown away. It is
- * the last run of the row whose statistics are those of the study. */
+/* Makes the first run of a process that resumed the study. Its time is discarded. It repeats the
+ * last run of the row whose statistics are those of the study. */
 static bool go_on(struct pen_accuracy_state *state, struct pen_status *st)
 {
     const int row = state->out->stats_row, runs = state->out->row[row].runs;
@@ -191,22 +130,22 @@ static bool go_on(struct pen_accuracy_state *state, struct pen_status *st)
     return runs == 0 || render_row(state, row, runs - 1, &stats, st);
 }
 
-/* The first pass: the rows that are not left out, without errors, since there is no reference yet.
- * An earlier process may have made a part of it, or all. */
+/* Makes the first pass, or the part of it that an earlier process did not make. Rows that are left
+ * out do not run. The runs have no errors yet, because there is no reference. */
 static bool first_pass(struct pen_accuracy_state *state, struct pen_status *st)
 {
     int order[PEN_ACCURACY_ROWS_MAX];
     uint64_t random = state->task->settings->seed;
     pen_random_order(order, state->task->row_count, &random);
     for (int i = 0; i < state->task->row_count; i++) {
-        if (state->wanted[order[i]] && state->out->row[order[i]].runs == 0 &&
+        if (state->out->row[order[i]].wanted && state->out->row[order[i]].runs == 0 &&
             !run_row(state, order[i], st))
             return false;
     }
     return true;
 }
 
-/* The time of a run of a row, by its runs so far. */
+/* The mean time of a row's runs so far; before the first one, its forecast. */
 static double run_ms(const struct pen_accuracy_row_result *row)
 {
     double sum = 0;
@@ -215,7 +154,7 @@ static double run_ms(const struct pen_accuracy_row_result *row)
     return row->runs > 0 ? sum / row->runs : row->expected_ms;
 }
 
-/* Puts the rows of the Pareto front before the others, and otherwise leaves their order. */
+/* Moves the rows of the Pareto front before the others, and otherwise keeps the order. */
 static void put_front_first(const struct pen_accuracy *accuracy, int *order, int count)
 {
     bool front[PEN_ACCURACY_ROWS_MAX];
@@ -229,27 +168,30 @@ static void put_front_first(const struct pen_accuracy *accuracy, int *order, int
     memcpy(order, sorted, (size_t)count * sizeof *order);
 }
 
-/* Draws the order of a further pass. If not all rows fit the time that is left, those of the front
+/* Draws the order of a further pass. If not all rows fit the remaining time, the rows of the front
  * come first. */
 static void draw_order(struct pen_accuracy_state *state)
 {
     const struct pen_accuracy_task *task = state->task;
     uint64_t random = task->settings->seed + (uint64_t)state->pass * 0x632be59bd9b4e019u;
+    int order[PEN_ACCURACY_ROWS_MAX];
     double all_ms = 0;
-    pen_random_order(state->order, task->row_count, &random);
+    pen_random_order(order, task->row_count, &random);
     for (int i = 0; i < task->row_count; i++)
         all_ms += state->out->row[i].runs > 0 ? run_ms(&state->out->row[i]) : 0;
     if (all_ms > pen_accuracy_left_ms(state))
-        put_front_first(state->out, state->order, task->row_count);
+        put_front_first(state->out, order, task->row_count);
+    for (int i = 0; i < task->row_count; i++)
+        state->out->row[i].next = order[i];
 }
 
-/* A further pass, or what an earlier process has left of it. */
+/* Makes a further pass, or the part of it that an earlier process did not make. */
 static bool make_pass(struct pen_accuracy_state *state, struct pen_status *st)
 {
     if (state->place == 0)
         draw_order(state);
     while (state->place < state->task->row_count) {
-        const int number = state->order[state->place++];
+        const int number = state->out->row[state->place++].next;
         const struct pen_accuracy_row_result *row = &state->out->row[number];
         if (row->runs > 0 && row->runs <= state->pass &&
             run_ms(row) <= pen_accuracy_left_ms(state) && !run_row(state, number, st))
@@ -276,7 +218,8 @@ static bool further_passes(struct pen_accuracy_state *state, struct pen_status *
     return true;
 }
 
-/* The row whose time per pixel the report shows: the first one that was run. */
+/* The row whose time per pixel the report shows: the recommended row, or the first row that has
+ * run. */
 static int cost_row(const struct pen_accuracy *accuracy)
 {
     int row = pen_accuracy_recommended(accuracy);
@@ -285,7 +228,8 @@ static int cost_row(const struct pen_accuracy *accuracy)
     return row;
 }
 
-/* The layer `cost` of the recommended row. Counting the tests takes longer than rendering. */
+/* Renders the layer `cost`, unless the remaining time is less than ten runs of its row. Counting
+ * tests makes it slower than a run. */
 static bool make_cost(struct pen_accuracy_state *state, struct pen_status *st)
 {
     struct pen_accuracy *out = state->out;
@@ -296,16 +240,16 @@ static bool make_cost(struct pen_accuracy_state *state, struct pen_status *st)
                                         .layer = PEN_LAYER_COST,
                                         .cost = PEN_COST_TIME,
                                         .rgb = state->target,
-                                        .cancel = state->task->cancel};
+                                        .cancel = state->task->frame.cancel};
     if (10 * run_ms(&out->row[row]) > pen_accuracy_left_ms(state))
         return pen_accuracy_left_out(out, json_string("the map of the time of each pixel"), st);
-    if (!pen_layer_render(state->task->pool, &task, st))
+    if (!pen_layer_render(state->task->frame.pool, &task, st))
         return false;
     out->cost_row = row;
     out->cost_most = pen_layer_show(PEN_LAYER_COST, state->target, state->values / 3);
     out->cost = state->target;
     state->target = NULL;
-    count_run(state);
+    pen_making_count(&state->making);
     return true;
 }
 
@@ -323,8 +267,7 @@ static bool allocate(struct pen_accuracy_state *state, struct pen_status *st)
     out->left_out = json_array();
     out->reference.rgb = malloc(bytes);
     state->target = malloc(bytes);
-    state->host = task->between || task->kept ? pen_host_json() : json_null();
-    bool ok = out->row && out->left_out && out->reference.rgb && state->target && state->host;
+    bool ok = out->row && out->left_out && out->reference.rgb && state->target;
     for (int i = 0; ok && i < task->row_count; i++) {
         out->row[i].run = calloc((size_t)task->seeds, sizeof *out->row[i].run);
         out->row[i].rgb = malloc(bytes);
@@ -338,8 +281,9 @@ static bool freeze(struct pen_accuracy_state *state, struct pen_status *st)
 {
     const struct pen_accuracy_task *task = state->task;
     const int64_t begun_ns = pen_clock_ns();
-    state->scene = pen_scene_freeze(task->desc, (enum pen_accelerator)task->settings->accelerator,
-                                    task->scene_cap_bytes, st);
+    state->scene =
+        pen_scene_freeze(task->frame.desc, (enum pen_accelerator)task->settings->accelerator,
+                         task->frame.scene_cap_bytes, st);
     if (!state->scene)
         return false;
     state->out->build_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
@@ -352,7 +296,7 @@ bool pen_accuracy_check(const struct pen_accuracy_task *task, const char *at, st
     const double pixels = (double)task->settings->width * task->settings->height,
                  kept = pixels * (task->row_count + 2);
     for (int i = 0; i < task->row_count; i++)
-        if (!pen_limits_check(&task->limits, task->desc, &task->rows[i].settings, 1, at, st))
+        if (!pen_limits_check(&task->limits, task->frame.desc, &task->rows[i].settings, 1, at, st))
             return false;
     return kept <= (double)task->limits.pixels_per_view ||
            pen_fail_at(st, PEN_TOO_LARGE, at,
@@ -369,19 +313,16 @@ static double calibrate(void)
     return pen_median(ms, CALIBRATIONS);
 }
 
-/* Plans the study, or goes on with what an earlier process has kept. */
+/* Plans the study, or resumes one that an earlier process saved. */
 static bool begin(struct pen_accuracy_state *state, struct pen_status *st)
 {
-    const struct pen_accuracy_task *task = state->task;
-    const bool goes_on = task->kept && pen_accuracy_state_read(state, task->kept);
-    if (task->progress)
-        task->progress(task->user, state->done, state->total);
+    const bool goes_on = pen_making_resume(&state->making);
     if (!goes_on) {
         state->out->calibration_ms = calibrate();
         if (!pen_accuracy_plan(state, st))
             return false;
     }
-    while (!state->wanted[state->out->stats_row]) /* one row is wanted */
+    while (!state->out->row[state->out->stats_row].wanted) /* at least one row is wanted */
         state->out->stats_row++;
     return !goes_on || go_on(state, st);
 }
@@ -389,21 +330,30 @@ static bool begin(struct pen_accuracy_state *state, struct pen_status *st)
 bool pen_accuracy_make(const struct pen_accuracy_task *task, struct pen_accuracy *out,
                        struct pen_status *st)
 {
-    struct pen_accuracy_state state = {.task = task,
+    const struct pen_settings *s = task->settings;
+    struct pen_accuracy_state state = {.making = {.frame = &task->frame,
+                                                  .shape = &pen_accuracy_shape,
+                                                  .study = &state,
+                                                  .results = out,
+                                                  .rows = task->row_count,
+                                                  .pictures = task->row_count + 2,
+                                                  .width = s->width,
+                                                  .height = s->height,
+                                                  .total = pen_accuracy_runs(task)},
+                                       .task = task,
                                        .out = out,
-                                       .values = 3 * (size_t)task->settings->width *
-                                                 (size_t)task->settings->height,
-                                       .begun_ns = pen_clock_ns(),
-                                       .total = pen_accuracy_runs(task)};
-    *out = (struct pen_accuracy){.task = task, .began_ms = pen_clock_wall_ms()};
-    const bool ok = allocate(&state, st) && freeze(&state, st) && begin(&state, st) &&
-                    first_pass(&state, st) && pen_accuracy_make_reference(&state, st) &&
-                    further_passes(&state, st) && make_cost(&state, st);
-    if (ok && task->progress)
-        task->progress(task->user, state.total, state.total);
-    out->spent_ms = (double)(pen_clock_ns() - state.begun_ns) * 1e-6;
+                                       .values = 3 * (size_t)s->width * (size_t)s->height};
+    *out = (struct pen_accuracy){.task = task};
+    const bool ok = pen_making_begin(&state.making, st) && allocate(&state, st) &&
+                    freeze(&state, st) && begin(&state, st) && first_pass(&state, st) &&
+                    pen_accuracy_make_reference(&state, st) && further_passes(&state, st) &&
+                    make_cost(&state, st);
+    if (ok && task->frame.progress)
+        task->frame.progress(task->frame.user, state.making.total, state.making.total);
+    out->began_ms = state.making.began_ms;
+    out->spent_ms = pen_making_spent_ms(&state.making);
+    pen_making_end(&state.making);
     pen_scene_free(state.scene);
-    json_decref(state.host);
     free(state.target);
     return ok;
 }

@@ -1,61 +1,47 @@
 /* SPDX-License-Identifier: MIT */
-/* The accuracy study: what a picture's accuracy costs in time, on one scene.
+/* The accuracy study: the time that accuracy costs, on one scene.
  *
  * A row is one combination of settings. Every row is rendered with several seeds, and each picture
- * is compared with a reference, so that the report can set time against error: which rows are on
- * the Pareto front, how fast the error falls with the number of samples, and which row is the
- * cheapest that meets a target.
+ * is compared with a reference. The report relates time to error. It shows the rows on the Pareto
+ * front, how fast the error falls with the number of samples, and the cheapest row that meets a
+ * target.
  *
- * The study goes in these steps, within its budget of time:
+ * The study has these steps, within a time budget:
  *
- * 1. A forecast of every row's time. Rows that do not fit the budget are left out, the dearest
- *    first.
- * 2. A pass: every row once, with one seed, in a random order.
- * 3. The reference: two renders with several times the samples of the longest row and with seeds
- *    that no row has. Their mean is the reference, half of their difference its error: the two are
- *    independent, so the mean's variance is a quarter of that of their difference. If the error is
- *    more than a fifth of the best row's, the reference is made again with more samples.
- * 4. Passes with further seeds, each in a random order of its own. What does not fit the budget is
- *    left out; the rows of the Pareto front come first then.
+ * 1. A forecast of the time of every row. Rows that do not fit the budget are left out, the most
+ *    expensive first.
+ * 2. The first pass: each row once, with one seed, in a random order.
+ * 3. The reference: the mean of two renders, with several times the samples of the longest row and
+ *    with seeds that no row has. Half of the difference of the two renders is the estimated error.
+ *    They are independent, so the variance of their mean is a quarter of the variance of their
+ *    difference. If the error is above a fifth of the best row's error, the reference is made again
+ *    with more samples.
+ * 4. Passes with further seeds, each in its own random order. Runs that do not fit the budget are
+ *    left out. If a pass does not fit as a whole, the rows of the Pareto front run first.
  *
- * A run that is spoiled (run_time.h) is repeated, twice at most and if a repeat takes no more than
- * a quarter of the time that is left. If it stays spoiled, its error counts, and its time does not.
- * If over half of the runs are spoiled, no row is recommended.
+ * A spoiled run (run_time.h) is repeated at most twice. It is not repeated if it would take more
+ * than a quarter of the remaining time. If it stays spoiled, its error counts and its time does
+ * not. If over half of the runs are spoiled, no row is recommended.
  *
- * A row whose error is less than twice that of the reference is unresolved: the reference cannot
- * tell how far off it is. The error of the reference is that of sampling alone; a reference is cut
- * off by max_depth and min_contribution as every picture is. */
+ * A row is unresolved if its error is less than twice the error of the reference. Then the
+ * reference is too inexact to show the row's error. The error of the reference covers sampling
+ * alone. max_depth and min_contribution cut off the paths of the reference, as in every picture. */
 #ifndef PEN_STUDY_ACCURACY_H
 #define PEN_STUDY_ACCURACY_H
 
 #include <jansson.h>
-#include <stdatomic.h>
 
 #include "base/buf.h"
 #include "io/scene_json.h"
-#include "render/render.h"
 #include "study/run_time.h"
-#include "study/unfinished.h"
+#include "study/study.h"
 
-/* How far a picture is from the reference: see film/metrics.h, ssim.h, flip.h. */
-enum pen_accuracy_metric {
-    PEN_METRIC_RMSE,
-    PEN_METRIC_RELATIVE_MSE,
-    PEN_METRIC_PSNR,
-    PEN_METRIC_SSIM,
-    PEN_METRIC_FLIP, /* the mean */
-    PEN_METRIC_MAX_ERROR,
-    PEN_METRIC_COUNT
-};
-extern const char *const pen_accuracy_metrics[PEN_METRIC_COUNT + 1]; /* ends with NULL */
-
-/* Whether more of it is better: PSNR and SSIM. */
-bool pen_accuracy_metric_rises(enum pen_accuracy_metric metric);
-
+/* A combination of settings. */
 struct pen_accuracy_row {
     struct pen_settings settings;
-    const json_t *varied; /* the row's values of the settings that rows differ in: a `render` object
-                           * with the same keys in every row */
+    /* The row's values of the settings in which rows differ: a `render` object with the same keys
+     * in every row. */
+    const json_t *varied;
 };
 
 /* One picture of a row. */
@@ -64,121 +50,109 @@ struct pen_accuracy_run {
     double error[PEN_METRIC_COUNT];
 };
 
+/* The results of one row. */
 struct pen_accuracy_row_result {
-    int runs; /* made; 0: the row was left out */
+    bool wanted; /* the row is not left out */
+    int runs;    /* finished runs; 0: the row was left out */
+    int next;    /* in the i-th element: the row that runs i-th in the current pass */
     struct pen_accuracy_run *run;
-    double expected_ms; /* of one run, as the forecast had it */
+    double expected_ms; /* of one run, from the forecast */
     struct pen_ray_counts rays;
-    int threads;           /* that worked on the first run */
-    uint64_t picture_hash; /* of the picture of the first run: pen_film_hash */
-    float *rgb;            /* that picture */
+    int threads;           /* number of threads that worked on the first run */
+    uint64_t picture_hash; /* pen_film_hash of rgb */
+    float *rgb;            /* the picture of the first run */
 };
 
+/* The reference of a study. */
 struct pen_accuracy_reference {
     struct pen_settings settings;
-    int factor;       /* its samples over those of the longest row, unless they are given */
-    double error;     /* RMSE, estimated */
-    double render_ms; /* of both renders */
+    int factor;   /* samples as a multiple of the longest row's, unless task->reference sets them */
+    double error; /* estimated RMSE */
+    double render_ms; /* of both renders together */
     float *rgb;
 };
 
-/* What the whole study is expected to take. Units: ms. */
+/* The expected time of the whole study.
+ * Units: ms. */
 struct pen_accuracy_forecast {
     double expected_ms, low_ms, high_ms;
 };
 
-/* What to do; everything is borrowed. */
+/* The input of a study. Everything is borrowed. */
 struct pen_accuracy_task {
-    const struct pen_scene_desc *desc;
+    struct pen_study_frame frame;
     const struct pen_settings *settings;
     int view;
     const struct pen_accuracy_row *rows;
     int row_count;
-    const json_t *reference; /* settings of the reference, a `render` object; NULL: none is given */
-    enum pen_accuracy_metric metric; /* of the target */
+    const json_t *reference; /* a `render` object with settings of the reference; NULL: none */
+    enum pen_metric metric;  /* the metric of `target` */
     double target;
-    int seeds; /* runs of each row; at least 1 */
+    int seeds; /* runs of each row, each with its own seed; at least 1 */
     double budget_ms;
-    size_t scene_cap_bytes; /* as pen_scene_freeze; 0: none */
     struct pen_limits limits;
-    struct pen_thread_pool *pool;
-    const atomic_bool *cancel; /* may be NULL */
-    /* Called once, after step 1; may be NULL. */
+    /* Called once after step 1, with frame.user. May be NULL. */
     void (*forecast)(void *user, const struct pen_accuracy_forecast *forecast);
-    /* Called between runs, with done = 0 before the first; may be NULL. */
-    void (*progress)(void *user, int done, int total);
-    void *user;
-    /* Called after each run and some times within the reference, also with `user`; may be NULL. */
-    pen_between_fn *between;
-    /* What an earlier process has kept; it is not used if it is of another study, host or build, or
-     * damaged. May be NULL. A process that goes on throws its first run away. */
-    const struct pen_kept_study *kept;
-    /* How long the reference is rendered between two calls of `between`, as it is expected; 0: 5 s.
-     */
+    /* The expected time of rendering the reference between two calls of frame.between. 0: 5 s. */
     double at_once_ms;
-    /* As in pen_render_task; may be NULL. */
-    void (*pixel_begins)(void *user, int thread, int x, int y);
-    void *pixel_user;
 };
 
 enum { PEN_ACCURACY_ROWS_MAX = 64, PEN_ACCURACY_SEEDS_MAX = 64 };
 _Static_assert((int)PEN_ACCURACY_SEEDS_MAX <= (int)PEN_RUN_TIMES_MAX, "a time for each run");
 
-/* As many runs of the dearest row the reference is expected to take. */
+/* The time that the forecast assumes for the reference, in runs of the most expensive row. */
 enum { PEN_ACCURACY_REFERENCE_RUNS = 16 };
 
+/* The results of a study. */
 struct pen_accuracy {
     const struct pen_accuracy_task *task;
     struct pen_accuracy_row_result *row;
     struct pen_accuracy_reference reference;
     struct pen_accuracy_forecast forecast;
     double spent_ms;
-    double thread_ms, had_ms; /* of all renders: the time of their threads; in which these had
-                               * processors */
-    int64_t began_ms;         /* wall clock */
-    double calibration_ms; /* the time of a fixed computation, by which hosts can be compared: the
-                            * median of several */
-    json_t *left_out;      /* sentences, as an array */
-    float *cost;           /* the layer `cost` of a row, as colours; NULL: left out */
-    int cost_row;          /* the recommended one, or else the first */
-    double cost_most;      /* what its white stands for: nanoseconds */
-    int stats_row;         /* the first row that is not left out; what its last render has told: */
+    /* Summed over all renders: the time of their threads, and the part of it in which the threads
+     * had a processor. */
+    double thread_ms, had_ms;
+    int64_t began_ms; /* wall clock */
+    /* Median time of a fixed computation, by which hosts are compared (calibration.h). */
+    double calibration_ms;
+    json_t *left_out; /* an array of sentences */
+    float *cost;      /* the layer `cost` of row cost_row as colours; NULL: left out */
+    int cost_row;     /* the recommended row, or the first row that has run */
+    double cost_most; /* the time that white stands for, in ns */
+    int stats_row;    /* the first row that is not left out; `stats` is of its last render */
     struct pen_render_stats stats;
     struct pen_accel_stats accel;
     double build_ms;
 };
 
-/* The number of runs of a study: those of the rows, two for the reference, and one for the cost. A
- * reference that is made again does not count. */
+/* The number of runs of a study: of the rows, two for the reference, and one for the cost layer.
+ * Repeats of the reference do not count. */
 int pen_accuracy_runs(const struct pen_accuracy_task *task);
 
-/* Checks each row by pen_limits_check, and the size of the pictures that are kept. Fails:
- * PEN_TOO_LARGE, at the place `at`. */
+/* Checks each row by pen_limits_check, and the total size of the pictures.
+ * Fails: PEN_TOO_LARGE, at the place `at`; as pen_limits_check. */
 bool pen_accuracy_check(const struct pen_accuracy_task *task, const char *at,
                         struct pen_status *st);
 
-/* Makes the study. Owns: release *out in any case. Fails: PEN_NO_MEMORY, PEN_CANCELLED,
- * PEN_UNAVAILABLE (`between` has ended it); as pen_scene_freeze. Threads: one study per pool, and
- * nothing else on that pool. */
+/* Makes the study.
+ * Owns: release *out, after success and after failure.
+ * Fails: PEN_NO_MEMORY, PEN_CANCELLED, PEN_UNAVAILABLE (frame.between returned false); as
+ * pen_scene_freeze.
+ * Threads: one study per pool, and nothing else on that pool. */
 bool pen_accuracy_make(const struct pen_accuracy_task *task, struct pen_accuracy *out,
                        struct pen_status *st);
 void pen_accuracy_release(struct pen_accuracy *accuracy);
 
-/* The report as JSON (api/openapi.yaml, schema AccuracyReport). `scene` is the scene's name. Fails:
- * NULL when out of memory. */
+/* Makes the report as JSON (api/openapi.yaml, schema AccuracyReport). `scene` is the scene's name.
+ * Owns: the caller json_decref()s.
+ * Fails: NULL when out of memory. */
 json_t *pen_accuracy_json(const struct pen_accuracy *accuracy, const char *scene);
 
-/* Appends a report, as pen_accuracy_json made it: "text" for a terminal, "csv", "md" or "json".
+/* Appends the pictures of the report's page: the reference, the picture and error map of each row,
+ * and the time of each pixel. `report` is the result of pen_accuracy_json.
  * Fails: PEN_NO_MEMORY. */
-bool pen_accuracy_write(const json_t *report, const char *format, struct pen_buf *out,
-                        struct pen_status *st);
-
-/* Appends the report as one page without scripts or references to other files, with plots, the
- * rows' pictures and their error maps. Fails: PEN_NO_MEMORY. */
-bool pen_accuracy_write_html(const struct pen_accuracy *accuracy, const json_t *report,
-                             struct pen_buf *out, struct pen_status *st);
-
-/* Appends the plot of error against time alone, as an SVG file. Fails: PEN_NO_MEMORY. */
-bool pen_accuracy_write_svg(const json_t *report, struct pen_buf *out, struct pen_status *st);
+bool pen_accuracy_figures(const struct pen_accuracy *accuracy, const json_t *report,
+                          struct pen_buf *out, struct pen_status *st);
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What an accuracy study is expected to take, and which rows that leaves out. */
+/* The forecast of an accuracy study, and the rows that it leaves out. */
 #include <stdio.h>
 
 #include "render/forecast.h"
 #include "study/internal/accuracy_run.h"
 
-/* A forecast of one row's run, and what it has cost. */
+/* The forecast of one run of a row, and the time that it took to make. */
 struct row_forecast {
     struct pen_estimate ms;
     double spent_ms;
@@ -19,25 +19,26 @@ static bool forecast_row(struct pen_accuracy_state *state, int row, struct row_f
                                                     .view = task->view,
                                                     .settings = &task->rows[row].settings,
                                                     .quick = true,
-                                                    .cancel = task->cancel,
-                                                    .pixel_begins = task->pixel_begins,
-                                                    .pixel_user = task->pixel_user};
+                                                    .cancel = task->frame.cancel,
+                                                    .pixel_begins = task->frame.pixel_begins,
+                                                    .pixel_user = task->frame.pixel_user};
     struct pen_forecast forecast;
-    if (!pen_forecast_make(task->pool, &forecast_task, &forecast, st))
+    if (!pen_forecast_make(task->frame.pool, &forecast_task, &forecast, st))
         return false;
     *out = (struct row_forecast){forecast.time_ms, forecast.spent_ms};
     pen_forecast_release(&forecast);
     return true;
 }
 
-/* The rays of a row by its counts; of one with a target error, those of its pilot. */
+/* The rays of a row, from its counts of samples. For a row with a target error, those of its pilot.
+ */
 static double work_of(const struct pen_accuracy_task *task, int row)
 {
     const struct pen_settings s = pen_settings_sampling(&task->rows[row].settings);
-    return pen_work_per_pixel(task->desc, &s);
+    return pen_work_per_pixel(task->frame.desc, &s);
 }
 
-/* The rows by their work, the least first. */
+/* Sorts the rows by their work, the least first. */
 static void order_by_work(const struct pen_accuracy_task *task, int *order)
 {
     for (int i = 0; i < task->row_count; i++) {
@@ -48,7 +49,7 @@ static void order_by_work(const struct pen_accuracy_task *task, int *order)
     }
 }
 
-/* What a row is expected to take if another took so long and it has so many times its work. */
+/* Scales the forecast of one row to a row that has `times` as much work. */
 static struct row_forecast scaled(const struct row_forecast *forecast, double times)
 {
     return (struct row_forecast){
@@ -64,9 +65,9 @@ static void add_forecast(struct pen_accuracy_forecast *sum, const struct pen_est
     sum->high_ms += times * ms->high;
 }
 
-/* Forecasts all rows, and the reference as so many times the dearest of them. A row whose forecast
- * alone would cost more than a tenth of the budget is expected to take as much longer than the one
- * before as it has more work. */
+/* Forecasts all rows, by rising work. If the forecast of a row would take more than a tenth of the
+ * budget, the forecast of the row before is scaled by work instead. The time of the reference is
+ * PEN_ACCURACY_REFERENCE_RUNS times that of the most expensive row. */
 static bool make_forecast(struct pen_accuracy_state *state, struct pen_status *st)
 {
     const struct pen_accuracy_task *task = state->task;
@@ -87,25 +88,24 @@ static bool make_forecast(struct pen_accuracy_state *state, struct pen_status *s
     }
     add_forecast(&state->out->forecast, &dearest.ms, PEN_ACCURACY_REFERENCE_RUNS);
     if (task->forecast)
-        task->forecast(task->user, &state->out->forecast);
+        task->forecast(task->frame.user, &state->out->forecast);
     return true;
 }
 
-/* Chooses the rows that fit the budget, if each is run once and the reference, which may have half
- * of the time that is then left, takes as long as two runs of the dearest: the dearest rows are
- * left out, until that is so. One row stays. */
+/* Leaves out the most expensive rows until the others fit the budget. They fit if one run of each
+ * leaves enough time for the reference. It is expected to take as long as two runs of the most
+ * expensive row, and may use half of the remaining time. One row always stays. */
 static bool choose_rows(struct pen_accuracy_state *state, struct pen_status *st)
 {
-    bool *wanted = state->wanted;
     const struct pen_accuracy_task *task = state->task;
-    const struct pen_accuracy_row_result *rows = state->out->row;
+    struct pen_accuracy_row_result *rows = state->out->row;
     for (int i = 0; i < task->row_count; i++)
-        wanted[i] = true;
+        rows[i].wanted = true;
     for (int left = task->row_count; left > 1; left--) {
         double sum = 0;
         int dearest = -1;
         for (int i = 0; i < task->row_count; i++) {
-            if (!wanted[i])
+            if (!rows[i].wanted)
                 continue;
             sum += rows[i].expected_ms;
             if (dearest < 0 || rows[i].expected_ms > rows[dearest].expected_ms)
@@ -116,7 +116,7 @@ static bool choose_rows(struct pen_accuracy_state *state, struct pen_status *st)
         char why[80];
         snprintf(why, sizeof why, "one run is expected to take %.3g s",
                  rows[dearest].expected_ms / 1000);
-        wanted[dearest] = false;
+        rows[dearest].wanted = false;
         if (!pen_accuracy_leave_out(state, dearest, why, st))
             return false;
     }

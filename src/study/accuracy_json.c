@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* The report of an accuracy study as JSON; all other formats are made from it. */
-#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
-#include "base/clock.h"
 #include "io/figures.h"
 #include "io/json_build.h"
 #include "io/settings_json.h"
 #include "study/accuracy_summary.h"
 #include "study/host.h"
 #include "study/internal/accuracy_run.h"
+#include "study/internal/report_json.h"
 
 /* Four significant digits; null if it is not finite. */
 static json_t *rounded(double value)
@@ -28,9 +27,8 @@ static json_t *spread_json(const struct pen_accuracy_row_result *row)
 {
     json_t *json = json_object();
     for (int m = 0; m < PEN_METRIC_COUNT; m++) {
-        const struct pen_accuracy_spread e =
-            pen_accuracy_error_of(row, (enum pen_accuracy_metric)m);
-        json = pen_json_with(json, pen_accuracy_metrics[m],
+        const struct pen_accuracy_spread e = pen_accuracy_error_of(row, (enum pen_metric)m);
+        json = pen_json_with(json, pen_metrics[m],
                              json_pack("[o, o]", rounded(e.low), rounded(e.high)));
     }
     return json;
@@ -42,9 +40,8 @@ static json_t *with_errors(json_t *json, const struct pen_accuracy *accuracy,
 {
     const bool resolved = pen_accuracy_resolved(accuracy, row);
     for (int m = 0; m < PEN_METRIC_COUNT; m++) {
-        const double median = pen_accuracy_error_of(row, (enum pen_accuracy_metric)m).median;
-        json =
-            pen_json_with(json, pen_accuracy_metrics[m], resolved ? rounded(median) : json_null());
+        const double median = pen_accuracy_error_of(row, (enum pen_metric)m).median;
+        json = pen_json_with(json, pen_metrics[m], resolved ? rounded(median) : json_null());
     }
     json = pen_json_with(json, "resolved", json_boolean(resolved));
     if (!resolved)
@@ -55,7 +52,7 @@ static json_t *with_errors(json_t *json, const struct pen_accuracy *accuracy,
     return pen_json_with(json, "efficiency", rounded(1 / (rmse * rmse * seconds)));
 }
 
-/* In the order of their seeds. */
+/* The runs of a row, in the order of their seeds. */
 static json_t *runs_json(const struct pen_accuracy_row_result *row)
 {
     json_t *list = json_array();
@@ -86,7 +83,7 @@ static json_t *row_json(const struct pen_accuracy *accuracy, int number, bool fr
     json = pen_json_with(json, "threads", json_integer(row->threads));
     json = pen_json_with(json, "runs_ms", runs_json(row));
     json = pen_json_with(json, "spoiled_runs", spoiled_json(row));
-    json = pen_json_with(json, "picture_hash", json_sprintf("%016" PRIx64, row->picture_hash));
+    json = pen_json_with(json, "picture_hash", pen_report_hash_json(row->picture_hash));
     json = pen_json_with(json, "median_ms", pen_figure(time.median));
     json = pen_json_with(json, "min_ms", pen_figure(time.min));
     json = pen_json_with(json, "max_ms", pen_figure(time.max));
@@ -105,7 +102,7 @@ static json_t *rows_json(const struct pen_accuracy *accuracy)
     return pen_json_all(rows, (size_t)accuracy->task->row_count);
 }
 
-/* The settings of a row without one of them. */
+/* The settings of a row except one. */
 static json_t *others_of(const struct pen_accuracy_row *row, const char *key)
 {
     json_t *others = json_copy((json_t *)(uintptr_t)row->varied);
@@ -113,7 +110,7 @@ static json_t *others_of(const struct pen_accuracy_row *row, const char *key)
     return others;
 }
 
-/* What a series no longer falls for: {share, rmse, settings}; null if it falls. */
+/* The floor of a series: {share, rmse, settings}; null if it has none. */
 static json_t *floor_json(const struct pen_accuracy *accuracy,
                           const struct pen_accuracy_series *series)
 {
@@ -150,7 +147,7 @@ static json_t *series_json(const struct pen_accuracy *accuracy,
                      pen_json_all(points, (size_t)series->count));
 }
 
-/* The series of three resolved rows or more. */
+/* The series that have at least three resolved rows. */
 static json_t *convergence_json(const struct pen_accuracy *accuracy)
 {
     json_t *list = json_array();
@@ -167,7 +164,8 @@ static json_t *convergence_json(const struct pen_accuracy *accuracy)
     return list;
 }
 
-/* What a target that no row meets would need; null if one does, or none may be recommended. */
+/* The setting that would meet a target that no row meets. null if a row meets it, or if no row may
+ * be recommended. */
 static json_t *needed_json(const struct pen_accuracy *accuracy)
 {
     const struct pen_runs_use use = pen_accuracy_use(accuracy);
@@ -179,7 +177,7 @@ static json_t *needed_json(const struct pen_accuracy *accuracy)
                         : json_null();
 }
 
-/* Of all runs. */
+/* How much of the processors all runs got. */
 static json_t *timing_json(const struct pen_accuracy *accuracy)
 {
     const struct pen_runs_use use = pen_accuracy_use(accuracy);
@@ -201,13 +199,6 @@ static json_t *reference_json(const struct pen_accuracy_reference *r)
                      r->factor, "error", rounded(r->error), "render_ms", pen_figure(r->render_ms));
 }
 
-static json_t *began_json(const struct pen_accuracy *accuracy)
-{
-    char text[25];
-    pen_clock_format(accuracy->began_ms, text);
-    return json_string(text);
-}
-
 /* Units: seconds. */
 static json_t *seconds(double ms)
 {
@@ -222,16 +213,16 @@ json_t *pen_accuracy_json(const struct pen_accuracy *accuracy, const char *scene
         "{s:s, s:s, s:I, s:o, s:s, s:i, s:f, s:{s:s, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:{s:o, "
         "s:o, "
         "s:o, s:o}, s:O, s:o, s:i, s:f, s:{s:o}, s:o}",
-        "kind", "accuracy", "scene", scene, "primitives", (json_int_t)task->desc->primitive_count,
-        "began_at", began_json(accuracy), "view", task->desc->views[task->view].name, "seeds",
-        task->seeds, "budget_seconds", task->budget_ms / 1000, "target", "metric",
-        pen_accuracy_metrics[task->metric], "value", task->target, "recommended",
-        recommended_json(accuracy), "needed", needed_json(accuracy), "timing",
-        timing_json(accuracy), "rows", rows_json(accuracy), "reference",
-        reference_json(&accuracy->reference), "convergence", convergence_json(accuracy), "forecast",
-        "expected_seconds", seconds(f->expected_ms), "low", seconds(f->low_ms), "high",
-        seconds(f->high_ms), "actual", seconds(accuracy->spent_ms), "left_out", accuracy->left_out,
-        "render", pen_settings_json(task->settings), "pool_threads",
-        pen_thread_pool_size(task->pool), "least_effect", PEN_LEAST_EFFECT, "calibration",
+        "kind", "accuracy", "scene", scene, "primitives",
+        (json_int_t)task->frame.desc->primitive_count, "began_at",
+        pen_report_time_json(accuracy->began_ms), "view", task->frame.desc->views[task->view].name,
+        "seeds", task->seeds, "budget_seconds", task->budget_ms / 1000, "target", "metric",
+        pen_metrics[task->metric], "value", task->target, "recommended", recommended_json(accuracy),
+        "needed", needed_json(accuracy), "timing", timing_json(accuracy), "rows",
+        rows_json(accuracy), "reference", reference_json(&accuracy->reference), "convergence",
+        convergence_json(accuracy), "forecast", "expected_seconds", seconds(f->expected_ms), "low",
+        seconds(f->low_ms), "high", seconds(f->high_ms), "actual", seconds(accuracy->spent_ms),
+        "left_out", accuracy->left_out, "render", pen_settings_json(task->settings), "pool_threads",
+        pen_thread_pool_size(task->frame.pool), "least_effect", PEN_LEAST_EFFECT, "calibration",
         "median_ms", pen_figure(accuracy->calibration_ms), "host", pen_host_json());
 }

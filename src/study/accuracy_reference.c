@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The reference of an accuracy study: its settings, and how long it may take.
+/* The reference of an accuracy study: its settings, and the time that it may take.
  *
- * It has the camera rays of the row that has most of them, times a factor; and so many points on
- * lights and rays of cones for each camera ray that their sum over a pixel grows by that factor,
- * too. A scene that is seen through the pixels' centres in every row is so in the reference: then
- * its edges are not part of the error. */
+ * A pixel of the reference has the most camera rays that a pixel has in any row, times a factor.
+ * The points on lights and the rays of cones, summed over a pixel, grow by the same factor. If
+ * every row sees the scene through the centres of the pixels, the reference does too. Then the
+ * jagged edges of the rows are not part of the error. */
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,17 +14,18 @@
 #include "study/internal/accuracy_run.h"
 
 enum { FACTOR = 8, FACTOR_MORE = 4 };
-/* The samples of a pixel that count for a row with a target error, whatever they will be. */
+/* The samples of a pixel that are assumed for a row with a target error. */
 enum { ADAPTIVE_CAMERA = 32, ADAPTIVE_LIGHT = 16, ADAPTIVE_BLUR = 4 };
-enum { SEED_STEP = 1000000 }; /* beyond all seeds of rows */
+enum { SEED_STEP = 1000000 }; /* larger than all seeds of rows */
 
 static const double default_at_once_ms = 5000;
-static const double most_of_best = 0.2; /* the reference's error over that of the best row */
+static const double most_of_best =
+    0.2; /* the greatest error of the reference, as a share of the best row's error */
 
-/* The most samples that a pixel has in a row. */
+/* The most samples that a pixel has in any row. */
 struct samples {
-    double camera, light, blur; /* light, blur: of all its camera rays */
-    bool area;                  /* of the pixel's area, not of its centre alone */
+    double camera, light, blur; /* light, blur: summed over the camera rays of a pixel */
+    bool area;                  /* spread over the pixel's area, not only at its centre */
 };
 
 static void add_row(struct samples *most, const struct pen_settings *s, bool lens)
@@ -54,7 +55,8 @@ static bool is_varied(const struct pen_accuracy_task *task, const char *key)
     return json_object_get(task->rows[0].varied, key) != NULL;
 }
 
-/* The cut-offs: beyond those of all rows, if rows differ in them. */
+/* Sets the cut-offs of paths. If rows differ in a cut-off, the reference goes further than every
+ * row. */
 static void set_cutoffs(const struct pen_accuracy_task *task, struct pen_settings *s)
 {
     struct pen_status ignored;
@@ -69,12 +71,12 @@ static void set_cutoffs(const struct pen_accuracy_task *task, struct pen_setting
         return;
     struct pen_settings deeper = *s;
     deeper.max_depth = 2 * s->max_depth;
-    if (pen_limits_check(&task->limits, task->desc, &deeper, 1, "", &ignored))
+    if (pen_limits_check(&task->limits, task->frame.desc, &deeper, 1, "", &ignored))
         *s = deeper;
 }
 
-/* The settings of a reference with so many times the samples of the longest row that was run. Those
- * that are given by the task override them. */
+/* The settings of a reference with `factor` times the samples of the longest row that has run. The
+ * task's own settings of the reference override them. */
 static struct pen_settings settings_for(const struct pen_accuracy_state *state, int factor)
 {
     const struct pen_accuracy_task *task = state->task;
@@ -83,7 +85,7 @@ static struct pen_settings settings_for(const struct pen_accuracy_state *state, 
     struct pen_errors ignored = {0};
     unsigned effects = 0;
     for (int i = 0; i < task->row_count; i++)
-        effects |= pen_desc_effects(task->desc, &task->rows[i].settings);
+        effects |= pen_desc_effects(task->frame.desc, &task->rows[i].settings);
     const bool lens = effects & PEN_FX_DEPTH_OF_FIELD;
     for (int i = 0; i < task->row_count; i++)
         if (state->out->row[i].runs > 0)
@@ -103,7 +105,7 @@ static struct pen_settings settings_for(const struct pen_accuracy_state *state, 
     return s;
 }
 
-/* The same with the seed of the first of the two renders. */
+/* As settings_for, with the seed of the first of the two renders. */
 static struct pen_settings settings_of(const struct pen_accuracy_state *state, int factor)
 {
     struct pen_settings s = settings_for(state, factor);
@@ -111,14 +113,14 @@ static struct pen_settings settings_of(const struct pen_accuracy_state *state, i
     return s;
 }
 
-/* The rays of a pixel by their counts, as a measure of time. */
+/* The rays of a pixel, from counts of samples: a measure of time. */
 static double work_of(const struct pen_accuracy_task *task, const struct pen_settings *s)
 {
-    return pen_work_per_pixel(task->desc, s);
+    return pen_work_per_pixel(task->frame.desc, s);
 }
 
-/* The settings of a row; of one with a target error, fixed numbers of samples that come to as many
- * camera rays as its first run took. */
+/* The settings of a row. For a row with a target error, fixed numbers of samples that give as many
+ * camera rays as its first run had. */
 static struct pen_settings fixed_settings(const struct pen_accuracy_state *state, int row)
 {
     const struct pen_settings *asked = &state->task->rows[row].settings;
@@ -129,8 +131,7 @@ static struct pen_settings fixed_settings(const struct pen_accuracy_state *state
     return s;
 }
 
-/* The time that both renders of a reference are expected to take, by that of the row with the most
- * rays. */
+/* The expected time of both renders of a reference, from the time of the row with the most rays. */
 static double expected_ms(const struct pen_accuracy_state *state, const struct pen_settings *s)
 {
     double most = 0, ms = 0;
@@ -148,15 +149,15 @@ static double expected_ms(const struct pen_accuracy_state *state, const struct p
     return 2 * ms / most * work_of(state->task, s);
 }
 
-/* Whether a reference may be made: it has half of the time that is left. Limits of a render's work
- * do not apply, since the budget bounds the whole study. */
+/* Whether a reference fits into half of the remaining time. The limits of one render's work do not
+ * apply, since the budget bounds the whole study. */
 static bool fits(const struct pen_accuracy_state *state, int factor)
 {
     const struct pen_settings s = settings_for(state, factor);
     return expected_ms(state, &s) <= pen_accuracy_left_ms(state) / 2;
 }
 
-/* The root mean square of the differences of two pictures' encoded values. */
+/* The root mean square of the differences between two pictures' encoded values. */
 static double difference(const float *a, const float *b, size_t values)
 {
     double sum = 0;
@@ -168,7 +169,8 @@ static double difference(const float *a, const float *b, size_t values)
     return sqrt(sum / (double)values);
 }
 
-/* How many tiles of one render come between two times at which the study may be kept or end. */
+/* The number of tiles that are rendered between two points at which the study may be saved or end.
+ */
 static int tiles_at_once(const struct pen_accuracy_state *state, int tiles)
 {
     const double asked_ms = state->task->at_once_ms,
@@ -178,9 +180,9 @@ static int tiles_at_once(const struct pen_accuracy_state *state, int tiles)
     return groups > 1 ? (int)ceil(tiles / groups) : tiles;
 }
 
-/* One of the two renders, or what an earlier process has left of it. It is cut into groups of
- * tiles, since it may take longer than anything else in the study, and is not timed against other
- * renders. */
+/* Makes one of the two renders, or finishes one that an earlier process began. It is rendered in
+ * groups of tiles, since it may take longer than any other step. Its time is not compared with
+ * other times. */
 static bool render_half(struct pen_accuracy_state *state, const struct pen_settings *s, float *rgb,
                         struct pen_status *st)
 {
@@ -200,7 +202,7 @@ static bool render_half(struct pen_accuracy_state *state, const struct pen_setti
         state->out->reference.render_ms += stats.render_ms;
         state->tiles += render.tile_count;
         state->half_hash[state->halves] = pen_accuracy_hash(state, rgb);
-        if (state->tiles < all && !pen_accuracy_between(state, st))
+        if (state->tiles < all && !pen_making_between(&state->making, st))
             return false;
     }
     state->tiles = 0;
@@ -218,8 +220,8 @@ static void join_halves(struct pen_accuracy_state *state)
     state->half_hash[0] = pen_accuracy_hash(state, r->rgb);
 }
 
-/* Renders the reference with so many times the samples, in place of an earlier one; or what is left
- * of it. */
+/* Renders the reference with `factor` times the samples, in place of an earlier reference. Or
+ * finishes one that an earlier process began. */
 static bool render(struct pen_accuracy_state *state, int factor, struct pen_status *st)
 {
     struct pen_accuracy_reference *r = &state->out->reference;
@@ -230,17 +232,18 @@ static bool render(struct pen_accuracy_state *state, int factor, struct pen_stat
     if (state->halves == 0 && state->tiles == 0)
         r->render_ms = 0;
     if (state->halves == 0 &&
-        (!render_half(state, &r->settings, r->rgb, st) || !pen_accuracy_end_run(state, st)))
+        (!render_half(state, &r->settings, r->rgb, st) || !pen_making_end_run(&state->making, st)))
         return false;
     if (state->halves == 2)
         return true;
     if (!render_half(state, &other, state->target, st))
         return false;
     join_halves(state);
-    return pen_accuracy_end_run(state, st);
+    return pen_making_end_run(&state->making, st);
 }
 
-/* Compares the first picture of every row with the reference. Sets the least error of a row. */
+/* Compares the first picture of every row with the reference. *best becomes the least error of a
+ * row. */
 static bool measure_rows(const struct pen_accuracy_state *state, double *best,
                          struct pen_status *st)
 {
@@ -249,7 +252,7 @@ static bool measure_rows(const struct pen_accuracy_state *state, double *best,
         struct pen_accuracy_row_result *row = &state->out->row[i];
         if (row->runs == 0)
             continue;
-        if (!pen_accuracy_measure(state, row->rgb, row->run[0].error, st))
+        if (!pen_accuracy_measure(state, row->rgb, &row->run[0], st))
             return false;
         *best = fmin(*best, row->run[0].error[PEN_METRIC_RMSE]);
     }
@@ -269,7 +272,7 @@ static bool note_short(const struct pen_accuracy_state *state, double best, stru
                st);
 }
 
-/* Whether a reference of more samples can be made. */
+/* Whether the reference can be made again with more samples. */
 static bool can_be_better(const struct pen_accuracy_state *state)
 {
     const struct pen_accuracy_reference *r = &state->out->reference;
@@ -279,7 +282,7 @@ static bool can_be_better(const struct pen_accuracy_state *state)
            work_of(state->task, &s) > work_of(state->task, &r->settings);
 }
 
-/* The first factor to try; that of an earlier process, if it has begun. */
+/* The first factor to try. If an earlier process began a reference, its factor. */
 static int first_factor(const struct pen_accuracy_state *state)
 {
     int factor = FACTOR;

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* How errors fall with numbers of samples, which error is left where they no longer fall, and what
- * a target would need. */
+/* How errors fall with numbers of samples, what causes the error that remains, and which setting
+ * meets a target. */
 #include <math.h>
 #include <string.h>
 
 #include "io/settings_json.h"
 #include "study/accuracy_summary.h"
 
-/* A floor of three quarters halves a slope of -0.75 from the second last row to the last, where N
- * grows fourfold. The errors of independent samples, which fall with N^-0.5, stay above that. */
+/* The share from which a floor is reported. It halves a slope of -0.75 between the last two rows if
+ * N grows fourfold. The errors of independent samples fall with N^-0.5, and stay above that. */
 static const double most_floor = 0.75;
-/* Settings share a floor if each has a quarter of it at least. */
+/* A setting is a cause of a floor if it makes up at least this share of it. */
 static const double least_share = 0.25;
-/* How errors fall if one row is all there is: as those of independent samples. */
+/* The assumed slope if there is only one row: that of independent samples. */
 static const double slope_of_one = -0.5, least_slope = -0.1;
 static const double samples_max = 1e8;
 
@@ -26,7 +26,7 @@ static bool is_camera(enum pen_sample_kind kind)
 
 static unsigned effects_of(const struct pen_accuracy *accuracy, int row)
 {
-    return pen_desc_effects(accuracy->task->desc, &accuracy->task->rows[row].settings);
+    return pen_desc_effects(accuracy->task->frame.desc, &accuracy->task->rows[row].settings);
 }
 
 double pen_sample_count(const struct pen_accuracy *accuracy, int row, enum pen_sample_kind kind)
@@ -43,7 +43,7 @@ static bool is_varied(const struct pen_accuracy_task *task, enum pen_sample_kind
     return json_object_get(task->rows[0].varied, pen_sample_keys[kind]) != NULL;
 }
 
-/* Whether two rows differ in that setting alone. */
+/* Whether two rows are equal in all settings but one. */
 static bool same_others(const struct pen_accuracy_task *task, int a, int b, const char *except)
 {
     const char *key;
@@ -66,9 +66,9 @@ bool pen_accuracy_begins_series(const struct pen_accuracy *accuracy, int row,
     return is_varied(accuracy->task, kind);
 }
 
-/* With half of the error for each doubling of a sequence's length to the power of this: of points
- * without order, and of a stratified set across the edge of a shadow (Mitchell, "Consequences of
- * stratified sampling in graphics", SIGGRAPH 1996). */
+/* The expected slope of log error over log samples. It is -0.5 for random points. It is -0.75 for a
+ * stratified set of points across the edge of a shadow.
+ * Source: Mitchell, "Consequences of stratified sampling in graphics", SIGGRAPH 1996. */
 static double expected_slope(const struct pen_accuracy_row *row, enum pen_sample_kind kind)
 {
     return kind == PEN_SAMPLE_LIGHT && row->settings.light_pattern == PEN_PATTERN_RANDOM ? -0.5
@@ -85,7 +85,7 @@ static void add_point(struct pen_accuracy_series *series, int row, double sample
     series->point[at].rmse = rmse;
 }
 
-/* The point before the last that has half of its samples or less; -1: none. */
+/* The last point that has at most half of the samples of the last one; -1: none. */
 static int before_last(const struct pen_accuracy_series *series)
 {
     int at = series->count - 1;
@@ -94,7 +94,7 @@ static int before_last(const struct pen_accuracy_series *series)
     return at;
 }
 
-/* The square of a point's error, without that of the reference. */
+/* The square of a point's error, minus the square of the reference's error. */
 static double squared(const struct pen_accuracy *accuracy, const struct pen_accuracy_series *series,
                       int point)
 {
@@ -102,8 +102,8 @@ static double squared(const struct pen_accuracy *accuracy, const struct pen_accu
     return fmax(error * error - reference * reference, 0);
 }
 
-/* The part of the squared error of a point that more samples of this kind remove: the last point
- * tells what they have. Below 0: not known. */
+/* The part of a point's squared error that more samples of this kind remove. It follows from the
+ * last point of the series. Below 0: unknown. */
 static double removable(const struct pen_accuracy *accuracy,
                         const struct pen_accuracy_series *series, int point)
 {
@@ -137,8 +137,8 @@ static void find_floor(const struct pen_accuracy *accuracy, struct pen_accuracy_
     series->floored = series->floor >= most_floor;
 }
 
-/* The squared error that more samples of another kind remove from a row of the series; below 0: not
- * known. */
+/* The squared error that more samples of another kind remove from a row of the series. Below 0:
+ * unknown. */
 static double removed_by(const struct pen_accuracy *accuracy,
                          const struct pen_accuracy_series *series, enum pen_sample_kind kind)
 {
@@ -153,8 +153,9 @@ static double removed_by(const struct pen_accuracy *accuracy,
     return part;
 }
 
-/* Whether a floor of the series may come from samples of another kind. More camera rays have more
- * samples of all kinds, but each has the same points on a light if these form a grid. */
+/* Whether samples of another kind may cause a floor of the series. More camera rays also mean more
+ * samples of all other kinds. Points on a light in a grid are an exception, since all camera rays
+ * have the same points. */
 static bool may_cause(const struct pen_accuracy *accuracy, const struct pen_accuracy_series *series,
                       enum pen_sample_kind kind)
 {
@@ -170,8 +171,8 @@ static bool may_cause(const struct pen_accuracy *accuracy, const struct pen_accu
            accuracy->reference.settings.samples_per_pixel > 1;
 }
 
-/* What a series leaves for the edges of what a pixel sees is the floor without the parts that other
- * kinds of samples are known to remove. */
+/* Finds the causes of a floor. Samples of camera rays cause what is left of the floor after the
+ * parts that other kinds of samples are known to remove. */
 static void find_causes(const struct pen_accuracy *accuracy, struct pen_accuracy_series *series)
 {
     const double floor = series->floor * squared(accuracy, series, series->count - 1);
@@ -213,8 +214,8 @@ struct pen_accuracy_series pen_accuracy_series_of(const struct pen_accuracy *acc
     return series;
 }
 
-/* A metric as an error that falls to 0 as the samples grow. */
-static double as_error(enum pen_accuracy_metric metric, double value)
+/* Converts a metric to an error that falls to 0 as the samples grow. */
+static double as_error(enum pen_metric metric, double value)
 {
     return metric == PEN_METRIC_PSNR   ? pow(10, -value / 20)
            : metric == PEN_METRIC_SSIM ? 1 - value
@@ -223,12 +224,12 @@ static double as_error(enum pen_accuracy_metric metric, double value)
 
 static double worst_error(const struct pen_accuracy *accuracy, int row)
 {
-    const enum pen_accuracy_metric metric = accuracy->task->metric;
+    const enum pen_metric metric = accuracy->task->metric;
     return as_error(metric, pen_accuracy_worst(&accuracy->row[row], metric));
 }
 
-/* Takes more samples of a kind than a row has as what is needed, if the error falls with that
- * slope, and they take less time than what is known. */
+/* Computes the number of samples of a kind with which a row would meet the target, if its error
+ * falls with this slope. Keeps it in *need if it takes less time than the present *need. */
 static void consider(const struct pen_accuracy *accuracy, int row, enum pen_sample_kind kind,
                      double slope, struct pen_accuracy_need *need)
 {
@@ -245,13 +246,14 @@ static void consider(const struct pen_accuracy *accuracy, int row, enum pen_samp
     const bool ok = more && pen_settings_read(more, "", &with, &ignored);
     json_decref(more);
     const double ms = pen_accuracy_time_of(&accuracy->row[row]).median *
-                      pen_work_per_pixel(task->desc, &with) / pen_work_per_pixel(task->desc, s);
+                      pen_work_per_pixel(task->frame.desc, &with) /
+                      pen_work_per_pixel(task->frame.desc, s);
     if (ok && (!need->setting || ms < need->ms))
         *need = (struct pen_accuracy_need){pen_sample_keys[kind], samples, ms};
 }
 
-/* What a series says: that its error falls on as it did before its last row; or, at a floor, that
- * more samples are needed of the kinds from which that comes. */
+/* Considers a series. Without a floor, its error is assumed to fall as it did before its last row.
+ * At a floor, more samples are needed of the kinds that cause the floor. */
 static void consider_series(const struct pen_accuracy *accuracy,
                             const struct pen_accuracy_series *series,
                             struct pen_accuracy_need *need)

@@ -5,9 +5,10 @@
 
 #include "study/verdict.h"
 
-static const double unresolved_below = 2; /* times the reference's error */
+static const double unresolved_below = 2; /* in units of the reference's error */
 
-/* A quantile of sorted values, between the neighbouring ones. Equal neighbours may be infinite. */
+/* A quantile of sorted values, interpolated between neighbours. Equal neighbours may be infinite.
+ */
 static double quantile(const double *sorted, int count, double share)
 {
     const double place = share * (count - 1);
@@ -18,7 +19,7 @@ static double quantile(const double *sorted, int count, double share)
 }
 
 struct pen_accuracy_spread pen_accuracy_error_of(const struct pen_accuracy_row_result *row,
-                                                 enum pen_accuracy_metric metric)
+                                                 enum pen_metric metric)
 {
     double values[PEN_ACCURACY_SEEDS_MAX];
     for (int i = 0; i < row->runs; i++)
@@ -29,11 +30,10 @@ struct pen_accuracy_spread pen_accuracy_error_of(const struct pen_accuracy_row_r
                                         .high = quantile(values, row->runs, 0.95)};
 }
 
-double pen_accuracy_worst(const struct pen_accuracy_row_result *row,
-                          enum pen_accuracy_metric metric)
+double pen_accuracy_worst(const struct pen_accuracy_row_result *row, enum pen_metric metric)
 {
     const struct pen_accuracy_spread error = pen_accuracy_error_of(row, metric);
-    return pen_accuracy_metric_rises(metric) ? error.low : error.high;
+    return pen_metric_rises(metric) ? error.low : error.high;
 }
 
 struct pen_row_time pen_accuracy_time_of(const struct pen_accuracy_row_result *row)
@@ -50,7 +50,7 @@ struct pen_runs_use pen_accuracy_use(const struct pen_accuracy *accuracy)
     for (int i = 0; i < accuracy->task->row_count; i++)
         for (int k = 0; k < accuracy->row[i].runs; k++)
             pen_runs_use_add(&use, &accuracy->row[i].run[k].time, 1);
-    if (accuracy->thread_ms > 0) /* also those of the reference */
+    if (accuracy->thread_ms > 0) /* includes the renders of the reference */
         use.used = accuracy->had_ms / accuracy->thread_ms;
     return use;
 }
@@ -66,7 +66,7 @@ bool pen_accuracy_resolved(const struct pen_accuracy *accuracy,
     return pen_accuracy_error_of(row, PEN_METRIC_RMSE).median >= pen_accuracy_limit(accuracy);
 }
 
-/* The error by which rows are ranked. */
+/* The error by which rows are ranked: all unresolved rows have the same. */
 static double ranked_error(const struct pen_accuracy *accuracy,
                            const struct pen_accuracy_row_result *row)
 {
@@ -80,8 +80,8 @@ static int compare_cost(const struct pen_accuracy_row_result *a,
     return pen_row_cost_compare(&of_a, &a->rays, &of_b, &b->rays);
 }
 
-/* Whether row a beats row b: it is not dearer, not less accurate, and better in one, or comes
- * first. */
+/* Whether row a dominates row b: it is not more expensive and not less accurate, and is better in
+ * one of them or comes first. */
 static bool beats(const struct pen_accuracy *accuracy, int a, int b)
 {
     const struct pen_accuracy_row_result *of_a = &accuracy->row[a], *of_b = &accuracy->row[b];
@@ -100,15 +100,15 @@ void pen_accuracy_front(const struct pen_accuracy *accuracy, bool *front)
     }
 }
 
-/* Whether a row's error meets the target in 95 % of its runs. */
+/* Whether a row meets the target in 95 % of its runs. */
 static bool meets_target(const struct pen_accuracy_task *task,
                          const struct pen_accuracy_row_result *row)
 {
     const double error = pen_accuracy_worst(row, task->metric);
-    return pen_accuracy_metric_rises(task->metric) ? error >= task->target : error <= task->target;
+    return pen_metric_rises(task->metric) ? error >= task->target : error <= task->target;
 }
 
-/* Whether another row that meets the target is surely quicker. */
+/* Whether another row that meets the target is clearly faster. */
 static bool is_slower(const struct pen_accuracy *accuracy, const bool *meets, int row)
 {
     const struct pen_row_time own = pen_accuracy_time_of(&accuracy->row[row]);
@@ -135,7 +135,7 @@ int pen_accuracy_recommended(const struct pen_accuracy *accuracy)
     return best;
 }
 
-/* The quantile of 97.5 % of Student's t distribution. */
+/* The 97.5 % quantile of Student's t distribution. */
 static double student(int freedom)
 {
     static const double t[] = {0,     12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365,

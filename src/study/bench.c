@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes the runs in their order, and ends them. Pictures are compared, calibrations are made and
- * progress is reported between runs, never while one is timed. */
+/* Makes the runs in their order, and decides when to stop. Pictures are compared, calibrations are
+ * made and progress is reported between runs, never while a run is timed. */
 #include "study/bench.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
-#include "study/host.h"
 #include "study/internal/bench_run.h"
 #include "study/internal/bench_state.h"
 #include "study/internal/bench_summary.h"
@@ -15,44 +14,33 @@
 #include "study/internal/pictures.h"
 #include "study/internal/random_order.h"
 
-static bool cancelled(const struct pen_bench *bench)
-{
-    return bench->cancel && atomic_load_explicit(bench->cancel, memory_order_relaxed);
-}
-
-static void report_progress(struct pen_bench_state *state)
-{
-    if (state->bench->progress)
-        state->bench->progress(state->bench->user, state->done, state->total);
-}
-
-/* Keeps the hash of the pictures of a row's kind; a hash that an earlier process kept must be the
- * same. */
+/* Keeps the hash of a row's kind of pictures. It must equal the hash that an earlier process saved.
+ */
 static bool check_hash(struct pen_bench_state *state, int row, struct pen_status *st)
 {
     const int first = pen_bench_pictures_first(state->bench, row);
+    uint64_t *kept = &state->result->rows[first].picture_hash;
     if (state->hashed[first])
         return true;
     const uint64_t hash = pen_bench_pictures_hash(state->pictures, first);
-    if (state->hash[first] != 0 && state->hash[first] != hash)
+    if (*kept != 0 && *kept != hash)
         return pen_fail(st, PEN_DIFFERENT,
                         "the pictures of row %d must be the same in all runs, but differ from "
                         "those before the benchmark was interrupted",
                         row);
-    state->hash[first] = hash;
+    *kept = hash;
     state->hashed[first] = true;
     return true;
 }
 
-/* Makes a run of a row, whose settings may be others in what does not change the picture, and
- * checks its pictures. */
+/* Makes a run of a row and checks its pictures. run->settings may differ from the row's settings if
+ * the picture stays the same. */
 static bool run_row(struct pen_bench_state *state, int row, struct pen_bench_run *run,
                     struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
-    if (cancelled(bench))
-        return pen_fail(st, PEN_CANCELLED, "cancelled after %d of %d runs", state->done,
-                        state->total);
+    if (!pen_making_check(&state->making, st))
+        return false;
     run->bench = bench;
     run->pictures = state->pictures;
     run->row = row;
@@ -61,19 +49,8 @@ static bool run_row(struct pen_bench_state *state, int row, struct pen_bench_run
     bool ok = pen_bench_run_once(run, st);
     const bool timed = !run->stats.tests_counted;
     for (int i = 0; ok && timed && bench->tamper && i < bench->view_count; i++)
-        bench->tamper(bench->user, row, i, pen_bench_pictures_target(state->pictures, i));
+        bench->tamper(bench->frame.user, row, i, pen_bench_pictures_target(state->pictures, i));
     return ok && pen_bench_pictures_check(state->pictures, row, st) && check_hash(state, row, st);
-}
-
-/* Counts a run, and asks whether to go on. */
-static bool end_run(struct pen_bench_state *state, struct pen_status *st)
-{
-    const struct pen_bench *bench = state->bench;
-    state->done++;
-    report_progress(state);
-    return !bench->between || bench->between(bench->user, state) ||
-           pen_fail(st, PEN_UNAVAILABLE, "interrupted after %d of %d runs", state->done,
-                    state->total);
 }
 
 bool pen_bench_has_twin(const struct pen_bench *bench)
@@ -81,24 +58,24 @@ bool pen_bench_has_twin(const struct pen_bench *bench)
     return bench->interval > 0 || bench->repeats >= PEN_PAIRS_MIN;
 }
 
-/* The runs of a pass. */
+/* The number of runs of a pass. */
 static int slots_of(const struct pen_bench *bench)
 {
     return bench->row_count + pen_bench_has_twin(bench);
 }
 
-/* The most repeats that there may be. */
+/* The greatest possible number of repeats. */
 static int repeats_max(const struct pen_bench *bench)
 {
     return bench->interval > 0 ? PEN_PAIRS_MAX : bench->repeats;
 }
 
-/* Draws the order of the next pass, from order_seed and the pass's number, so that a pass has the
- * same order wherever it is made. */
+/* Draws the order of the next pass from order_seed and the number of the pass. So every process
+ * draws the same order for it. */
 static void draw_order(struct pen_bench_state *state)
 {
     uint64_t random = state->bench->order_seed + (uint64_t)state->passes * 0x632be59bd9b4e019u;
-    pen_random_order(state->order, state->slots, &random);
+    pen_random_order(state->order, state->making.rows, &random);
 }
 
 static void record_run(struct pen_bench_state *state, int slot, int repeat,
@@ -107,7 +84,9 @@ static void record_run(struct pen_bench_state *state, int slot, int repeat,
     struct pen_bench_result *result = state->result;
     const bool twin = slot == state->bench->row_count;
     struct pen_bench_row_result *out = twin ? &result->twin : &result->rows[slot];
+    const double calibration_ms = out->runs[repeat].calibration_ms;
     out->runs[repeat] = run->times;
+    out->runs[repeat].calibration_ms = calibration_ms;
     out->stats = run->stats;
     out->accel = run->accel;
 }
@@ -116,10 +95,10 @@ static bool out_of_budget(const struct pen_bench_state *state)
 {
     const struct pen_bench *bench = state->bench;
     return bench->interval > 0 && state->result->repeats > 0 &&
-           (double)(pen_clock_ns() - state->begun_ns) * 1e-6 >= bench->budget_ms;
+           pen_making_spent_ms(&state->making) >= bench->budget_ms;
 }
 
-/* Makes the run of one slot; repeat -1: to warm up. */
+/* Makes the run of one slot. repeat -1: warm-up. */
 static bool run_slot(struct pen_bench_state *state, int slot, int repeat, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
@@ -132,26 +111,26 @@ static bool run_slot(struct pen_bench_state *state, int slot, int repeat, struct
     return true;
 }
 
-/* Visits every slot once, or those that an earlier process has left. If `repeat` is 0 or more,
- * records the times as those of that repeat. A repeat in which the budget ends is broken off, and
- * does not count. */
+/* Visits every slot once, except those that an earlier process visited. If `repeat` is 0 or more,
+ * records the times as those of that repeat. When the budget ends within a repeat, the repeat stops
+ * and does not count. */
 static bool make_pass(struct pen_bench_state *state, int repeat, struct pen_status *st)
 {
     draw_order(state);
     if (repeat >= 0 && state->place == 0)
-        state->result->calibration_ms[repeat] = pen_calibration_run();
-    while (state->place < state->slots) {
+        state->result->rows[0].runs[repeat].calibration_ms = pen_calibration_run();
+    while (state->place < state->making.rows) {
         if (repeat >= 0 && out_of_budget(state))
             return true;
         if (!run_slot(state, state->order[state->place], repeat, st))
             return false;
-        if (++state->place == state->slots) {
+        if (++state->place == state->making.rows) {
             state->place = 0;
             state->passes++;
             state->result->repeats = repeat + 1;
-            return end_run(state, st);
+            return pen_making_end_run(&state->making, st);
         }
-        if (!end_run(state, st))
+        if (!pen_making_end_run(&state->making, st))
             return false;
     }
     return true;
@@ -165,14 +144,14 @@ static bool warm_up(struct pen_bench_state *state, struct pen_status *st)
     return ok;
 }
 
-/* The runs up to a number of repeats, and those that count tests. */
+/* Sets the total of runs: for warm-up, this number of repeats, and counting tests. */
 static void set_total(struct pen_bench_state *state, int repeats)
 {
     const struct pen_bench *bench = state->bench;
-    state->total = state->slots * (bench->warmup + repeats) + state->counting;
+    state->making.total = state->making.rows * (bench->warmup + repeats) + state->counting;
 }
 
-/* Repeats until there are so many repeats, or the budget ends. */
+/* Makes passes until there are this many repeats, or the budget ends. */
 static bool repeat_to(struct pen_bench_state *state, int repeats, struct pen_status *st)
 {
     bool ok = true;
@@ -189,7 +168,7 @@ static bool repeat_runs(struct pen_bench_state *state, struct pen_status *st)
     if (!(bench->interval > 0))
         return repeat_to(state, bench->repeats, st);
     int pairs = PEN_PAIRS_MIN;
-    while (pairs < result->repeats) /* an earlier process has looked there */
+    while (pairs < result->repeats) /* an earlier process has looked at these */
         pairs *= 2;
     for (; pairs <= PEN_PAIRS_MAX; pairs *= 2) {
         if (!repeat_to(state, pairs, st))
@@ -207,7 +186,7 @@ static bool repeat_runs(struct pen_bench_state *state, struct pen_status *st)
     return true;
 }
 
-/* The first row whose test counts are those of `row` too. */
+/* The first row that has the same test counts as `row`. */
 static int first_with_same_work(const struct pen_bench *bench, int row)
 {
     int first = 0;
@@ -229,7 +208,8 @@ int pen_bench_runs(const struct pen_bench *bench)
     return slots_of(bench) * (bench->warmup + repeats_max(bench)) + counting_runs(bench);
 }
 
-/* What a run tells of a row of which this process has made no other, but an earlier one has. */
+/* Takes the statistics of a run for a row, if this process made no other run of the row but an
+ * earlier process did. */
 static void take_stats(struct pen_bench_row_result *row, const struct pen_render_stats *stats,
                        const struct pen_accel_stats *accel)
 {
@@ -242,27 +222,27 @@ static void take_stats(struct pen_bench_row_result *row, const struct pen_render
     row->accel = *accel;
 }
 
-/* Makes a run that counts the tests of a row. Uses all threads, which is quicker: the counts are
- * the same for any number of threads. */
+/* Makes a run that counts the tests of a row. It uses all threads, since the counts do not depend
+ * on their number. */
 static bool count_row(struct pen_bench_state *state, int row, struct pen_status *st)
 {
     struct pen_bench_row_result *out = &state->result->rows[row];
     struct pen_settings settings = state->bench->rows[row].settings;
     struct pen_bench_run run = {.settings = &settings, .stats.tests_counted = true};
     settings.threads = 0;
-    if (!run_row(state, row, &run, st) || !end_run(state, st))
+    if (!run_row(state, row, &run, st) || !pen_making_end_run(&state->making, st))
         return false;
     take_stats(out, &run.stats, &run.accel);
     out->stats.tests = run.stats.tests;
     return true;
 }
 
-/* Counts the tests of each row's work once. */
+/* Counts tests once for all rows that do the same work. */
 static bool count_tests(struct pen_bench_state *state, struct pen_status *st)
 {
     const struct pen_bench *bench = state->bench;
     struct pen_bench_row_result *rows = state->result->rows;
-    state->total = state->done + state->counting;
+    state->making.total = state->making.done + state->counting;
     for (int row = 0; row < bench->row_count; row++) {
         const int first = first_with_same_work(bench, row);
         if (first == row && !count_row(state, row, st))
@@ -274,8 +254,8 @@ static bool count_tests(struct pen_bench_state *state, struct pen_status *st)
     return true;
 }
 
-/* The first run of a process that goes on where another has ended; its time is thrown away. It is
- * of the baseline, whose tiles' times the last process took with it. */
+/* Makes the first run of a process that resumed the benchmark. Its time is discarded. It is a run
+ * of the baseline, because the times of the baseline's tiles are not saved. */
 static bool go_on(struct pen_bench_state *state, struct pen_status *st)
 {
     const int baseline = state->bench->baseline;
@@ -301,7 +281,7 @@ static bool summarize(struct pen_bench_state *state, struct pen_status *st)
     return true;
 }
 
-/* The tiles of all views of a row. */
+/* The number of tiles of all views of a row. */
 static size_t row_tile_count(const struct pen_bench *bench, int row)
 {
     const struct pen_settings *s = &bench->rows[row].settings;
@@ -326,16 +306,12 @@ static bool allocate(struct pen_bench_state *state, struct pen_status *st)
         ok = allocate_runs(&result->rows[i], repeats);
     if (ok && pen_bench_has_twin(bench))
         ok = allocate_runs(&result->twin, repeats);
-    result->calibration_ms = calloc((size_t)repeats, sizeof *result->calibration_ms);
     state->pictures = ok ? pen_bench_pictures_new(bench) : NULL;
     state->tile_ms = calloc(row_tile_count(bench, bench->baseline), sizeof *state->tile_ms);
     state->values = calloc((size_t)repeats, sizeof *state->values);
-    state->order = calloc((size_t)state->slots, sizeof *state->order);
-    state->hash = calloc(rows, sizeof *state->hash);
+    state->order = calloc((size_t)state->making.rows, sizeof *state->order);
     state->hashed = calloc(rows, sizeof *state->hashed);
-    state->host = bench->between || bench->kept ? pen_host_json() : json_null();
-    return (state->pictures && state->tile_ms && state->values && state->order && state->hash &&
-            state->hashed && state->host && result->calibration_ms) ||
+    return (state->pictures && state->tile_ms && state->values && state->order && state->hashed) ||
            pen_fail(st, PEN_NO_MEMORY, "no memory for a benchmark of %zu rows", rows);
 }
 
@@ -348,33 +324,46 @@ static double load_average(void)
 static void release(struct pen_bench_state *state)
 {
     pen_bench_pictures_free(state->pictures);
-    json_decref(state->host);
+    pen_making_end(&state->making);
     free(state->tile_ms);
     free(state->values);
     free(state->order);
-    free(state->hash);
     free(state->hashed);
+}
+
+/* Resumes a benchmark that an earlier process saved, if its state is valid. */
+static bool begin(struct pen_bench_state *state, struct pen_status *st)
+{
+    if (!pen_making_resume(&state->making))
+        return true;
+    state->result->repeats = pen_bench_repeats(state);
+    state->making.done = state->passes * state->making.rows + state->place;
+    return go_on(state, st);
 }
 
 bool pen_bench_run(const struct pen_bench *bench, struct pen_bench_result *result,
                    struct pen_status *st)
 {
-    struct pen_bench_state state = {.bench = bench,
+    struct pen_bench_state state = {.making = {.frame = &bench->frame,
+                                               .shape = &pen_bench_shape,
+                                               .study = &state,
+                                               .rows = slots_of(bench)},
+                                    .bench = bench,
                                     .result = result,
-                                    .slots = slots_of(bench),
                                     .repeats_max = repeats_max(bench),
                                     .counting = counting_runs(bench),
-                                    .begun_ns = pen_clock_ns()};
-    *result =
-        (struct pen_bench_result){.load_before = load_average(), .began_ms = pen_clock_wall_ms()};
+                                    .order_seed = bench->order_seed,
+                                    .warmup = (uint64_t)bench->warmup,
+                                    .load_before = load_average()};
+    *result = (struct pen_bench_result){0};
     set_total(&state, bench->interval > 0 ? PEN_PAIRS_MIN : bench->repeats);
-    bool ok = allocate(&state, st);
-    const bool goes_on = ok && bench->kept && pen_bench_state_read(&state, bench->kept);
-    if (ok)
-        report_progress(&state);
-    ok = ok && (!goes_on || go_on(&state, st)) && warm_up(&state, st) && repeat_runs(&state, st) &&
-         count_tests(&state, st) && summarize(&state, st);
+    const bool ok = pen_making_begin(&state.making, st) && allocate(&state, st) &&
+                    begin(&state, st) && warm_up(&state, st) && repeat_runs(&state, st) &&
+                    count_tests(&state, st) && summarize(&state, st);
+    result->breaks = state.making.breaks;
+    result->load_before = state.load_before;
     result->load_after = load_average();
+    result->began_ms = state.making.began_ms;
     result->ended_ms = pen_clock_wall_ms();
     release(&state);
     return ok;
@@ -388,6 +377,5 @@ void pen_bench_result_release(const struct pen_bench *bench, struct pen_bench_re
     }
     free(result->rows);
     free(result->twin.runs);
-    free(result->calibration_ms);
     *result = (struct pen_bench_result){0};
 }

@@ -1,157 +1,143 @@
 /* SPDX-License-Identifier: MIT */
-/* The benchmark: one scene rendered under several settings, timed, and its pictures compared.
+/* The benchmark: renders one scene under several settings, measures times, and compares the
+ * pictures.
  *
  * A row is one combination of settings. A run freezes the scene, which builds its tree, and renders
- * all views, under the settings of one row; the run's time is the sum of both. If that is less than
- * a millisecond, the run does it again and again for a millisecond, and its time is the mean. A
- * pass visits every row once, in a random order of its own, so that neither a change of the
- * machine's load nor one that comes again and again meets one row more than others. Runs come in
- * this order:
+ * all views under the settings of one row. The time of a run is the sum of both. If that is below a
+ * millisecond, the run repeats both until a millisecond is used, and its time is the mean. A pass
+ * visits each row once, in its own random order. So neither a drift nor a periodic change of the
+ * machine's load affects one row more than others. The order of the runs is:
  *
- * 1. `warmup` passes. Their times are thrown away.
- * 2. Passes whose times are kept: the repeats. The time of a row over that of the baseline in the
- *    same repeat is a pair. With an asked interval, repeats go on, and are looked at after 10, 20,
- *    40, ..., until the interval of every row's ratio is narrow enough or the budget ends; without,
- *    there are `repeats` of them, and one look. Where there may be 10 pairs, a pass also visits a
- *    twin of the baseline, the same settings again: their ratio tells what the host's noise alone
- *    does (an A/A run).
+ * 1. `warmup` passes. Their times are discarded.
+ * 2. The repeats: passes whose times count. A pair is the time of a row over the time of the
+ *    baseline in the same repeat. If an interval is requested, the intervals are looked at after
+ *    10, 20, 40, ... repeats. The repeats end when the interval of every row's ratio is narrow
+ *    enough, or when the budget ends. Otherwise there are `repeats` of them, and one look. If there
+ *    can be 10 pairs, each pass also visits a twin of the baseline, which has the same settings.
+ *    The twin's ratio shows the effect of noise alone (an A/A test).
  * 3. One run for each set of rows that do the same work, to count box and primitive tests. Its time
- *    is thrown away, because counting takes time.
+ *    is discarded, because counting takes time.
  *
- * verdict.h has the statistics, run_time.h which runs are spoiled; a pair is spoiled if one of its
- * runs is, and intervals leave spoiled pairs out of account.
+ * verdict.h describes the statistics. run_time.h defines which runs are spoiled. A pair is spoiled
+ * if one of its runs is. Intervals are widened by their number of spoiled pairs.
  *
- * Rows whose settings differ in accelerator, threads and tile alone show the same picture, bit for
- * bit (in fast precision: rows that differ in threads and tile alone). Every run's pictures are
- * compared with the first ones of their kind, and a benchmark that finds a difference fails.
- * Pictures that may differ are measured against those of the first row of their size. */
+ * Rows that differ in accelerator, threads and tile alone must show the same picture, bit for bit.
+ * In fast precision, this holds for threads and tile alone. The pictures of every run are compared
+ * with the first pictures of their kind, and a difference fails the benchmark. Pictures that may
+ * differ are measured against the first row of the same size. */
 #ifndef PEN_STUDY_BENCH_H
 #define PEN_STUDY_BENCH_H
 
 #include <jansson.h>
-#include <stdatomic.h>
 
-#include "render/render.h"
+#include "study/study.h"
 #include "study/verdict.h"
 
 /* A combination of settings. */
 struct pen_bench_row {
     struct pen_settings settings;
-    const json_t *varied; /* the row's values of the settings that rows differ in: a `render` object
-                           * with the same keys in every row */
+    /* The row's values of the settings in which rows differ: a `render` object with the same keys
+     * in every row. */
+    const json_t *varied;
 };
 
-/* The times of one run. Units: ms. */
+/* The times of one run.
+ * Units: ms. */
 struct pen_bench_times {
-    int in_a_row; /* the times are means of so many freezes and renders */
+    int in_a_row;          /* number of freezes and renders of which the times are means */
+    double calibration_ms; /* of a fixed computation before the repeat; only in the runs of row 0 */
     double build_ms, render_ms;
-    double cpu_ms;   /* of the render threads */
-    double used;     /* the processor time of build and render over what could have been used */
-    double steal_ms; /* of all processors, given to others by a hypervisor; below 0: unknown */
+    double cpu_ms;   /* processor time of the render threads */
+    double used;     /* processor time of build and render, divided by what could have been used */
+    double steal_ms; /* steal time of all processors (pen_host_steal_ms); below 0: unknown */
     bool spoiled;
 };
 
-/* The results of one row. Units: ms. */
+/* The results of one row.
+ * Units: ms. */
 struct pen_bench_row_result {
-    struct pen_bench_times *runs;       /* one for each repeat, in order of time */
+    struct pen_bench_times *runs;       /* one for each repeat, in chronological order */
     double median_ms, min_ms, max_ms;   /* of build + render */
     double build_ms, render_ms, cpu_ms; /* medians of the parts */
     double used;                        /* median */
     double speedup;                     /* the baseline's median divided by this row's */
-    struct pen_confidence ratio;        /* of this row's time over the baseline's, by pairs */
+    struct pen_confidence ratio;        /* of this row's time over the baseline's, from pairs */
     enum pen_verdict verdict;
-    const char *reason; /* why it is undecided, for people; "" if it is not */
+    const char *reason; /* why the verdict is undecided, for readers; else "" */
     int spoiled;        /* runs */
-    /* Of the last repeat, all views together; with the tests counted in step 3. tile_ms is that of
-     * the baseline alone, NULL in other rows. */
+    /* Of the last repeat, summed over all views, with the tests that step 3 counted. tile_ms is set
+     * for the baseline alone; it is NULL in other rows. */
     struct pen_render_stats stats;
     struct pen_accel_stats accel;
-    uint64_t picture_hash;       /* of the pictures of all views */
-    int same_as;                 /* the first row that shows the same picture; may be itself */
-    int compared_with;           /* the first row of the same size; may be itself */
-    bool identical;              /* to the pictures of compared_with, in every bit */
-    double max_difference, rmse; /* from them, of sRGB-encoded values in [0, 1] */
+    uint64_t picture_hash; /* of the pictures of all views */
+    int same_as;           /* the first row that shows the same picture; may be the row itself */
+    int compared_with;     /* the first row of the same size; may be the row itself */
+    bool identical;        /* the pictures equal those of compared_with, bit for bit */
+    double max_difference, rmse; /* against compared_with, of sRGB-encoded values in [0, 1] */
 };
 
-/* What ended the repeats. */
+/* Why the repeats ended. */
 enum pen_bench_end { PEN_BENCH_END_REPEATS, PEN_BENCH_END_INTERVAL, PEN_BENCH_END_BUDGET };
 
-struct pen_bench_state; /* a benchmark between two runs */
-
+/* The results of a benchmark. */
 struct pen_bench_result {
     struct pen_bench_row_result *rows;
-    struct pen_bench_row_result
-        twin;               /* of the baseline: runs, ratio and verdict; runs NULL: none */
-    double *calibration_ms; /* one for each repeat: the time of a fixed computation */
-    struct pen_confidence calibration; /* of these */
-    int repeats;                       /* made */
-    int breaks;                        /* how often a process has gone on where another had ended */
+    /* Of the baseline's twin; has runs, ratio and verdict. runs NULL: there is no twin. */
+    struct pen_bench_row_result twin;
+    struct pen_confidence calibration; /* of the times of a fixed computation */
+    int repeats;                       /* number of whole repeats */
+    int breaks;                        /* how often another process resumed the benchmark */
     enum pen_bench_end end;
-    double load_before, load_after; /* the system's load over a minute; below 0: unknown */
+    double load_before, load_after; /* the system's load average over a minute; below 0: unknown */
     int64_t began_ms, ended_ms;     /* wall clock */
 };
 
-/* What to run. Owns: nothing; everything is borrowed until the benchmark ends. */
+/* The input of a benchmark.
+ * Owns: nothing; everything is borrowed until the benchmark ends. */
 struct pen_bench {
-    const struct pen_scene_desc *desc;
-    const int *views; /* numbers of views of desc */
+    struct pen_study_frame frame;
+    const int *views; /* numbers of views of frame.desc */
     int view_count;
     const struct pen_bench_row *rows;
     int row_count;
-    int baseline;        /* the row that speed-ups refer to */
-    int repeats, warmup; /* at least 1, without meaning if an interval is asked; at least 0 */
-    double interval;     /* how wide the interval of every row's ratio may be; 0: any */
-    double budget_ms; /* with an interval: no run begins later, unless the first repeat lacks it */
-    double least_effect; /* of verdicts */
+    int baseline; /* the row that speed-ups refer to */
+    /* repeats: at least 1; ignored if `interval` is set. warmup: at least 0. */
+    int repeats, warmup;
+    double interval; /* the greatest width of the interval of each row's ratio; 0: any */
+    /* With `interval` set, no timed run starts later, except those of the first repeat. */
+    double budget_ms;
+    double least_effect; /* the least effect of verdicts, as a share */
     uint64_t order_seed; /* of the random orders */
-    size_t scene_cap_bytes;
-    struct pen_thread_pool *pool;
-    const atomic_bool
-        *cancel; /* polled between runs and before each block of pixels; may be NULL */
-    /* Called between runs, with done = 0 before the first; may be NULL. */
-    void (*progress)(void *user, int done, int total);
-    void *user;
-    /* Called after each run, also with `user`: may keep pen_bench_state_json, for a process that
-     * goes on after this one. Returns whether this one goes on. May be NULL. */
-    bool (*between)(void *user, const struct pen_bench_state *state);
-    /* What an earlier process has kept; it is not used if it is of another benchmark, host or
-     * build. May be NULL. A process that goes on throws its first run away. */
-    const json_t *kept;
-    /* As in pen_render_task; may be NULL. */
-    void (*pixel_begins)(void *user, int thread, int x, int y);
-    void *pixel_user;
-    /* For tests: called with each picture before it is compared, and may change it. May be NULL. */
+    /* For tests: called with each picture before it is compared. May change the picture. May be
+     * NULL. */
     void (*tamper)(void *user, int row, int view, float *rgb);
     /* For tests: called within the timed part of each run. May be NULL. */
     void (*dawdle)(void *user, int row);
 };
 
-/* The number of runs of a benchmark: warm-up, repeats and counting. With an interval, the largest
- * number that it may come to. */
+/* The number of runs of a benchmark: warm-up, repeats and counting. If an interval is requested,
+ * the largest possible number. */
 int pen_bench_runs(const struct pen_bench *bench);
 
 /* Whether each pass visits a twin of the baseline. */
 bool pen_bench_has_twin(const struct pen_bench *bench);
 
-/* The pixels of all reference pictures that a benchmark keeps. */
+/* The number of pixels of all reference pictures that a benchmark keeps. */
 double pen_bench_reference_pixels(const struct pen_bench *bench);
 
-/* Runs a benchmark. Owns: *result, in any case; release it. Fails: PEN_DIFFERENT (the message names
- * the rows, view, pixel, channel and values), PEN_CANCELLED, PEN_UNAVAILABLE (`between` has ended
- * it), PEN_NO_MEMORY; as pen_scene_freeze.
+/* Runs a benchmark.
+ * Owns: release *result, after success and after failure.
+ * Fails: PEN_DIFFERENT (the message names rows, view, pixel, channel and values), PEN_CANCELLED,
+ * PEN_UNAVAILABLE (frame.between returned false), PEN_NO_MEMORY; as pen_scene_freeze.
  * Threads: one benchmark per pool, and nothing else on that pool. */
 bool pen_bench_run(const struct pen_bench *bench, struct pen_bench_result *result,
                    struct pen_status *st);
-/* What to keep of a benchmark between two runs, and how many runs are done. Owns: the caller
- * json_decref()s. Fails: NULL when out of memory. */
-json_t *pen_bench_state_json(const struct pen_bench_state *state);
-int pen_bench_state_done(const struct pen_bench_state *state);
-
 void pen_bench_result_release(const struct pen_bench *bench, struct pen_bench_result *result);
 
-/* The report of a benchmark as JSON (api/openapi.yaml, schema Report). `head` holds what the
- * benchmark does not know, such as the scene's name; its members come first. Takes the reference to
- * `head`. Fails: NULL when out of memory. */
+/* Makes the report of a benchmark as JSON (api/openapi.yaml, schema Report). `head` has the members
+ * that the benchmark does not know, such as the scene's name. They come first.
+ * Owns: takes the reference to `head`; the caller json_decref()s the report.
+ * Fails: NULL when out of memory. */
 json_t *pen_bench_report_new(const struct pen_bench *bench, const struct pen_bench_result *result,
                              json_t *head);
 

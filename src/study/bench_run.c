@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes one run and times it. Nothing but freezing and rendering happens while it is timed. A clock
- * and the start of threads disturb what is shorter than a millisecond, so that is repeated: the
- * first time says how often. Each is judged by itself. */
+/* Makes one run and times it. Only freezing and rendering happen while it is timed. The clock and
+ * the start of threads disturb a time below a millisecond, so a shorter run is repeated. The first
+ * time decides how often. Each repetition is checked for being spoiled. */
 #include "study/internal/bench_run.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 #include "base/clock.h"
 #include "study/run_time.h"
 
-static const double least_ms = 1; /* of the time that one measurement takes */
+static const double least_ms = 1; /* shortest time of one measurement */
 enum { IN_A_ROW_MAX = 1000 };
 
 static void add_stats(struct pen_render_stats *sum, const struct pen_render_stats *view)
@@ -40,12 +40,12 @@ static bool render_views(struct pen_bench_run *run, const struct pen_scene *scen
                                        .settings = run->settings,
                                        .tile_count = -1,
                                        .rgb = pen_bench_pictures_target(run->pictures, i),
-                                       .cancel = bench->cancel,
-                                       .pixel_begins = bench->pixel_begins,
-                                       .pixel_user = bench->pixel_user,
+                                       .cancel = bench->frame.cancel,
+                                       .pixel_begins = bench->frame.pixel_begins,
+                                       .pixel_user = bench->frame.pixel_user,
                                        .keep_tile_ms = run->tile_ms != NULL,
                                        .count_tests = run->stats.tests_counted};
-        if (!pen_render_run(bench->pool, &task, &stats, st))
+        if (!pen_render_run(bench->frame.pool, &task, &stats, st))
             return false;
         if (stats.tile_ms)
             memcpy(run->tile_ms + run->stats.tile_count, stats.tile_ms,
@@ -56,16 +56,17 @@ static bool render_views(struct pen_bench_run *run, const struct pen_scene *scen
     return true;
 }
 
-/* Freezes and renders, and fills the times of that. */
+/* Freezes and renders once, and sets the times. */
 static bool run_one(struct pen_bench_run *run, struct pen_status *st)
 {
     const struct pen_bench *bench = run->bench;
     const struct pen_run_watch watch = pen_run_begin();
     const int64_t cpu_ns = pen_clock_thread_ns();
-    struct pen_scene *scene = pen_scene_freeze(
-        bench->desc, (enum pen_accelerator)run->settings->accelerator, bench->scene_cap_bytes, st);
+    struct pen_scene *scene =
+        pen_scene_freeze(bench->frame.desc, (enum pen_accelerator)run->settings->accelerator,
+                         bench->frame.scene_cap_bytes, st);
     if (scene && bench->dawdle)
-        bench->dawdle(bench->user, run->row);
+        bench->dawdle(bench->frame.user, run->row);
     const double build_ms = (double)(pen_clock_ns() - watch.begun_ns) * 1e-6,
                  build_cpu_ms = (double)(pen_clock_thread_ns() - cpu_ns) * 1e-6;
     if (!scene)
@@ -84,7 +85,7 @@ static bool run_one(struct pen_bench_run *run, struct pen_status *st)
     return ok;
 }
 
-/* How often a run is made that takes so long, at least once. */
+/* How often a run of this length is made; at least once. */
 static int count_for(const struct pen_bench_times *times)
 {
     const double ms = times->build_ms + times->render_ms;

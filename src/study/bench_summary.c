@@ -14,52 +14,42 @@ static double total_of(const struct pen_bench_times *run)
     return run->build_ms + run->render_ms;
 }
 
-static double build_of(const struct pen_bench_times *run)
-{
-    return run->build_ms;
-}
-
-static double render_of(const struct pen_bench_times *run)
-{
-    return run->render_ms;
-}
-
-static double cpu_of(const struct pen_bench_times *run)
-{
-    return run->cpu_ms;
-}
-
-static double used_of(const struct pen_bench_times *run)
-{
-    return run->used;
-}
-
-/* The spread of one part of a row's times. `values` is scratch space for `count` numbers. */
-static struct spread spread_of(const struct pen_bench_times *runs, int count,
-                               double (*part)(const struct pen_bench_times *), double *values)
+/* The median, minimum and maximum of the times of runs. `values` is scratch space for `count`
+ * numbers. */
+static struct spread spread_of(const struct pen_bench_times *runs, int count, double *values)
 {
     for (int i = 0; i < count; i++)
-        values[i] = part(&runs[i]);
+        values[i] = total_of(&runs[i]);
     const double median = pen_median(values, count);
     return (struct spread){.median = median, .min = values[0], .max = values[count - 1]};
 }
 
+/* The median of a member of the runs, given by its offset. */
+static double median_of(const struct pen_bench_times *runs, int count, size_t offset,
+                        double *values)
+{
+    for (int i = 0; i < count; i++)
+        values[i] = *(const double *)((const char *)&runs[i] + offset);
+    return pen_median(values, count);
+}
+
 static void summarize_row(struct pen_bench_row_result *row, int count, double *values)
 {
-    struct spread total = spread_of(row->runs, count, total_of, values);
+    const struct spread total = spread_of(row->runs, count, values);
     row->median_ms = total.median;
     row->min_ms = total.min;
     row->max_ms = total.max;
-    row->build_ms = spread_of(row->runs, count, build_of, values).median;
-    row->render_ms = spread_of(row->runs, count, render_of, values).median;
-    row->cpu_ms = spread_of(row->runs, count, cpu_of, values).median;
-    row->used = spread_of(row->runs, count, used_of, values).median;
+    row->build_ms = median_of(row->runs, count, offsetof(struct pen_bench_times, build_ms), values);
+    row->render_ms =
+        median_of(row->runs, count, offsetof(struct pen_bench_times, render_ms), values);
+    row->cpu_ms = median_of(row->runs, count, offsetof(struct pen_bench_times, cpu_ms), values);
+    row->used = median_of(row->runs, count, offsetof(struct pen_bench_times, used), values);
     row->spoiled = 0;
     for (int i = 0; i < count; i++)
         row->spoiled += row->runs[i].spoiled;
 }
 
-/* With which probability the next interval may err: that of its look, or of the only one. */
+/* The probability with which the next interval may err: that of its look, or of the only look. */
 static double alpha_of(const struct pen_bench *bench, const struct pen_bench_result *result)
 {
     return bench->interval > 0 ? pen_look_alpha(pen_look_of(result->repeats)) : 0.05;
@@ -112,11 +102,11 @@ void pen_bench_summarize(const struct pen_bench *bench, struct pen_bench_result 
             result->rows[bench->baseline].median_ms / result->rows[row].median_ms;
     pen_bench_find_ratios(bench, result, values);
     for (int i = 0; i < count; i++)
-        values[i] = result->calibration_ms[i];
+        values[i] = result->rows[0].runs[i].calibration_ms;
     result->calibration = pen_median_interval(values, count, 0, 0.05);
 }
 
-/* Why an interval decides nothing. */
+/* The reason why an interval gives no verdict. */
 static const char *reason_of(const struct pen_confidence *ratio)
 {
     if (ratio->count < PEN_PAIRS_MIN)

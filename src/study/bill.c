@@ -5,17 +5,9 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "film/flip.h"
-#include "film/metrics.h"
-#include "render/transfer.h"
-#include "study/host.h"
+#include "film/film.h"
 #include "study/internal/bill_state.h"
 #include "study/leave_out.h"
-
-static int runs_of(const struct pen_bill *bill)
-{
-    return bill->rows * (bill->task->repeats + 1);
-}
 
 /* The bytes of a film. */
 static size_t film_bytes(const struct pen_settings *s)
@@ -23,7 +15,7 @@ static size_t film_bytes(const struct pen_settings *s)
     return 3 * (size_t)s->width * (size_t)s->height * sizeof(float);
 }
 
-/* Keeps what a render with all effects has told, in place of what an earlier one did. */
+/* Keeps the statistics of the last render with all effects. */
 static void keep_whole(struct pen_bill *bill, const struct pen_scene *scene,
                        const struct pen_render_stats *stats, double build_ms)
 {
@@ -45,12 +37,12 @@ static bool render_row(struct pen_bill *bill, const struct pen_scene *scene,
                                            .settings = settings,
                                            .tile_count = -1,
                                            .rgb = row->rgb,
-                                           .cancel = task->cancel,
-                                           .pixel_begins = task->pixel_begins,
-                                           .pixel_user = task->pixel_user,
+                                           .cancel = task->frame.cancel,
+                                           .pixel_begins = task->frame.pixel_begins,
+                                           .pixel_user = task->frame.pixel_user,
                                            .keep_tile_ms = whole};
     const struct pen_run_watch watch = pen_run_begin();
-    if (!pen_render_run(task->pool, &render, &stats, st))
+    if (!pen_render_run(task->frame.pool, &render, &stats, st))
         return false;
     const struct pen_run_use use = pen_run_end(&watch, &stats, 0, 0);
     if (whole)
@@ -62,7 +54,7 @@ static bool render_row(struct pen_bill *bill, const struct pen_scene *scene,
     return true;
 }
 
-/* Renders a row once, again if the run is spoiled; pass -1 is to warm up. */
+/* Renders a row once, and again if the run is spoiled. pass -1: warm-up. */
 static bool run_row(struct pen_bill *bill, struct pen_bill_row *row, int pass,
                     struct pen_status *st)
 {
@@ -71,13 +63,13 @@ static bool run_row(struct pen_bill *bill, struct pen_bill_row *row, int pass,
     struct pen_scene_desc desc;
     struct pen_arena *arena = pen_arena_new(0);
     struct pen_scene *scene = NULL;
-    bool ok = arena && pen_scene_leave_out(task->desc, row->effect, arena, &desc, &settings);
+    bool ok = arena && pen_scene_leave_out(task->frame.desc, row->effect, arena, &desc, &settings);
     if (!ok)
         pen_fail(st, PEN_NO_MEMORY, "out of memory for a scene without an effect");
     const int64_t begun_ns = pen_clock_ns();
     if (ok)
         scene = pen_scene_freeze(&desc, (enum pen_accelerator)settings.accelerator,
-                                 task->scene_cap_bytes, st);
+                                 task->frame.scene_cap_bytes, st);
     const double build_ms = (double)(pen_clock_ns() - begun_ns) * 1e-6;
     int repeats = 0;
     do {
@@ -88,27 +80,18 @@ static bool run_row(struct pen_bill *bill, struct pen_bill_row *row, int pass,
     return ok;
 }
 
-/* How far the row's picture is from the whole one. */
+/* Measures the difference between the row's picture and that of row 0. */
 static bool compare_row(const struct pen_bill *bill, struct pen_bill_row *row,
                         struct pen_status *st)
 {
-    const struct pen_settings *s = bill->task->settings;
-    const struct pen_film whole = {s->width, s->height, bill->row[0].rgb},
-                          without = {s->width, s->height, row->rgb};
-    struct pen_picture *a = pen_picture_of_film(&whole, pen_settings_transfer(s), st);
-    struct pen_picture *b = a ? pen_picture_of_film(&without, pen_settings_transfer(s), st) : NULL;
-    struct pen_difference d;
-    struct pen_flip flip;
-    const bool ok =
-        b && pen_picture_compare(a, b, 0, &d, st) && pen_picture_flip(a, b, NULL, &flip, st);
-    if (ok) {
-        row->rmse = d.rmse;
-        row->max_error = d.max_error;
-        row->flip = flip.mean;
-    }
-    pen_picture_free(a);
-    pen_picture_free(b);
-    return ok;
+    const struct pen_study_pair pair = {bill->task->settings, row->rgb, bill->row[0].rgb};
+    double error[PEN_METRIC_COUNT];
+    if (!pen_study_measure(&pair, error, NULL, st))
+        return false;
+    row->rmse = error[PEN_METRIC_RMSE];
+    row->max_error = error[PEN_METRIC_MAX_ERROR];
+    row->flip = error[PEN_METRIC_FLIP];
+    return true;
 }
 
 unsigned pen_bill_effects(const struct pen_scene_desc *desc, int view,
@@ -120,7 +103,7 @@ unsigned pen_bill_effects(const struct pen_scene_desc *desc, int view,
     const unsigned effects = pen_desc_effects(&one, settings);
     if (pen_settings_adaptive(settings))
         return effects;
-    /* Through a lens there may be several samples whatever samples_per_pixel is. */
+    /* With a lens there may be several samples even if samples_per_pixel is 1. */
     const bool lens = effects & PEN_FX_DEPTH_OF_FIELD,
                single = settings->samples_per_pixel <= 1 ||
                         (lens && settings->lens_samples >= settings->samples_per_pixel);
@@ -163,11 +146,11 @@ static bool add_row(struct pen_bill *bill, unsigned effect)
     return row->runs && row->rgb;
 }
 
-/* Adds a row for the whole scene, and one for each of its effects. */
+/* Adds a row with all effects, and a row without each effect. */
 static bool add_rows(struct pen_bill *bill, struct pen_status *st)
 {
     const struct pen_bill_task *task = bill->task;
-    const unsigned effects = pen_bill_effects(task->desc, task->view, task->settings);
+    const unsigned effects = pen_bill_effects(task->frame.desc, task->view, task->settings);
     bool ok = add_row(bill, 0);
     for (int i = 0; ok && i < PEN_FX_COUNT; i++)
         if (effects >> i & 1)
@@ -175,62 +158,58 @@ static bool add_rows(struct pen_bill *bill, struct pen_status *st)
     return ok || pen_fail(st, PEN_NO_MEMORY, "out of memory for %d pictures", bill->rows);
 }
 
-/* Times of all rows, and differences of all but the first, which has none. */
-static bool finish_rows(struct pen_bill *bill, struct pen_status *st)
+/* Sets the times of all rows, and the differences of all rows but the first. */
+static bool finish_rows(struct pen_bill *bill, const struct pen_making *making,
+                        struct pen_status *st)
 {
-    const atomic_bool *cancel = bill->task->cancel;
     for (int i = 0; i < bill->rows; i++) {
         bill->row[i].time = pen_row_time_of(bill->row[i].runs, bill->task->repeats);
         pen_runs_use_add(&bill->use, bill->row[i].runs, bill->task->repeats);
-        if (cancel && atomic_load(cancel))
-            return pen_fail(st, PEN_CANCELLED, "cancelled after %d of %d comparisons", i,
-                            bill->rows);
-        if (i > 0 && !compare_row(bill, &bill->row[i], st))
+        if (!pen_making_check(making, st) || (i > 0 && !compare_row(bill, &bill->row[i], st)))
             return false;
     }
     return true;
 }
 
-/* Makes the next run, counts it, and asks whether to go on. A row's picture is the same in every
- * pass, so it has its hash from the first. */
-static bool next_run(struct pen_bill *bill, struct pen_status *st)
+/* Makes the next run and counts it. A row's picture is the same in every pass, so its hash is
+ * computed in the first. */
+static bool next_run(struct pen_bill *bill, struct pen_making *making, struct pen_status *st)
 {
-    const struct pen_bill_task *task = bill->task;
-    const int pass = bill->done / bill->rows - 1;
-    struct pen_bill_row *row = &bill->row[bill->done % bill->rows];
+    const struct pen_settings *s = bill->task->settings;
+    const int pass = making->done / bill->rows - 1;
+    struct pen_bill_row *row = &bill->row[making->done % bill->rows];
     if (!run_row(bill, row, pass, st))
         return false;
-    if (pass < 0 && task->between) {
-        const struct pen_film film = {task->settings->width, task->settings->height, row->rgb};
+    if (pass < 0 && making->frame->between) {
+        const struct pen_film film = {s->width, s->height, row->rgb};
         row->hash = pen_film_hash(&film);
     }
-    bill->done++;
-    if (task->progress)
-        task->progress(task->user, bill->done, runs_of(bill));
-    return pen_bill_between(bill, st);
-}
-
-/* Goes on with what an earlier process has kept, if it is of use. Then the first run, of the whole
- * scene, is thrown away. */
-static bool begin(struct pen_bill *bill, struct pen_status *st)
-{
-    const struct pen_bill_task *task = bill->task;
-    bill->host = task->between || task->kept ? pen_host_json() : json_null();
-    if (!bill->host)
-        return pen_fail(st, PEN_NO_MEMORY, "out of memory for a bill");
-    const bool goes_on = task->kept && pen_bill_state_read(bill, task->kept);
-    if (task->progress)
-        task->progress(task->user, bill->done, runs_of(bill));
-    return !goes_on || run_row(bill, &bill->row[0], -1, st);
+    return pen_making_end_run(making, st);
 }
 
 bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, struct pen_status *st)
 {
+    struct pen_bill_state state = {.bill = bill};
+    struct pen_making *making = &state.making;
     *bill = (struct pen_bill){.task = task};
-    bool ok = add_rows(bill, st) && begin(bill, st);
-    while (ok && bill->done < runs_of(bill))
-        ok = next_run(bill, st);
-    return ok && finish_rows(bill, st);
+    bool ok = add_rows(bill, st);
+    *making = (struct pen_making){.frame = &task->frame,
+                                  .shape = &pen_bill_shape,
+                                  .study = &state,
+                                  .rows = bill->rows,
+                                  .pictures = bill->rows,
+                                  .width = task->settings->width,
+                                  .height = task->settings->height,
+                                  .total = bill->rows * (task->repeats + 1)};
+    ok = ok && pen_making_begin(making, st);
+    if (ok && pen_making_resume(making))
+        ok = run_row(bill, &bill->row[0], -1,
+                     st); /* a run with all effects, whose time is discarded */
+    while (ok && making->done < making->total)
+        ok = next_run(bill, making, st);
+    ok = ok && finish_rows(bill, making, st);
+    pen_making_end(making);
+    return ok;
 }
 
 void pen_bill_release(struct pen_bill *bill)
@@ -241,7 +220,5 @@ void pen_bill_release(struct pen_bill *bill)
     }
     free(bill->whole.tile_ms);
     bill->whole.tile_ms = NULL;
-    json_decref(bill->host);
-    bill->host = NULL;
     bill->rows = 0;
 }

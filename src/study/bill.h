@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What each effect of a scene costs and changes: the scene is rendered as it is, and with each of
- * its effects left out in turn (leave_out.h). Runs are interleaved: a pass visits every row, so
- * that a change of the machine's load meets all rows alike. One pass to warm up is thrown away. A
- * run that is spoiled (run_time.h) is repeated, twice at most; if it stays spoiled, its time does
- * not count. If over half of the runs are spoiled, no cost is told. */
+/* The bill: the time that each effect of a scene costs, and its effect on the picture. The scene is
+ * rendered as it is, and with each of its effects left out in turn (leave_out.h).
+ *
+ * A pass visits every row, so that a change of the machine's load affects all rows alike. The first
+ * pass is a warm-up, and its times are discarded. A spoiled run (run_time.h) is repeated at most
+ * twice. If it stays spoiled, its time does not count. If over half of the runs are spoiled, the
+ * report gives no costs. */
 #ifndef PEN_STUDY_BILL_H
 #define PEN_STUDY_BILL_H
 
@@ -11,62 +13,47 @@
 
 #include "base/buf.h"
 #include "io/scene_json.h"
-#include "render/render.h"
 #include "study/run_time.h"
-#include "study/unfinished.h"
+#include "study/study.h"
 
+/* The results of one row. */
 struct pen_bill_row {
-    unsigned effect;           /* the one that is left out; 0: none */
-    struct pen_run_time *runs; /* of rendering, by pass */
+    unsigned effect;           /* the effect that is left out; 0: none */
+    struct pen_run_time *runs; /* of rendering, one for each pass */
     struct pen_row_time time;
     struct pen_ray_counts rays;
     const char *kernel;
-    /* From the whole picture: film/metrics.h, and the mean of film/flip.h. */
+    /* Against the picture of row 0: film/metrics.h, and the mean of film/flip.h. */
     double rmse, max_error, flip;
     float *rgb;    /* the picture */
-    uint64_t hash; /* of it: pen_film_hash; only where it is kept */
+    uint64_t hash; /* pen_film_hash of rgb; only set if the study may be saved */
 };
 
-/* What to do; everything is borrowed. */
+/* The input of a bill. Everything is borrowed. */
 struct pen_bill_task {
-    const struct pen_scene_desc *desc;
+    struct pen_study_frame frame;
     const struct pen_settings *settings;
-    int view, repeats;      /* repeats: 1 .. PEN_RUN_TIMES_MAX */
-    size_t scene_cap_bytes; /* as pen_scene_freeze; 0: none */
-    struct pen_thread_pool *pool;
-    const atomic_bool *cancel; /* may be NULL */
-    /* Called between runs, with done = 0 before the first; may be NULL. */
-    void (*progress)(void *user, int done, int total);
-    void *user;
-    /* Called after each run, also with `user`; may be NULL. */
-    pen_between_fn *between;
-    /* What an earlier process has kept; it is not used if it is of another bill, host or build, or
-     * damaged. May be NULL. A process that goes on throws its first run away. */
-    const struct pen_kept_study *kept;
-    /* As in pen_render_task; may be NULL. */
-    void (*pixel_begins)(void *user, int thread, int x, int y);
-    void *pixel_user;
+    int view, repeats; /* repeats: 1 .. PEN_RUN_TIMES_MAX */
 };
 
+/* The results of a bill. */
 struct pen_bill {
     const struct pen_bill_task *task;
     struct pen_bill_row row[PEN_FX_COUNT + 1]; /* row 0 has all effects */
     int rows;
-    struct pen_runs_use use; /* of the processors, by all runs */
-    int done;                /* runs, also those to warm up */
-    json_t *host;            /* of this process; null unless the bill may be kept */
+    struct pen_runs_use use; /* how much of the processors all runs got */
     /* Of the last render with all effects. */
     struct pen_render_stats whole;
     struct pen_accel_stats accel;
     double build_ms;
 };
 
-/* The effects of one view that a bill leaves out in turn: all that it calls for, without those
- * whose absence would change nothing. */
+/* The effects of one view that a bill leaves out in turn: all effects that the view calls for and
+ * whose absence changes something. */
 unsigned pen_bill_effects(const struct pen_scene_desc *desc, int view,
                           const struct pen_settings *settings);
 
-/* How many pictures a bill of these effects keeps, and how many renders it takes. */
+/* The number of pictures of a bill with these effects, and the number of its renders. */
 static inline int pen_bill_pictures(unsigned effects)
 {
     return 1 + __builtin_popcount(effects);
@@ -76,24 +63,28 @@ static inline int pen_bill_runs(unsigned effects, int repeats)
     return pen_bill_pictures(effects) * (repeats + 1);
 }
 
-/* Checks each render by pen_limits_check, the rays of all renders together without those of forking
- * paths, and the size of the pictures. Fails: PEN_TOO_LARGE, at the place `at`. */
+/* Checks the limits of a bill: of one render (pen_limits_check), of the primary and shadow rays of
+ * all renders together (pen_work_per_pixel), and of the pixels of all pictures.
+ * Fails: PEN_TOO_LARGE, at the place `at`; as pen_limits_check. */
 bool pen_bill_check(const struct pen_limits *limits, const struct pen_scene_desc *desc, int view,
                     const struct pen_settings *settings, int repeats, const char *at,
                     struct pen_status *st);
 
-/* Makes the bill. Owns: release *bill in any case. Fails: PEN_NO_MEMORY, PEN_CANCELLED,
- * PEN_UNAVAILABLE (`between` has ended it); as pen_scene_freeze. */
+/* Makes the bill.
+ * Owns: release *bill, after success and after failure.
+ * Fails: PEN_NO_MEMORY, PEN_CANCELLED, PEN_UNAVAILABLE (frame.between returned false); as
+ * pen_scene_freeze. */
 bool pen_bill_make(const struct pen_bill_task *task, struct pen_bill *bill, struct pen_status *st);
 void pen_bill_release(struct pen_bill *bill);
 
-/* The bill as JSON, without pictures. `scene` is the scene's name. Fails: NULL when out of memory.
- */
+/* Makes the report as JSON (api/openapi.yaml, schema Bill), without pictures. `scene` is the
+ * scene's name.
+ * Owns: the caller json_decref()s.
+ * Fails: NULL when out of memory. */
 json_t *pen_bill_json(const struct pen_bill *bill, const char *scene);
 
-/* Appends a report: "text" for a terminal, "csv", "md", "json", or "html": one page without
- * references to other files, with the pictures beside bars of time. Fails: PEN_NO_MEMORY. */
-bool pen_bill_write(const struct pen_bill *bill, const char *scene, const char *format,
-                    struct pen_buf *out, struct pen_status *st);
+/* Appends the pictures of the report's page: with all effects, and without each effect.
+ * Fails: out->failed is set when out of memory. */
+void pen_bill_figures(const struct pen_bill *bill, struct pen_buf *out);
 
 #endif

@@ -19,8 +19,8 @@ struct sphere {
     double x, y, z, square; /* centre; the radius, squared */
 };
 
-/* The least distance at which the ray from the origin along (x, y, 1) enters a sphere; 1000 if it
- * misses all. */
+/* The distance at which the ray from the origin along (x, y, 1) enters the nearest sphere; 1000 if
+ * it misses all. */
 static double nearest(const struct sphere *spheres, double x, double y)
 {
     const double length = sqrt(x * x + y * y + 1);
@@ -50,7 +50,7 @@ double pen_calibration_run(void)
         const double x = next(&state) - 0.5;
         sum += nearest(spheres, x, next(&state) - 0.5);
     }
-    volatile double used = sum; /* so that the compiler leaves nothing out */
+    volatile double used = sum; /* so that the compiler removes nothing */
     (void)used;
     return (double)(pen_clock_ns() - begun_ns) * 1e-6;
 }

@@ -19,7 +19,7 @@ static double median_of(const double *values, int count, double *sorted)
     return pen_median(sorted, count);
 }
 
-/* The ranks of the values, from 1 on; equal ones share the mean of theirs. */
+/* The ranks of the values, from 1. Equal values share the mean of their ranks. */
 static void rank_values(const double *values, int count, double *ranks)
 {
     for (int i = 0; i < count; i++) {
@@ -32,9 +32,9 @@ static void rank_values(const double *values, int count, double *ranks)
     }
 }
 
-/* Pettitt's K: the largest |U| of all splits, where U counts the pairs across the split in which
- * the first value is the larger, less those in which the second is; 2 (sum of the first t ranks) -
- * t (count + 1). */
+/* Pettitt's K: the largest |U| over all splits. U counts the pairs across a split in which the
+ * first value is larger, minus those in which the second is larger. From ranks, U = 2 (sum of the
+ * first t ranks) - t (count + 1). */
 static double pettitt(const double *ranks, int count)
 {
     double sum = 0, most = 0;
@@ -55,7 +55,7 @@ static void shuffle(double *ranks, int count, uint64_t *random)
     }
 }
 
-/* Whether the values change by more than chance would. `ranks` is scratch space. */
+/* Whether the values change by more than chance explains. `ranks` is scratch space. */
 static bool is_change(const double *values, int count, double *ranks)
 {
     uint64_t random = 1;
@@ -81,8 +81,8 @@ static double spread_of(const double *values, int count, double *sorted)
     return sum;
 }
 
-/* Where the values change: at the split whose parts lie closest around their medians. The largest
- * |U| would be at a split nearer to the middle, when the change is near an end. */
+/* The split at which the values of both parts lie closest to their medians. If the change is near
+ * an end, the split with the largest |U| lies too near the middle. */
 static int find_split(const double *values, int count, double *sorted)
 {
     int split = 0;
@@ -105,7 +105,8 @@ struct search {
     int found;
 };
 
-/* Searches values first … end - 1, and then both sides of what it finds; in rising order. */
+/* Searches values first … end - 1, and then both sides of the change point. Finds change points in
+ * rising order. */
 static void search(struct search *s, int first, int end)
 {
     const double *values = s->values + first;

@@ -19,73 +19,46 @@ static bool is_lit(struct pen_vec3 c)
 /* Whether a material shows an effect. */
 static bool shows(const struct pen_material *m, enum pen_effect effect)
 {
-    switch (effect) {
-    case PEN_FX_AMBIENT:
-        return is_lit(m->ka);
-    case PEN_FX_MIRROR:
-        return is_lit(m->kr);
-    case PEN_FX_TRANSMISSION:
-    case PEN_FX_SHADOW_TRANSMITTANCE:
-        return is_lit(m->kt);
-    case PEN_FX_REFRACTION:
-        return is_lit(m->kt) && m->ior != 1;
-    case PEN_FX_GLOSSY:
-        return m->reflection_blur > 0 && (is_lit(m->kr) || (is_lit(m->kt) && m->ior != 1));
-    case PEN_FX_FROSTED:
-        return m->transmission_blur > 0 && is_lit(m->kt);
-    case PEN_FX_SPECULAR:
-        return is_lit(m->ks);
-    case PEN_FX_PATTERNS:
-        return pen_material_is_patterned(m);
-    case PEN_FX_HARD_SHADOWS:
-    case PEN_FX_SOFT_SHADOWS:
-    case PEN_FX_ANTI_ALIASING:
-    case PEN_FX_SKY:
-    case PEN_FX_DEPTH_OF_FIELD:
-        break;
-    }
-    return false;
+    const bool reflects = is_lit(m->kr), transmits = is_lit(m->kt),
+               refracts = transmits && m->ior != 1;
+    return (effect == PEN_FX_AMBIENT && is_lit(m->ka)) ||
+           (effect == PEN_FX_SPECULAR && is_lit(m->ks)) || (effect == PEN_FX_MIRROR && reflects) ||
+           (effect & (PEN_FX_TRANSMISSION | PEN_FX_SHADOW_TRANSMITTANCE) && transmits) ||
+           (effect == PEN_FX_REFRACTION && refracts) ||
+           (effect == PEN_FX_GLOSSY && m->reflection_blur > 0 && (reflects || refracts)) ||
+           (effect == PEN_FX_FROSTED && m->transmission_blur > 0 && transmits) ||
+           (effect == PEN_FX_PATTERNS && pen_material_is_patterned(m));
 }
 
-/* What a material has that shows the effect; NULL if it is not a material that does. */
+/* The property of a material that shows the effect; NULL if no material shows it. */
 static const char *property(enum pen_effect effect)
 {
-    switch (effect) {
-    case PEN_FX_AMBIENT:
-        return "ka > 0";
-    case PEN_FX_MIRROR:
-        return "kr > 0";
-    case PEN_FX_TRANSMISSION:
-    case PEN_FX_SHADOW_TRANSMITTANCE:
-        return "kt > 0";
-    case PEN_FX_REFRACTION:
-        return "kt > 0 and an ior other than 1";
-    case PEN_FX_GLOSSY:
-        return "a reflection_blur above 0 where they reflect";
-    case PEN_FX_FROSTED:
-        return "a transmission_blur above 0 and kt > 0";
-    case PEN_FX_SPECULAR:
-        return "ks > 0";
-    case PEN_FX_PATTERNS:
-        return "patterns";
-    case PEN_FX_HARD_SHADOWS:
-    case PEN_FX_SOFT_SHADOWS:
-    case PEN_FX_ANTI_ALIASING:
-    case PEN_FX_SKY:
-    case PEN_FX_DEPTH_OF_FIELD:
-        break;
-    }
+    static const struct {
+        unsigned effects;
+        const char *property;
+    } properties[] = {{PEN_FX_AMBIENT, "ka > 0"},
+                      {PEN_FX_SPECULAR, "ks > 0"},
+                      {PEN_FX_MIRROR, "kr > 0"},
+                      {PEN_FX_TRANSMISSION | PEN_FX_SHADOW_TRANSMITTANCE, "kt > 0"},
+                      {PEN_FX_REFRACTION, "kt > 0 and an ior other than 1"},
+                      {PEN_FX_GLOSSY, "a reflection_blur above 0 where they reflect"},
+                      {PEN_FX_FROSTED, "a transmission_blur above 0 and kt > 0"},
+                      {PEN_FX_PATTERNS, "patterns"}};
+    for (size_t i = 0; i < sizeof properties / sizeof properties[0]; i++)
+        if (properties[i].effects & effect)
+            return properties[i].property;
     return NULL;
 }
 
-/* The objects that show an effect: their first names, each once, and how many objects have none of
- * these. */
+/* The objects that show an effect: their first distinct names, and the number of objects with other
+ * names. */
 struct objects {
     const struct pen_scene_desc *desc;
     enum pen_effect effect;
-    const atomic_bool *seen;                     /* by primitive number */
-    uint32_t count, primitive, more, seen_count; /* found; passed; found, and not named; and seen */
-    const char *name[NAMED];                     /* NULL: it has none */
+    const atomic_bool *seen; /* by primitive number */
+    /* Objects found; primitives passed; objects found but not named; objects found and seen. */
+    uint32_t count, primitive, more, seen_count;
+    const char *name[NAMED]; /* NULL: no name */
     int named;
     struct pen_buf names;
 };
@@ -98,7 +71,7 @@ static bool is_named(const struct objects *found, const char *name)
     return false;
 }
 
-/* Adds an object that shows the effect; `number` stands for the name that it has not. */
+/* Adds an object that shows the effect. If it has no name, `number` identifies it. */
 static void add_object(struct objects *found, const char *kind, const char *name, uint32_t number)
 {
     found->count++;
@@ -138,7 +111,7 @@ static void find_objects(struct objects *found, const struct pen_object_desc *li
     }
 }
 
-/* How many of the objects the view sees at first, as the end of a sentence about them. */
+/* Appends to a sentence how many of its objects the view sees directly. */
 static void say_seen(const struct objects *found, const char *view, struct pen_buf *out)
 {
     const uint32_t seen = found->seen_count, count = found->count;
@@ -309,7 +282,7 @@ json_t *pen_explain_json(const struct pen_explain_task *task)
     const struct pen_forecast *f = task->forecast;
     const double *ms = task->actual ? &task->actual->render_ms : NULL,
                  *cpu_ms = task->actual ? &task->actual->cpu_ms : NULL;
-    /* By the clock: from what it takes when other programs rest to what it takes beside them. */
+    /* By the clock: low is the time without other programs, high the time beside them. */
     const struct pen_estimate time_ms = {f->time_ms.expected / f->used, f->time_ms.low,
                                          f->time_ms.high / f->used};
     return json_pack("{s:s, s:o, s:o, s:s, s:o, s:o, s:o, s:o, s:o, s:{s:i, s:o}}", "view",
@@ -321,7 +294,7 @@ json_t *pen_explain_json(const struct pen_explain_task *task)
                      pen_figure(f->spent_ms));
 }
 
-/* Writes a text from this column of a terminal on, in lines that end before its 80th column. */
+/* Writes a text in lines from this column up to the 80th column of a terminal. */
 static void write_wrapped(const char *text, int column, struct pen_buf *out)
 {
     enum { COLUMNS = 80 };
@@ -356,7 +329,7 @@ static void write_effects(const json_t *list, const char *title, struct pen_buf 
     }
 }
 
-/* A unit, for numbers of at least `from`. */
+/* A unit for numbers of at least `from`. */
 struct unit {
     double from, one;
     const char *name;
@@ -367,8 +340,8 @@ static const struct unit ray_units[] = {{1e9, 1e9, "billion rays"},
                                         {0, 1, "rays"}};
 static const struct unit time_units[] = {{1e3, 1e3, "s"}, {0, 1, "ms"}};
 
-/* Writes no more digits than the interval deserves: its ends differ by two at least in the last
- * one. An exact number has all digits. */
+/* Writes an estimate with few digits: the ends of its interval differ by at least two in the last
+ * digit. An exact number has all digits. */
 static void write_estimate(const char *name, const json_t *e, const struct unit *unit,
                            struct pen_buf *out)
 {
@@ -380,7 +353,7 @@ static void write_estimate(const char *name, const json_t *e, const struct unit 
         unit++;
     low /= unit->one;
     high /= unit->one;
-    int digits = 0; /* after the point */
+    int digits = 0; /* decimals */
     for (double width = high - low; !exact && digits < 3 && width < 2; digits++)
         width *= 10;
     pen_buf_printf(out, "  %-20s %8.*f", name, digits,
@@ -393,8 +366,8 @@ static void write_estimate(const char *name, const json_t *e, const struct unit 
     pen_buf_puts(out, "\n");
 }
 
-/* Writes the time by the clock: with all processors, and at the load of now. Nobody knows how long
- * that load stays, so there is no interval. */
+/* Writes the time by the clock: without other programs, and at the present load. There is no
+ * interval, because nobody knows how long the load stays. */
 static void write_clock(const json_t *explanation, struct pen_buf *out)
 {
     const json_t *time = json_object_get(explanation, "time_ms"),

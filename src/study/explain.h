@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Which effects a scene calls for and why, which it does not, and what a render is expected to
- * take. */
+/* Explains a scene: the effects that it needs and why, those that it does not need, and the
+ * expected rays, time and memory of a render. */
 #ifndef PEN_STUDY_EXPLAIN_H
 #define PEN_STUDY_EXPLAIN_H
 
@@ -15,17 +15,20 @@ struct pen_explain_task {
     const struct pen_settings *settings;
     int view;
     const struct pen_forecast *forecast;
-    const struct pen_render_stats *actual; /* of a render of the view; NULL: none */
+    const struct pen_render_stats *actual; /* of a finished render of the view; NULL: none */
 };
 
-/* The explanation (api/openapi.yaml, schema Explanation): {effects: [{name, because, rays_share}],
- * absent:
- * [{name, because}], kernel, rays: {primary, …: {expected, low, high}}, time_ms, memory_bytes}, and
- * with `actual` an `actual` in rays and time. Intervals are of 95 %. Fails: NULL when out of
- * memory. */
+/* Makes the explanation (api/openapi.yaml, schema Explanation):
+ *    {view, effects: [{name, because, rays_share}], absent: [{name, because}], kernel,
+ *    rays: {primary, …: {expected, low, high}}, cpu_ms, time_ms, load, memory_bytes, pre_render}
+ * With task->actual, each member of `rays`, `cpu_ms` and `time_ms` also has a member `actual`.
+ * Intervals are of 95 %.
+ * Owns: the caller json_decref()s.
+ * Fails: NULL when out of memory. */
 json_t *pen_explain_json(const struct pen_explain_task *task);
 
-/* Appends an explanation as text; out->failed tells that memory ran out. */
+/* Appends an explanation as text.
+ * Fails: out->failed is set when out of memory. */
 void pen_explain_write_text(const json_t *explanation, struct pen_buf *out);
 
 #endif

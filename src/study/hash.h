@@ -5,8 +5,9 @@
 
 #include "film/film.h"
 
-/* The first 8 bytes of the SHA-256 of a film's pixels: binary32 values, row by row from the top. It
- * changes with every bit of them, so that nobody knows it before the picture is done. */
+/* The seed of an audit: the first 8 bytes of the SHA-256 of a film's pixels. The pixels are hashed
+ * as binary32 values, row by row from the top. Each bit of the picture changes the seed, so the
+ * seed cannot be known before the picture is finished. */
 uint64_t pen_audit_seed(const struct pen_film *film);
 
 /* The SHA-256 of a text, in hexadecimal digits. */

@@ -6,22 +6,22 @@
 #include <string.h>
 
 #include "io/json_build.h"
+#include "report/values.h"
 #include "study/internal/report_rows.h"
-#include "study/internal/report_values.h"
 #include "study/verdict.h"
 
-/* A row of the history while it is made. */
+/* A row of the history in progress. */
 struct series {
-    json_t *settings;     /* all of the first report's */
+    json_t *settings;     /* all settings, from the first report */
     const json_t *report; /* the first */
     json_t *points;
 };
 
 struct maker {
-    json_t **reports; /* in the order of time; borrowed */
+    json_t **reports; /* in chronological order; borrowed */
     int count;
     double least_effect;
-    int *host; /* by report */
+    int *host; /* by report: an index into `hosts` */
     json_t *hosts;
     struct series *series;
     int series_count;
@@ -30,7 +30,7 @@ struct maker {
 static int by_time(const void *a, const void *b)
 {
     const json_t *x = *(json_t *const *)a, *y = *(json_t *const *)b;
-    return strcmp(pen_bench_report_string(x, "began_at"), pen_bench_report_string(y, "began_at"));
+    return strcmp(pen_report_string(x, "began_at"), pen_report_string(y, "began_at"));
 }
 
 static bool is_host(const json_t *a, const json_t *b)
@@ -44,7 +44,7 @@ static bool is_host(const json_t *a, const json_t *b)
     return true;
 }
 
-/* Numbers the hosts of the reports. Returns false when out of memory. */
+/* Gives each host of the reports a number. Returns false when out of memory. */
 static bool number_hosts(struct maker *m)
 {
     for (int i = 0; i < m->count; i++) {
@@ -70,7 +70,7 @@ static bool same_scene(const json_t *a, const json_t *b)
     return (x == y || json_equal(x, y)) && (v == w || json_equal(v, w));
 }
 
-/* The series of a row; a new one, if it is of none. NULL when out of memory. */
+/* The series that a row belongs to; made if there is none. NULL when out of memory. */
 static struct series *series_of(struct maker *m, const json_t *report, const json_t *row)
 {
     json_t *settings = pen_bench_all_settings(report, row);
@@ -97,7 +97,7 @@ static struct series *series_of(struct maker *m, const json_t *report, const jso
 static json_t *point_json(const struct maker *m, int number, const json_t *row)
 {
     const struct pen_confidence times = pen_bench_row_times(row, 0.05);
-    const double calibration = pen_bench_report_number(m->reports[number], "calibration.median_ms");
+    const double calibration = pen_report_number(m->reports[number], "calibration.median_ms");
     return json_pack("{s:i, s:f, s:o, s:o, s:o}", "report", number, "median_ms", times.median,
                      "low_ms", times.bounded ? json_real(times.low) : json_null(), "high_ms",
                      times.bounded ? json_real(times.high) : json_null(), "calibrated",
@@ -108,8 +108,8 @@ static json_t *point_json(const struct maker *m, int number, const json_t *row)
 static bool add_report(struct maker *m, int number)
 {
     const json_t *report = m->reports[number];
-    for (size_t i = 0; i < pen_bench_report_row_count(report); i++) {
-        const json_t *row = pen_bench_report_row(report, i);
+    for (size_t i = 0; i < pen_report_row_count(report); i++) {
+        const json_t *row = pen_report_row(report, i);
         struct series *series = series_of(m, report, row);
         if (!series || json_array_append_new(series->points, point_json(m, number, row)) != 0)
             return false;
@@ -117,8 +117,8 @@ static bool add_report(struct maker *m, int number)
     return true;
 }
 
-/* The points of a series that are of one host: their medians, and their numbers. Returns how many.
- */
+/* The points of a series that come from one host: their medians and their numbers. Returns how many
+ * there are. */
 static int points_of_host(const struct maker *m, const json_t *points, int host, double *values,
                           int *numbers)
 {
@@ -127,10 +127,10 @@ static int points_of_host(const struct maker *m, const json_t *points, int host,
     int count = 0;
     json_array_foreach(points, i, point)
     {
-        const int report = (int)pen_bench_report_number(point, "report");
+        const int report = (int)pen_report_number(point, "report");
         if (m->host[report] != host)
             continue;
-        values[count] = pen_bench_report_number(point, "median_ms");
+        values[count] = pen_report_number(point, "median_ms");
         numbers[count++] = (int)i;
     }
     return count;
@@ -196,16 +196,15 @@ static json_t *reports_json(const struct maker *m)
     json_t *list = json_array();
     for (int i = 0; i < m->count; i++) {
         const json_t *r = m->reports[i];
-        json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:i}", "began_at",
-                                              pen_bench_report_string(r, "began_at"), "version",
-                                              pen_bench_report_string(r, "host.version"), "build",
-                                              pen_bench_report_string(r, "host.build"), "host",
-                                              m->host[i]));
+        json_array_append_new(
+            list, json_pack("{s:s, s:s, s:s, s:i}", "began_at", pen_report_string(r, "began_at"),
+                            "version", pen_report_string(r, "host.version"), "build",
+                            pen_report_string(r, "host.build"), "host", m->host[i]));
     }
     return pen_json_all(list, (size_t)m->count);
 }
 
-/* Leaves of the settings of all rows those in which they differ. */
+/* Removes the settings in which all rows are equal. */
 static void keep_differences(struct maker *m)
 {
     const char *key;
@@ -238,9 +237,8 @@ static json_t *make(struct maker *m)
         return NULL;
     keep_differences(m);
     return json_pack("{s:s, s:s, s:f, s:O, s:o, s:o}", "kind", "history", "scene",
-                     pen_bench_report_string(m->reports[0], "scene"), "least_effect",
-                     m->least_effect, "hosts", m->hosts, "reports", reports_json(m), "rows",
-                     rows_json(m));
+                     pen_report_string(m->reports[0], "scene"), "least_effect", m->least_effect,
+                     "hosts", m->hosts, "reports", reports_json(m), "rows", rows_json(m));
 }
 
 static bool check(json_t *const *reports, int count, struct pen_status *st)
@@ -248,8 +246,8 @@ static bool check(json_t *const *reports, int count, struct pen_status *st)
     if (count == 0)
         return pen_fail(st, PEN_INVALID, "there is no report of a benchmark");
     for (int i = 1; i < count; i++) {
-        const char *first = pen_bench_report_string(reports[0], "scene");
-        const char *here = pen_bench_report_string(reports[i], "scene");
+        const char *first = pen_report_string(reports[0], "scene");
+        const char *here = pen_report_string(reports[i], "scene");
         if (strcmp(first, here) != 0)
             return pen_fail(st, PEN_INVALID,
                             "there are reports of several scenes, such as \"%.80s\" and "

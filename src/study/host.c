@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Asks /proc, /sys, /etc/machine-id and the program's own ELF notes. */
+/* Reads /proc, /sys, /etc/machine-id and the program's own ELF notes. */
 #include "study/host.h"
 
 #include <elf.h>
@@ -28,7 +28,7 @@ static void read_line(const char *path, char out[TEXT_BYTES])
     pen_utf8_copy(out, TEXT_BYTES, line);
 }
 
-/* The value of a key in /proc/cpuinfo, of the first processor. */
+/* The value of a key in /proc/cpuinfo, for the first processor. */
 static void read_cpuinfo(const char *key, char out[TEXT_BYTES])
 {
     char line[512];
@@ -46,7 +46,7 @@ static void read_cpuinfo(const char *key, char out[TEXT_BYTES])
         fclose(file);
 }
 
-/* The id is hashed, as machine-id(5) demands: FNV-1a over its text and a name of our own. */
+/* The machine's id, hashed as machine-id(5) demands: FNV-1a over its text and a name of our own. */
 static void hash_machine(char out[TEXT_BYTES])
 {
     char text[TEXT_BYTES];
@@ -82,7 +82,7 @@ static void find_note(const char *notes, size_t bytes, char out[TEXT_BYTES])
     }
 }
 
-/* The program is the first object that dl_iterate_phdr shows. */
+/* Reads the notes of the program, which is the first object that dl_iterate_phdr reports. */
 static int read_program(struct dl_phdr_info *info, size_t size, void *out)
 {
     (void)size;

@@ -5,22 +5,23 @@
 
 #include "scene/scene.h"
 
-/* What takes the place of an effect (one bit, enum pen_effect):
- *   ambient               no ambient light
- *   hard_shadows          lights whose shadows are hard cast none
- *   soft_shadows          lights have no radius
- *   shadow_transmittance  what is seen through blocks shadow rays
- *   mirror                kr 0
- *   transmission          kt 0
- *   anti_aliasing         one sample per pixel; through a lens as before
- *   specular              ks 0
- *   sky                   the horizon's colour
- *   depth_of_field        a pinhole
- *   patterns              the mean of the two colours
- *   refraction            ior 1
- *   glossy, frosted       no blur
- * Copies *from to *to, and changes the copy and the settings. What is changed is allocated in the
- * arena, the rest is shared. Fails: returns false when out of memory. */
+/* Copies *from to *to without an effect, which is one bit of enum pen_effect. The change is
+ *    ambient               no ambient light
+ *    hard_shadows          lights with hard shadows cast none
+ *    soft_shadows          lights have no radius
+ *    shadow_transmittance  transmitting surfaces block shadow rays
+ *    mirror                kr 0
+ *    transmission          kt 0
+ *    anti_aliasing         one sample per pixel; lens samples stay as they are
+ *    specular              ks 0
+ *    sky                   the horizon's colour
+ *    depth_of_field        a pinhole camera
+ *    patterns              the mean of the two colours
+ *    refraction            ior 1
+ *    glossy, frosted       no blur
+ * The settings are changed in place.
+ * Owns: the arena gets the changed parts of *to; all others are shared with *from.
+ * Fails: false when out of memory. */
 bool pen_scene_leave_out(const struct pen_scene_desc *from, unsigned effect,
                          struct pen_arena *arena, struct pen_scene_desc *to,
                          struct pen_settings *settings);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether two rows show the same picture follows from the settings in which they differ: every
- * setting counts as changing the picture unless it is listed here as one that does not. */
+/* Whether two rows must show the same picture follows from the settings in which they differ. A
+ * setting counts as changing the picture unless it is listed here. */
 #include "study/internal/pictures.h"
 
 #include <math.h>
@@ -12,10 +12,11 @@
 #include "film/film.h"
 #include "film/metrics.h"
 #include "render/transfer.h"
+#include "report/values.h"
 
 struct pen_bench_pictures {
     const struct pen_bench *bench;
-    size_t capacity;   /* values of the largest picture */
+    size_t capacity;   /* number of values of the largest picture */
     float **target;    /* by view */
     float **reference; /* by row and view; NULL where an earlier row has the same picture */
 };
@@ -149,45 +150,41 @@ static float **reference_of(const struct pen_bench_pictures *pictures, int row, 
 }
 
 /* "row 2 (accelerator none, threads 1)" */
-static void name_row(const struct pen_bench *bench, int row, char *out, size_t bytes)
+static void name_row(const struct pen_bench *bench, int row, struct pen_buf *out)
 {
-    const char *key;
-    json_t *value;
-    size_t used = (size_t)snprintf(out, bytes, "row %d", row);
-    json_object_foreach((json_t *)(uintptr_t)bench->rows[row].varied, key, value)
-    {
-        char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(15));
-        bool first = strchr(out, '(') == NULL;
-        if (used < bytes)
-            used += (size_t)snprintf(out + used, bytes - used, "%s%s %s", first ? " (" : ", ", key,
-                                     text ? text : "?");
-        free(text);
-    }
-    if (strchr(out, '(') && used + 1 < bytes)
-        strcpy(out + used, ")");
+    const json_t *varied = bench->rows[row].varied;
+    pen_buf_printf(out, "row %d", row);
+    if (json_object_size(varied) == 0)
+        return;
+    pen_buf_puts(out, " (");
+    pen_write_settings(varied, out);
+    pen_buf_puts(out, ")");
 }
 
-/* Fails with the first value in which two pictures differ. */
+/* Fails, and names the first value in which two pictures differ. */
 static bool fail_different(const struct pen_bench_pictures *pictures, int row, int view,
                            size_t value, struct pen_status *st)
 {
     static const char *const channels[] = {"red", "green", "blue"};
     const struct pen_bench *bench = pictures->bench;
-    int first = pen_bench_pictures_first(bench, row);
-    size_t pixel = value / 3, width = (size_t)bench->rows[row].settings.width;
-    char a[160], b[160];
-    name_row(bench, first, a, sizeof a);
-    name_row(bench, row, b, sizeof b);
-    return pen_fail(
-        st, PEN_DIFFERENT,
-        "the pictures of %s and %s must be the same, but differ: view %s, pixel %zu,%zu,"
-        " %s is %.9g in the one and %.9g in the other",
-        a, b, bench->desc->views[bench->views[view]].name, pixel % width, pixel / width,
-        channels[value % 3], (double)(*reference_of(pictures, first, view))[value],
-        (double)pictures->target[view][value]);
+    const int first = pen_bench_pictures_first(bench, row);
+    const size_t pixel = value / 3, width = (size_t)bench->rows[row].settings.width;
+    struct pen_buf names = {0};
+    name_row(bench, first, &names);
+    pen_buf_puts(&names, " and ");
+    name_row(bench, row, &names);
+    pen_fail(st, PEN_DIFFERENT,
+             "the pictures of %s must be the same, but differ: view %s, pixel %zu,%zu, %s is %.9g "
+             "in the one and %.9g in the other",
+             names.data ? (const char *)names.data : "two rows",
+             bench->frame.desc->views[bench->views[view]].name, pixel % width, pixel / width,
+             channels[value % 3], (double)(*reference_of(pictures, first, view))[value],
+             (double)pictures->target[view][value]);
+    pen_buf_release(&names);
+    return false;
 }
 
-/* Compares a view's target with its reference, bit by bit. */
+/* Compares a view's target with its reference, bit for bit. */
 static bool check_picture(const struct pen_bench_pictures *pictures, int row, int view,
                           struct pen_status *st)
 {
@@ -221,8 +218,8 @@ bool pen_bench_pictures_check(struct pen_bench_pictures *pictures, int row, stru
     return true;
 }
 
-/* Measures one view against the row compared with: updates out->max_difference and out->identical,
- * and adds the mean square error to *square. */
+/* Measures one view against the row that it is compared with. Updates out->max_difference and
+ * out->identical, and adds the mean square error to *square. */
 static bool measure_view(const struct pen_bench_pictures *pictures, int row, int view,
                          struct pen_bench_row_result *out, double *square, struct pen_status *st)
 {
@@ -251,7 +248,7 @@ uint64_t pen_bench_pictures_hash(const struct pen_bench_pictures *pictures, int 
 {
     const struct pen_settings *s = &pictures->bench->rows[row].settings;
     const int same_as = pen_bench_pictures_first(pictures->bench, row);
-    uint64_t all = UINT64_C(0xcbf29ce484222325); /* of several views: FNV-1a over their bytes */
+    uint64_t all = UINT64_C(0xcbf29ce484222325); /* of several views: FNV-1a over their hashes */
     for (int view = 0; view < pictures->bench->view_count; view++) {
         const struct pen_film film = {
             .width = s->width, .height = s->height, .rgb = *reference_of(pictures, same_as, view)};

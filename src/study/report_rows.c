@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* What comparisons and histories read of a report's rows. */
+/* Reads the rows of a report, for comparisons and histories. */
 #include "study/internal/report_rows.h"
 
 #include <stddef.h>
 
-#include "study/internal/report_values.h"
+#include "report/values.h"
 
 const char *const pen_bench_host_members[] = {"cpu",       "isa",      "cores",  "id",
                                               "microcode", "governor", "kernel", NULL};

@@ -57,7 +57,7 @@ struct pen_row_time pen_row_time_of(const struct pen_run_time *runs, int count)
     return out;
 }
 
-/* Whether a is surely quicker. */
+/* Whether a is clearly faster. */
 static bool is_quicker(const struct pen_row_time *a, const struct pen_row_time *b)
 {
     return a->spoiled < a->runs && b->spoiled < b->runs &&
@@ -89,15 +89,4 @@ void pen_runs_use_add(struct pen_runs_use *sum, const struct pen_run_time *runs,
         sum->spoiled += runs[i].spoiled;
         sum->used += (runs[i].used - sum->used) / sum->runs;
     }
-}
-
-void pen_runs_use_write(const struct pen_runs_use *use, const char *withheld, struct pen_buf *out)
-{
-    if (use->spoiled == 0)
-        return;
-    pen_buf_printf(out,
-                   "%d of %d runs are spoiled: other programs used the processors, of which the "
-                   "runs had %.0f %% (mean). ",
-                   use->spoiled, use->runs, 100 * use->used);
-    pen_buf_puts(out, pen_runs_spoiled(use) ? withheld : "The times of these runs are left out.");
 }

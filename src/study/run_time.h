@@ -1,93 +1,93 @@
 /* SPDX-License-Identifier: MIT */
-/* The time of a run, and what it is worth: whether others used the processors meanwhile, and which
- * of two rows is quicker.
+/* The times of runs: which runs other programs disturbed, and which of two rows is faster.
  *
- * A run is spoiled if others had a part of the processors that it could have used:
+ * A run is spoiled if other programs took a part of the processors that it could have used. This is
+ * so in two cases:
  *
- * - its threads waited: their processor time is less than 95 % of the time from their call to their
- *   return, and that by 0.5 ms for each, within which threads wake up and are moved. A thread that
- *   finds no more work returns, so neither a tree that one thread builds nor a picture of few
- *   blocks counts as waiting. Of more threads than there are processors, those that have one count.
- * - a hypervisor gave more than 5 % of all processors to others, and a clock tick besides, since
- *   the kernel counts in ticks.
+ * - Its threads waited. Their processor time is less than 95 % of the time from their call to their
+ *   return. The difference also exceeds 0.5 ms for each thread, and 0.5 ms for the calling thread,
+ *   since threads take that long to start and to move. A thread returns when it finds no more work.
+ *   So a tree that one thread builds, and a picture of few blocks, do not count as waiting. If
+ *   there are more threads than processors, only as many threads as processors are expected to run.
+ * - A hypervisor gave more than 5 % of all processors to other machines. One clock tick is
+ *   subtracted first, because the kernel counts in ticks.
  *
- * 5 %: while nothing else ran, runs of 2 to 55 ms on 2 cores had 0.98 to 0.999 of their time, and
- * beside a busy loop 0.50 (README.md of this room). What is taken from a run lengthens it by about
- * the same share, so a run that is not spoiled was disturbed by 5 % at most.
+ * The limit of 5 % is measured: README.md has the figures. A disturbance lengthens a run by about
+ * the share that it takes. So a run that is not spoiled is at most about 5 % too long.
  *
- * Alone, a run would have taken no longer than it did, and no less than the share of its time in
- * which it had the processors. Two rows are distinguished if these intervals, over all runs of each
- * that are not spoiled, lie apart. */
+ * Without other programs, a run would take at most its time, and at least the share of its time in
+ * which it had the processors. Each row has such an interval, over all runs that are not spoiled.
+ * Two rows are distinguished if their intervals do not overlap and are PEN_LEAST_EFFECT apart. */
 #ifndef PEN_STUDY_RUN_TIME_H
 #define PEN_STUDY_RUN_TIME_H
 
-#include "base/buf.h"
 #include "render/render.h"
 
-/* How often a study repeats a run that is spoiled; the most runs of a row whose times are kept. */
+/* How often a study repeats a spoiled run, and the most runs of a row whose times are used. */
 enum { PEN_SPOILED_REPEATS = 2, PEN_RUN_TIMES_MAX = 128 };
 
-/* The smallest difference of times that counts, as a share. */
+/* The smallest relative difference of times that counts. */
 #define PEN_LEAST_EFFECT 0.02
 
-/* What a run had of the processors. */
+/* How much of the processors a run got. */
 struct pen_run_use {
-    double used;     /* the processor time of its threads over what they could have used */
-    double steal_ms; /* of all processors, given to others by a hypervisor; below 0: unknown */
+    double used;     /* processor time of its threads, divided by what they could have used */
+    double steal_ms; /* steal time of all processors (pen_host_steal_ms); below 0: unknown */
     bool spoiled;
 };
 
-/* A run that goes on. */
+/* A run in progress. */
 struct pen_run_watch {
     int64_t begun_ns;
     double steal_ms;
 };
+/* Begins a run. */
 struct pen_run_watch pen_run_begin(void);
 
-/* What a run had that ends now. `stats` is of its renders; besides, the calling thread has worked
- * alone for so long, and had so much processor time. */
+/* Ends a run. `stats` are those of its renders. alone_ms is the time in which the calling thread
+ * worked alone, and alone_cpu_ms its processor time in it. */
 struct pen_run_use pen_run_end(const struct pen_run_watch *watch,
                                const struct pen_render_stats *stats, double alone_ms,
                                double alone_cpu_ms);
 
-/* One run of a row. */
+/* The time of one run of a row. */
 struct pen_run_time {
     double ms, used;
     bool spoiled;
 };
 
-/* The times of a row: of the runs that are not spoiled, or of all if every one is. Units: ms. */
+/* The times of a row, over its runs that are not spoiled; over all runs if every run is spoiled.
+ * Units: ms. */
 struct pen_row_time {
     double median, min, max;
-    double alone; /* the least that a run would have taken alone */
+    double alone; /* the shortest time that a run would take without other programs */
     int runs, spoiled;
 };
 struct pen_row_time pen_row_time_of(const struct pen_run_time *runs, int count);
 
-/* Which row is quicker: below 0 if it is a, above 0 if it is b; 0 if they are not distinguished. */
+/* Compares the times of two rows. Below 0: a is faster. Above 0: b is faster. 0: they are not
+ * distinguished. */
 int pen_row_time_compare(const struct pen_row_time *a, const struct pen_row_time *b);
 
+/* The number of rays of all kinds. */
 uint64_t pen_rays_total(const struct pen_ray_counts *rays);
 
-/* The same, but rows that times do not distinguish are distinguished by their rays. */
+/* As pen_row_time_compare, but the number of rays decides where the times do not. */
 int pen_row_cost_compare(const struct pen_row_time *a, const struct pen_ray_counts *a_rays,
                          const struct pen_row_time *b, const struct pen_ray_counts *b_rays);
 
-/* All timed runs of a study. */
+/* A summary of all timed runs of a study. */
 struct pen_runs_use {
     int runs, spoiled;
-    double used; /* the mean of their shares */
+    double used; /* the mean of the runs' `used` */
 };
+/* Adds runs to a summary. */
 void pen_runs_use_add(struct pen_runs_use *sum, const struct pen_run_time *runs, int count);
 
-/* Whether over half of the runs are spoiled: then nothing follows from their times. */
+/* Whether over half of the runs are spoiled, so that their times prove nothing. */
 static inline bool pen_runs_spoiled(const struct pen_runs_use *use)
 {
     return 2 * use->spoiled > use->runs;
 }
-
-/* Appends how many runs are spoiled, and why; nothing if none is. `withheld` says what does not
- * follow if over half are. */
-void pen_runs_use_write(const struct pen_runs_use *use, const char *withheld, struct pen_buf *out);
 
 #endif

@@ -152,7 +152,7 @@ int main(int argc, char **argv)
         {.settings = desc.settings, .varied = json_pack("{s:i}", "tile", 1)},
         {.settings = desc.settings, .varied = json_pack("{s:i}", "tile", 2)}};
     struct trial trial = {.slower = atof(argv[2]),
-                          .bench = {.desc = &desc,
+                          .bench = {.frame = {.desc = &desc, .pool = pen_thread_pool_new(0, &st)},
                                     .views = views,
                                     .view_count = 1,
                                     .rows = rows,
@@ -161,9 +161,8 @@ int main(int argc, char **argv)
                                     .interval = 0.02,
                                     .least_effect = 0.02,
                                     .budget_ms = atof(argv[3]) * 1000,
-                                    .pool = pen_thread_pool_new(0, &st),
                                     .dawdle = dawdle}};
-    trial.bench.user = &trial;
+    trial.bench.frame.user = &trial;
     trial.loops_per_ms = spin_rate();
     find_time(&trial);
     const int comparisons = atoi(argv[1]);
@@ -180,7 +179,7 @@ int main(int argc, char **argv)
     json_decref(trial.last);
     json_decref((json_t *)(uintptr_t)rows[0].varied);
     json_decref((json_t *)(uintptr_t)rows[1].varied);
-    pen_thread_pool_free(trial.bench.pool);
+    pen_thread_pool_free(trial.bench.frame.pool);
     pen_arena_free(arena);
     free(text);
     return 0;

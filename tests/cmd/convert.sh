@@ -70,8 +70,8 @@ check "render from standard input" cmp a.png b.png
 expect "the classroom's colours are a screen's" "$(jq -c .render want.json)" \
     '{"width":1000,"height":1000,"transfer":"display"}'
 
-sed -n '/^```xml$/,/^```$/p' "$root/README.md" | sed '1d;$d' >readme.xml
-exits "the README's scene" 0 "$penumbra" validate readme.xml
+sed -n '/^```xml$/,/^```$/p' "$root/scenes/README.md" | sed '1d;$d' >readme.xml
+exits "the scene of scenes/README.md" 0 "$penumbra" validate readme.xml
 
 # Errors, after which no output is written
 exits "convert without an output" 2 "$penumbra" convert "$classroom"

@@ -86,6 +86,11 @@ goes_beyond() {
     curl -s "$url/v1/jobs/$1" | jq -e ".progress.done > $2 or .state == \"succeeded\"" >"$work/output"
 }
 
+# csv FILE NAME: the values of a column.
+csv() {
+    awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) at = i } NR > 1 { print $at }' "$1"
+}
+
 # check_goes_on ID COUNT: kills the worker of a study after COUNT runs, more than one of which it must have
 # kept, and checks that the next worker does not begin with the first again. Runs are reported before they are
 # kept, so the worker is killed after one more report.

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Runs the lines of the README's section "Render on another machine": over TLS, with the certificate that
+# Runs the lines of the README's section "From another machine": over TLS, with the certificate that
 # they make, with this machine in place of both, and a free port.
 . "$(dirname "$0")/lib.sh"
 if ! command -v openssl >/dev/null; then
@@ -13,8 +13,8 @@ lines() { # NUMBER: prints the n-th block of lines of that section
         on && /^```$/ { exit } on' "$root/README.md"
 }
 PATH=$build:$PATH
-lines 1 >daemon.sh
-lines 2 >client.sh
+lines 1 | sed 's|^build/||' >daemon.sh
+lines 2 | sed 's|^build/||' >client.sh
 expect "both machines have lines" "$(grep -c '^penumbrad .*--listen 0.0.0.0:8080' daemon.sh) \
 $(grep -c '^export PENUMBRA_URL=https://render.example:8080' client.sh)" "1 1"
 

@@ -3,7 +3,7 @@
 
 Each row of `samples` is a request to an operation and the status it must get. A status that is
 documented and not sampled is an error, except those that need a failing or draining store: tests of
-the store room and tests/http provoke these.
+module store and tests/http provoke these.
 """
 import http.client
 import json
@@ -95,7 +95,7 @@ def compare(value, schema, at=""):
     """What is wrong with a JSON value, by the part of JSON Schema that the definition uses."""
     schema = resolve(schema)
     if "$ref" in schema:
-        return None  # the scene schema: tests of room io hold it against the reader
+        return None  # the scene schema: tests of module io hold it against the reader
     if "const" in schema and value != schema["const"]:
         return f"{at} is {value!r}"
     if "enum" in schema and value not in schema["enum"]:

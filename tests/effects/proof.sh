@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Proves that a scene pays for its own effects alone, for `make effects-proof`:
 #   tests/effects/proof.sh BUILD "INSTRUCTION-SET…"
-# src/shade/README.md says what each part shows. Runs all parts; exit 1 if one fails.
+# src/shade/KERNELS.md says what each part shows. Runs all parts; exit 1 if one fails.
 set -u
 build=${1:-build}
 isas=${2:-avx2}

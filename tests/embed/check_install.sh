@@ -45,10 +45,10 @@ expect "an unknown scene ends the example with code 1" $? 1
 expect_match "and with the library's words" "$(cat "$work/printed")" '*"sphere", nearest is "spheres"'
 expect "the example is short" "$(($(wc -l <api/examples/embed.c) <= 40))" 1
 
-sed -n '/^<!-- embed: /,/^```$/p' README.md | sed '1,2d;$d' >"$work/readme.c"
+sed -n '/^<!-- embed: /,/^```$/p' include/README.md | sed '1,2d;$d' >"$work/readme.c"
 # shellcheck disable=SC2046,SC2086
 for language in 'gcc -std=c11 -x c' 'g++ -std=c++11 -x c++'; do
-    check "the program of README.md compiles: ${language%% *}" $language $warnings $(pkg-config --cflags penumbra) \
+    check "the program of include/README.md compiles: ${language%% *}" $language $warnings $(pkg-config --cflags penumbra) \
         "$work/readme.c" -o "$work/readme" -x none $(pkg-config --libs penumbra)
     LD_LIBRARY_PATH=$installed/lib check "and runs: ${language%% *}" "$work/readme"
     expect_match "and prints a pixel: ${language%% *}" "$(cat "$work/output")" '[0-9]* x [0-9]*, the first pixel is *'

@@ -46,34 +46,36 @@ static void check_bench(const uint8_t *data, size_t size)
 {
     static struct pen_thread_pool *pool;
     static struct pen_bench_times runs[ROWS + 1][RUNS];
-    static double calibration[RUNS];
     struct pen_bench_row rows[ROWS] = {{.varied = NULL}};
     struct pen_bench_row_result results[ROWS] = {{.runs = runs[0]}, {.runs = runs[1]}};
     struct pen_status st;
-    uint64_t hash[ROWS] = {0};
-    bool hashed[ROWS] = {0};
-    int order[ROWS + 1] = {0};
     if (!pool)
         pool = pen_thread_pool_new(1, &st);
     must(pool != NULL);
-    struct pen_bench bench = {
-        .pool = pool, .rows = rows, .row_count = ROWS, .warmup = 1, .order_seed = 7};
-    struct pen_bench_result result = {
-        .rows = results, .twin = {.runs = runs[ROWS]}, .calibration_ms = calibration};
-    struct pen_bench_state state = {.bench = &bench,
+    json_t *document = json_loadb((const char *)data, size, JSON_DECODE_ANY, NULL);
+    const struct pen_kept_study kept = {.state = document};
+    struct pen_bench bench = {.frame = {.pool = pool, .kept = &kept},
+                              .rows = rows,
+                              .row_count = ROWS,
+                              .warmup = 1,
+                              .order_seed = 7};
+    struct pen_bench_result result = {.rows = results, .twin = {.runs = runs[ROWS]}};
+    struct pen_bench_state state = {.making = {.frame = &bench.frame,
+                                               .shape = &pen_bench_shape,
+                                               .study = &state,
+                                               .rows = ROWS + 1,
+                                               .host = json_object()},
+                                    .bench = &bench,
                                     .result = &result,
-                                    .host = json_object(),
-                                    .hash = hash,
-                                    .hashed = hashed,
-                                    .order = order,
-                                    .slots = ROWS + 1,
+                                    .order_seed = 7,
+                                    .warmup = 1,
                                     .repeats_max = RUNS};
-    json_t *kept = json_loadb((const char *)data, size, JSON_DECODE_ANY, NULL);
-    if (pen_bench_state_read(&state, kept))
-        must(state.place >= 0 && state.place < state.slots && result.repeats <= RUNS &&
-             state.passes <= bench.warmup + RUNS);
-    json_decref(kept);
-    json_decref(state.host);
+    if (pen_making_resume(&state.making))
+        must(state.place >= 0 && state.place < ROWS + 1 && pen_bench_repeats(&state) <= RUNS);
+    else
+        must(state.passes == 0 && state.place == 0 && results[0].picture_hash == 0);
+    json_decref(document);
+    json_decref(state.making.host);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

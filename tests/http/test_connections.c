@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Clients that hold connections without using them: their connections are closed, or they are found
- * to be gone, and others are answered meanwhile. */
+/* Clients that hold connections without using them. Their connections are closed, or found to be
+ * dead, and other clients are answered meanwhile. */
 #include <poll.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -12,7 +12,7 @@
 #include "support/server.h"
 #include "support/suite.h"
 
-/* A client that sends a little now and then is never idle, but has not longer for it. */
+/* A client that sends a little from time to time is never idle, but its deadline stays the same. */
 START_TEST(test_connections__slow_requests_are_ended)
 {
     static const char *const beginnings[] = {
@@ -44,7 +44,7 @@ START_TEST(test_connections__slow_requests_are_ended)
 }
 END_TEST
 
-/* What a body has brought early does not let it be slow later. */
+/* Bytes that came early do not allow a body to be slow later. */
 START_TEST(test_connections__early_bytes_buy_no_time)
 {
     enum { EARLY = 1000000, PARTS = 16, PART = 16384 }; /* at this rate a part comes every 4 s */
@@ -63,7 +63,7 @@ START_TEST(test_connections__early_bytes_buy_no_time)
              "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n",
              PARTS * PART);
     client_send(fd, head);
-    for (int i = 0; i < PARTS; i++) { /* longer than the time, and faster than the rate */
+    for (int i = 0; i < PARTS; i++) { /* longer than the deadline, and faster than the least rate */
         client_pause(700);
         ck_assert(client_send(fd, early));
     }
@@ -78,8 +78,8 @@ START_TEST(test_connections__early_bytes_buy_no_time)
 }
 END_TEST
 
-/* A quarter more than the limit are accepted at once; beyond the limit those that wait longest go.
- */
+/* Connections up to a quarter above the limit are accepted at once. Beyond the limit, those that
+ * wait longest are closed. */
 START_TEST(test_connections__idle_connections_are_closed_for_new_ones)
 {
     enum { OPEN = 80, ALL = 3 * OPEN };
@@ -107,7 +107,7 @@ START_TEST(test_connections__idle_connections_are_closed_for_new_ones)
 }
 END_TEST
 
-/* A body of which no more comes is as idle as a head. */
+/* A body that has stopped is as idle as a head. */
 START_TEST(test_connections__half_bodies_are_closed_for_new_ones)
 {
     enum { OPEN = 20 };
@@ -143,8 +143,8 @@ static size_t read_bytes(int fd, size_t bytes)
     return got;
 }
 
-/* A connection lingers where its client may still send: the client gets its answer, although it
- * sends more after the server's side has ended. */
+/* A connection lingers if its client may still send. The client gets its answer, even if it sends
+ * more after the server's side has ended. */
 START_TEST(test_connections__early_answers_arrive)
 {
     static const struct {
@@ -182,13 +182,13 @@ START_TEST(test_connections__early_answers_arrive)
 }
 END_TEST
 
-/* A reader that takes several windows in the time of one keeps its answer, although the kernel
- * could take megabytes of it, and would not ask for more until a third of them was read. One that
- * takes nothing loses it, and so does one that takes a little now and then, but no window in its
- * time. */
+/* A reader that reads several windows in the time of one keeps its answer. The kernel could take
+ * megabytes of it, and would not ask for more until a third of them was read. A client that reads
+ * nothing loses its answer. So does a client that reads a little from time to time, but less than a
+ * window in its time. */
 START_TEST(test_connections__slow_readers_keep_their_answer)
 {
-    enum { PART = 1 << 16, PARTS = 24, LEAST = 8000000 }; /* the kernel keeps less than that */
+    enum { PART = 1 << 16, PARTS = 24, LEAST = 8000000 }; /* the kernel buffers less than that */
     struct server server;
     struct answer answer;
     char path[80], text[200];
@@ -231,7 +231,7 @@ START_TEST(test_connections__slow_readers_keep_their_answer)
 }
 END_TEST
 
-/* The places of polls whose clients have gone are free soon, though the job does not change. */
+/* The places of polls whose clients have gone are soon free, even if the job does not change. */
 START_TEST(test_connections__abandoned_polls_are_forgotten)
 {
     enum { WAITING = 530 }; /* more than there are places */
@@ -260,7 +260,7 @@ START_TEST(test_connections__abandoned_polls_are_forgotten)
 }
 END_TEST
 
-/* Reads all that comes. Returns whether a refusal is in it, perhaps after interim answers. */
+/* Reads until the end. Returns whether there is a refusal, perhaps after interim answers. */
 static bool ends_with_refusal(int fd)
 {
     char text[1 << 14] = "";
@@ -270,8 +270,8 @@ static bool ends_with_refusal(int fd)
     return strstr(text, "HTTP/1.1 503 ") != NULL;
 }
 
-/* Polls whose clients end their side just when the store has changed, and their jobs are checked:
- * they get no answer, or their job, but are not refused. */
+/* Polls whose clients end their side while the store changes and their jobs are checked. They get
+ * no answer or their job, but no refusal. */
 START_TEST(test_connections__abandoned_polls_are_not_refused)
 {
     enum { WAITING = 60, ROUNDS = 40 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Event streams: their events, resuming, their end, and clients that disconnect. The test itself
- * commits the batches, through the store. */
+/* Event streams: their events, resuming, their end, and clients that disconnect. The test commits
+ * the batches itself, through the store. */
 #include <jansson.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -442,7 +442,7 @@ START_TEST(test_events__reach_all_clients)
     for (int i = 0; i < CLIENTS; i++)
         open_stream(&clients[i], NULL);
     for (int i = 0; i < CLIENTS; i += 2)
-        read_job_events(&clients[i], 1); /* the others may still be connecting */
+        read_job_events(&clients[i], 1); /* other clients may still be connecting */
     store_work_off(store, "w");
     for (int i = 0; i < CLIENTS; i++) {
         read_to_end(&clients[i]);
@@ -490,7 +490,7 @@ static int find_other_end(int fd)
     ck_abort_msg("no socket");
 }
 
-/* After how many ms without an acknowledgement the server ends a connection; 0: the kernel's
+/* The ms without an acknowledgement after which the server ends a connection; 0: the kernel's
  * choice. */
 static int unanswered_ms(int fd)
 {
@@ -500,7 +500,7 @@ static int unanswered_ms(int fd)
     return ms;
 }
 
-/* What is asked of a stream's client is not asked of one that reads a later answer slowly. */
+/* The timeout of a stream does not apply to a later answer that the client reads slowly. */
 START_TEST(test_events__leave_their_connection_as_it_was)
 {
     struct client *client = malloc(sizeof *client);

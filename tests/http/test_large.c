@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Large bodies and large answers beside others: they wait for their like. */
+/* Large bodies and large answers beside others: they wait for other large ones only. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,9 +48,9 @@ static void expect_status(int fd, int status)
     answer_release(&answer);
 }
 
-enum { TRIES = 3 }; /* in one of them nothing is held up between what has to happen together */
+enum { TRIES = 3 }; /* in at least one try, no delay disturbs the timing */
 
-/* A client that has only ended its side gets its answer. */
+/* A client that has ended only its sending side gets its answer. */
 START_TEST(test_large__a_client_that_ends_its_side_is_answered)
 {
     struct server server;
@@ -79,8 +79,8 @@ static int64_t cpu_ns(void)
     return time.tv_sec * second_ns + time.tv_nsec;
 }
 
-/* The processor time of changes that concern none of the polls that wait, each for a job of its own
- * with so many control characters in its labels. */
+/* The processor time of changes that concern none of the waiting polls. Each poll waits for its own
+ * job, which has this number of control characters in its labels. */
 static int64_t cost_of_changes(int characters)
 {
     enum { JOBS = 100, CHANGES = 20 };
@@ -122,13 +122,13 @@ static int64_t cost_of_changes(int characters)
     return cost_ns;
 }
 
-/* Polls that wait for jobs with long labels hold up others no more than any do: the watcher reads
- * the text of a job only for its answer. */
+/* Polls for jobs with long labels delay others no more than other polls do. The watcher reads the
+ * text of a job only for its answer. */
 START_TEST(test_large__labels_of_jobs_that_are_waited_for_cost_little)
 {
     int64_t without_ns = 0, with_ns = 1;
-    /* It was 3.7 times as much, and is 1.1 to 1.4. With sanitizers, to read the row alone takes 2
-     * to 3.5 times as long, so the plain build judges more strictly. */
+    /* The ratio is 1.1 to 1.4. With sanitizers, reading the row alone takes 2 to 3.5 times as long,
+     * so the plain build has the stricter limit. */
     const int64_t most = client_patience() > 1 ? 12 : 5;
     server_allow_many_files();
     for (int i = 0; i < TRIES && 2 * with_ns > most * without_ns; i++) {
@@ -141,7 +141,7 @@ START_TEST(test_large__labels_of_jobs_that_are_waited_for_cost_little)
 }
 END_TEST
 
-/* Its bytes are those that were sent, plain and compressed. */
+/* The bytes of the scene are those that were sent, plain and compressed. */
 START_TEST(test_large__scene_is_given_back)
 {
     enum { SPACES = 8 << 20 };
@@ -185,7 +185,7 @@ START_TEST(test_large__scene_is_given_back)
 }
 END_TEST
 
-/* Submits a job with a scene of so many bytes, compressed, and writes its path. */
+/* Submits a job with a compressed scene of this size, and writes its path. */
 static void submit_packed(const struct server *server, int bytes, char path[100])
 {
     struct pen_buf submit = scene_request("POST /v1/jobs", 1, bytes), packed = {0}, text = {0};
@@ -212,8 +212,8 @@ static void submit_packed(const struct server *server, int bytes, char path[100]
 
 enum { SCENES = 5, SCENE_READS = 30 };
 
-/* Asks for scenes of new jobs, and then for a job. Returns how many scenes are answered when the
- * job is. */
+/* Requests scenes of new jobs, and then a job. Returns how many scenes are answered before the job.
+ */
 static int count_before_job(const struct server *server)
 {
     enum { BYTES = 14 << 20 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The n-th allocation of a request fails, and all after it, for every n: the client gets the right
- * answer, a 503 or a closed connection, and always one of these; the server goes on. */
+/* The n-th allocation of a request fails, and all after it, for every n. The client always gets the
+ * right answer, a 503 or a closed connection. The server continues. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
@@ -64,7 +64,7 @@ static bool others_wait(void)
     return state == 'S';
 }
 
-/* Waits until the server's threads have started: a sanitizer's runtime allocates in a new thread,
+/* Waits until the server's threads have started. A sanitizer's runtime allocates in a new thread,
  * and ends the process if it cannot. */
 static void wait_for_threads(void)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The large answers: one copy for all, and a budget. */
+/* The large answers: one copy for all clients, and a budget. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -109,7 +109,7 @@ START_TEST(test_pictures__beyond_the_budget_there_is_one_alone)
     ck_assert(take(pictures, "usual", PART, &usual));
     ck_assert(!take(pictures, "huge", HUGE, &huge));
     pen_http_blob_unref(usual.blob);
-    ck_assert(take(pictures, "huge", HUGE, &huge)); /* nobody reads the kept one */
+    ck_assert(take(pictures, "huge", HUGE, &huge)); /* the kept picture has no reader */
     ck_assert(!take(pictures, "another", HUGE, &other));
     ck_assert(!take(pictures, "usual", PART, &usual));
     ck_assert(take(pictures, "small", 1000, &small)); /* only large answers are counted */

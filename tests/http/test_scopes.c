@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Who may do what: every route of the table, with every method, and with tokens of every scope. */
+/* Rights: every route of the table, with every method, and with tokens of every scope. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,8 +20,8 @@ static const enum pen_scope scope_of[SENDERS] = {
 };
 static char token[SENDERS][PEN_TOKEN_BYTES], path[] = "/tmp/penumbra-tokens-XXXXXX";
 
-/* Writes a token file with a token of each sender but the stranger. `without`: a sender whose token
- * is left out. */
+/* Writes a token file with a token of each sender except the stranger. The token of sender
+ * `without` is left out. */
 static void write_tokens(int without)
 {
     static struct pen_token made[SENDERS];
@@ -138,7 +138,7 @@ static void check_answer(const struct server *server, int sender, const char *me
     answer_release(&answer);
 }
 
-/* The job that the requests name does not exist, and no body is a job: nothing is changed. */
+/* The requests name a job that does not exist, and no body is a job, so nothing is changed. */
 START_TEST(test_scopes__of_every_route_and_method)
 {
     static const char *const methods[] = {"GET", "HEAD", "POST", "DELETE", "PUT", "PATCH"};
@@ -160,8 +160,8 @@ START_TEST(test_scopes__of_every_route_and_method)
 }
 END_TEST
 
-/* Requests without the right change nothing; a client changes its own jobs only, and an
- * administrator all. */
+/* Requests without the right change nothing. A client changes only its own jobs; an administrator
+ * changes all. */
 START_TEST(test_scopes__guard_jobs)
 {
     static const int strangers[] = {NOBODY, STRANGER, READER, OTHER};
@@ -203,7 +203,7 @@ START_TEST(test_scopes__guard_jobs)
 }
 END_TEST
 
-/* A key means the job of its client. */
+/* A key refers to a job of its client. */
 START_TEST(test_scopes__keys_are_per_client)
 {
     static const char line[] = "POST /v1/jobs HTTP/1.1\r\nIdempotency-Key: one\r\n"
@@ -298,7 +298,8 @@ START_TEST(test_scopes__of_other_origins)
 }
 END_TEST
 
-/* Before the store is open, too, nobody without a token is told why the server is not ready. */
+/* A client without a token does not get the reason why the server is not ready, even before the
+ * store is open. */
 START_TEST(test_scopes__hide_why_the_store_is_not_open)
 {
     struct server server;

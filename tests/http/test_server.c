@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The server against clients that disconnect, pipeline, stall, send wrong lengths, or are many. */
+/* The server with clients that disconnect, pipeline, stall, send wrong lengths, or are many. */
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
@@ -83,7 +83,7 @@ START_TEST(test_server__aborted_uploads_leave_nothing)
 }
 END_TEST
 
-/* When bodies have all the memory that there is for them, the next one is refused. */
+/* When the memory for bodies is used up, the next body is refused. */
 START_TEST(test_server__bodies_in_memory_are_bounded)
 {
     enum { ALL = 256 << 20 };
@@ -196,8 +196,8 @@ START_TEST(test_server__ambiguous_lengths_are_refused)
 }
 END_TEST
 
-/* Each of these is refused or its connection closed, also behind a good request. libmicrohttpd
- * 0.9.75 hides folded lines, fields without a name, lines that end in LF and what follows a zero
+/* Each of these heads is refused or its connection closed, even after a good request. libmicrohttpd
+ * 0.9.75 hides folded lines, fields without a name, lines that end in LF, and bytes after a zero
  * byte. */
 START_TEST(test_server__ambiguous_heads_are_refused)
 {
@@ -379,7 +379,7 @@ START_TEST(test_server__endless_chunks_are_dropped)
     ck_assert_str_eq(answer_field(&answer, "Access-Control-Allow-Origin", field, sizeof field),
                      "https://a.example");
     answer_release(&answer);
-    bool open = true; /* for a minute what still comes is read and dropped */
+    bool open = true; /* later bytes are read and dropped for a minute */
     for (int i = 0; i < SUITE_HANG_S * 1000 && open; i++) {
         client_pause(1);
         open = client_send(fd, chunk);
@@ -430,7 +430,7 @@ static void expect_polls(int *fds, int count, int status, const char *part)
     }
 }
 
-/* Cancels a job that long polls wait for. Returns after how many ms all of them are answered. */
+/* Cancels a job that long polls wait for. Returns the ms until all of them are answered. */
 static int64_t cancel_polls(const struct server *server)
 {
     char path[80], cancel[120];
@@ -450,7 +450,7 @@ START_TEST(test_server__long_polls_end_with_the_job)
     struct server server;
     server_start(&server, &(struct server_options){0});
     int64_t ms = 1000;
-    for (int i = 0; i < 3 && ms >= 1000; i++) /* once in three times nothing is held up */
+    for (int i = 0; i < 3 && ms >= 1000; i++) /* no delay disturbs at least one of three tries */
         ms = cancel_polls(&server);
     ck_assert_timed(ms < 1000);
     server_stop(&server);
@@ -503,7 +503,7 @@ START_TEST(test_server__long_poll_of_a_deleted_job)
 }
 END_TEST
 
-/* Of one request too many, one is refused; which one, the threads of the server decide. */
+/* If there is one request too many, one is refused. The server's threads decide which one. */
 START_TEST(test_server__waiting_requests_are_bounded)
 {
     enum { WAITING = 512 };
@@ -524,7 +524,7 @@ START_TEST(test_server__waiting_requests_are_bounded)
     ck_assert_str_ne(answer_field(&answer, "Retry-After", retry, sizeof retry), "");
     answer_release(&answer);
     int64_t ms = 500;
-    for (int i = 0; i < 3 && ms >= 500; i++) { /* once in three times nothing is held up */
+    for (int i = 0; i < 3 && ms >= 500; i++) { /* no delay disturbs at least one of three tries */
         const int64_t begun = pen_clock_ns();
         ck_assert_int_eq(server_status(&server, "GET /v1/jobs HTTP/1.1", NULL), 200);
         ms = ms_since(begun);
@@ -751,7 +751,7 @@ START_TEST(test_server__listening_socket_stays_the_callers)
 }
 END_TEST
 
-/* Without its store the server says why, and may open it later. */
+/* Without its store the server gives the reason, and may open the store later. */
 START_TEST(test_server__serves_before_its_store_is_open)
 {
     struct server server;

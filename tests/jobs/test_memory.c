@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "study/report.h"
+#include "report/report.h"
 #include "support/alloc.h"
 #include "support/jobs.h"
 #include "support/store_rows.h"
@@ -198,8 +198,8 @@ START_TEST(test_memory__benchmark_calls_fail_cleanly_too)
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
     jobs_worker_stop(&bed);
     starve("stats", work_stats);
-    for (int i = 0; pen_bench_report_formats[i]; i++) {
-        form = pen_bench_report_formats[i];
+    for (int i = 0; pen_report_formats[i]; i++) {
+        form = pen_report_formats[i];
         starve(form, work_report);
     }
     jobs_bed_close(&bed);

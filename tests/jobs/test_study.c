@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "report/report.h"
 #include "scene/scene.h"
-#include "study/report.h"
 #include "support/jobs.h"
 #include "support/suite.h"
 
@@ -217,10 +217,10 @@ START_TEST(test_study__bill_has_a_row_for_each_effect_and_every_format)
     json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
     store_must(stats != NULL, &st, "stats");
     ck_assert_str_eq(text_of(stats, "kernel"), text_of(json_array_get(rows, 0), "kernel"));
-    for (int i = 0; pen_bench_report_formats[i]; i++) {
-        struct pen_image form = report_as(pen_bench_report_formats[i]);
+    for (int i = 0; pen_report_formats[i]; i++) {
+        struct pen_image form = report_as(pen_report_formats[i]);
         ck_assert_ptr_nonnull(strstr((const char *)form.bytes.data, "ambient"));
-        ck_assert_str_eq(form.type, pen_bench_report_media_type(pen_bench_report_formats[i]));
+        ck_assert_str_eq(form.type, pen_report_media_type(pen_report_formats[i]));
         pen_buf_release(&form.bytes);
     }
     json_decref(stats);

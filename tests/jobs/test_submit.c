@@ -781,35 +781,6 @@ START_TEST(test_submit__validate_gives_the_same_errors_and_stores_nothing)
 }
 END_TEST
 
-/* What is refused by its first character is refused as a submit would refuse it. */
-START_TEST(test_submit__refuses_what_begins_no_object)
-{
-    static const struct {
-        const char *body;
-        bool refused;
-    } rows[] = {{"[]", true},       {"", true},         {" 5", true},    {"\"scene\"", true},
-                {"[[[", true},      {"nonsense", true}, {"\xFF{", true}, {"\xEF\xBB\xBF[", true},
-                {"{}", false},      {" \n{", false},    {"<a", false},   {"\xEF\xBB\xBF{", false},
-                {"{\"a\": ", false}};
-    const struct pen_limits limits = pen_limits_default();
-    jobs_bed_open(&bed);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        const struct pen_submission in = {.body = rows[i].body, .bytes = strlen(rows[i].body)};
-        struct pen_errors early = {0}, late = {0};
-        struct pen_submitted out;
-        ck_assert(pen_jobs_refuses(&in, &limits, &early) == rows[i].refused);
-        ck_assert(!pen_jobs_submit(bed.jobs, &in, &out, &late));
-        ck_assert_uint_eq(early.total, rows[i].refused ? late.total : 0);
-        for (size_t k = 0; k < early.count; k++) {
-            ck_assert_int_eq(early.item[k].code, late.item[k].code);
-            ck_assert_str_eq(early.item[k].msg, late.item[k].msg);
-        }
-    }
-    expect_nothing_stored();
-    jobs_bed_close(&bed);
-}
-END_TEST
-
 PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
           test_submit__errors_of_job_and_scene_are_collected,
           test_submit__too_many_bytes_and_labels_are_refused,
@@ -827,5 +798,4 @@ PEN_SUITE("submit", test_submit__each_bad_body_is_refused_at_its_place,
           test_submit__key_is_of_its_client, test_submit__first_answer_is_made_again_from_the_job,
           test_submit__ids_are_uuids_of_their_time_in_order,
           test_submit__batches_cover_every_tile_once,
-          test_submit__validate_gives_the_same_errors_and_stores_nothing,
-          test_submit__refuses_what_begins_no_object)
+          test_submit__validate_gives_the_same_errors_and_stores_nothing)

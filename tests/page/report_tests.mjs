@@ -72,7 +72,7 @@ export default {
     async "a bill of effects"(bed) {
         const scene = evilScene();
         penumbra("effects", "evil.json", "--repeats", "3", "-q", "-o", "effects.html");
-        await checkReport(bed, "effects.html", ["soft shadows"]);
+        await checkReport(bed, "effects.html", ["soft_shadows"]);
         await checkInPage(bed, {scene, kind: "effects", repeats: 2});
     },
 

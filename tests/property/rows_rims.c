@@ -577,7 +577,7 @@ static void judge_foot(const struct row_case *c, struct row_verdict *v)
 
 /* The same with the light before it: foot and floor are as without shadows. Something closed is
  * looked at from a sine of 1/8 and more over the floor, see "Where it ends" in
- * src/geom/README.md. */
+ * src/geom/SELF_INTERSECTION.md. */
 static void judge_front(const struct row_case *c, struct row_verdict *v)
 {
     struct place at = begin_place(c);

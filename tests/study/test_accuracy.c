@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Accuracy studies: what their figures say is compared with pictures that are rendered here, on a
- * small room with soft shadows. */
+/* Accuracy studies: their results are compared with pictures that are rendered here, of a small
+ * room with soft shadows. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +8,7 @@
 
 #include "film/encode.h"
 #include "jobs/accuracy_spec.h"
+#include "report/report.h"
 #include "study/accuracy.h"
 #include "study/accuracy_summary.h"
 #include "support/kit.h"
@@ -22,7 +23,7 @@ static struct pen_accuracy accuracy;
 static struct pen_thread_pool *pool;
 static struct pen_status st;
 
-/* A sphere over a floor, below a light with a radius: its shadow is all that is sampled. */
+/* A sphere over a floor, below a light with a radius. Only its shadow is sampled. */
 static void make_scene(void)
 {
     kit_init(&kit);
@@ -47,10 +48,10 @@ static struct pen_accuracy_task task_of(const char *members)
     pool = pen_thread_pool_new(THREADS, &st);
     ck_assert_ptr_nonnull(pool);
     struct pen_accuracy_task task = pen_accuracy_of_spec(&spec);
-    task.desc = &kit.desc;
+    task.frame.desc = &kit.desc;
     task.settings = &kit.settings;
     task.limits = pen_limits_default();
-    task.pool = pool;
+    task.frame.pool = pool;
     return task;
 }
 
@@ -110,8 +111,8 @@ START_TEST(test_accuracy__rows_are_what_their_settings_render)
 }
 END_TEST
 
-/* The reference's error, as it estimates it, against that from another one of 16 times its samples.
- */
+/* The estimated error of the reference agrees with its error against a reference of 16 times the
+ * samples. */
 START_TEST(test_accuracy__reference_knows_its_error)
 {
     make_scene();
@@ -141,7 +142,8 @@ START_TEST(test_accuracy__given_reference_is_kept_and_resolves_what_it_can)
     make(&task);
     ck_assert_int_eq(accuracy.reference.settings.light_samples, 64);
     ck_assert(pen_accuracy_resolved(&accuracy, &accuracy.row[1]));
-    ck_assert(!pen_accuracy_resolved(&accuracy, &accuracy.row[2])); /* as good as the reference */
+    ck_assert(!pen_accuracy_resolved(&accuracy,
+                                     &accuracy.row[2])); /* its error is that of the reference */
     json_t *report = pen_accuracy_json(&accuracy, "s"), *rows = json_object_get(report, "rows");
     const json_t *row = json_array_get(rows, 2);
     ck_assert(json_is_false(json_object_get(row, "resolved")));
@@ -155,7 +157,7 @@ START_TEST(test_accuracy__given_reference_is_kept_and_resolves_what_it_can)
 }
 END_TEST
 
-/* Rows whose times and errors are given, to see what follows from them. */
+/* Rows with given times and errors, to test the results that follow from them. */
 static struct pen_accuracy_row_result row_of(struct pen_accuracy_run *run, double ms, double rmse)
 {
     *run = (struct pen_accuracy_run){
@@ -199,7 +201,7 @@ START_TEST(test_accuracy__times_that_say_nothing_give_way_to_rays)
     row[1].rays.shadow = 200;
     row[2].rays.shadow = 100;
     ck_assert_int_eq(pen_accuracy_recommended(&a), 1); /* of equal times, the fewer rays */
-    run[2].time.used = 0.5;                            /* it waited for 20 of 40 ms */
+    run[2].time.used = 0.5;                            /* its threads waited for 20 of 40 ms */
     ck_assert_int_eq(pen_accuracy_recommended(&a), 2);
     run[2].time = (struct pen_run_time){.ms = 40, .used = 1};
     run[1].time.spoiled = true;
@@ -209,8 +211,8 @@ START_TEST(test_accuracy__times_that_say_nothing_give_way_to_rays)
 }
 END_TEST
 
-/* Rows that differ in light_samples, 4 times as many from row to row, and with 4 camera rays. The
- * reference sees the area of pixels. */
+/* Rows that differ in light_samples, each with 4 times as many as the row before, and with 4 camera
+ * rays. The reference samples the area of pixels. */
 struct ladder {
     struct pen_accuracy_task task;
     struct pen_accuracy_row rows[PEN_ACCURACY_ROWS_MAX];
@@ -227,7 +229,7 @@ static void add_rung(struct ladder *l, int camera, int light, double rmse)
     l->rows[i].settings.samples_per_pixel = camera;
     l->rows[i].settings.light_samples = light;
     l->row[i] = row_of(&l->run[i], 10, rmse);
-    l->task.desc = &kit.desc;
+    l->task.frame.desc = &kit.desc;
     l->task.rows = l->rows;
     l->task.metric = PEN_METRIC_RMSE;
     l->accuracy.task = &l->task;
@@ -248,29 +250,30 @@ START_TEST(test_accuracy__slopes_tell_which_error_is_left)
     struct ladder l = {0};
     struct pen_accuracy_series series;
     make_scene();
-    for (size_t s = 0; s < 3; s++) { /* without a floor, whatever the slope is */
+    for (size_t s = 0; s < 3; s++) { /* no slope alone is reported as a floor */
         for (int i = 0; i < 4; i++)
             add_rung(&l, 4, 1 << 2 * i, 0.1 * pow(1 << 2 * i, slopes[s]));
         series = pen_accuracy_series_of(&l.accuracy, 0, PEN_SAMPLE_LIGHT, false);
         ck_assert_msg(series.line.known && !series.floored, "%g: %g", slopes[s], series.floor);
         drop(&l);
     }
-    /* 0.01 of edges; the light's own error is 0.04 N^-0.75, 0.0018 at 64. */
+    /* An error of 0.01 from edges. The light's own error is 0.04 N^-0.75, which is 0.0018 at 64. */
     for (int i = 3; i >= 0; i--)
         add_rung(&l, 4, 1 << 2 * i, hypot(0.01, 0.04 * pow(1 << 2 * i, -0.75)));
     series = pen_accuracy_series_of(&l.accuracy, 0, PEN_SAMPLE_LIGHT, false);
     ck_assert(series.floored && series.causes == 1u << PEN_SAMPLE_PIXEL);
     ck_assert_msg(fabs(series.floor - 1 / (1 + 0.04 * 0.04 / 0.01 / 0.01 / 512)) < 1e-3, "%g",
                   series.floor);
-    /* A target of half of that needs 4 times the camera rays at least: 4 * 2^2, and a little for
-     * the light's share. */
+    /* A target of half of that needs at least 4 times the camera rays: 4 * 2^2, and a little more
+     * for the light's part. */
     l.task.target = 0.005;
     struct pen_accuracy_need need = pen_accuracy_needed(&l.accuracy);
     ck_assert_str_eq(need.setting, "samples_per_pixel");
     ck_assert_msg(need.samples == 17, "%g", need.samples);
     ck_assert_msg(need.ms > 10 * 17.0 / 4 / 1.01 && need.ms < 10 * 17.0 / 4 * 1.01, "%g", need.ms);
     drop(&l);
-    /* A light that leaves most does not point at the edges; what is needed is more of it. */
+    /* If the light causes most of the error, edges are not named, and more light samples are
+     * needed. */
     for (int i = 0; i < 3; i++)
         add_rung(&l, 4, 1 << 2 * i, 0.1 * pow(1 << 2 * i, -0.75));
     l.task.target = 0.1 * pow(64, -0.75);
@@ -281,7 +284,8 @@ START_TEST(test_accuracy__slopes_tell_which_error_is_left)
 }
 END_TEST
 
-/* Checkers from afar, under a light with a radius: edges are all that 4 camera rays leave. */
+/* Distant checkers under a light with a radius: with 4 camera rays, only edges cause the remaining
+ * error. */
 START_TEST(test_accuracy__edges_are_named_where_they_are_what_is_left)
 {
     make_scene();
@@ -294,7 +298,7 @@ START_TEST(test_accuracy__edges_are_named_where_they_are_what_is_left)
     make(&task);
     json_t *report = pen_accuracy_json(&accuracy, "s");
     struct pen_buf out = {0};
-    ck_assert(pen_accuracy_write(report, "text", &out, &st));
+    ck_assert(pen_report_write(report, "text", NULL, &out, &st));
     const char *text = (const char *)out.data;
     ck_assert_msg(strstr(text, "does not come from soft shadows, but from edges, which take more "
                                "than samples_per_pixel 4."),
@@ -305,8 +309,8 @@ START_TEST(test_accuracy__edges_are_named_where_they_are_what_is_left)
 }
 END_TEST
 
-/* Keeps the threads from rendering, as other programs do that have the processors, and counts the
- * renders of the whole picture. */
+/* Delays the threads, as other programs that use the processors do, and counts the renders of the
+ * whole picture. */
 static void wait_a_little(void *user, int thread, int x, int y)
 {
     (void)thread;
@@ -324,8 +328,8 @@ START_TEST(test_accuracy__spoiled_runs_are_repeated_and_recommend_nothing)
     struct pen_accuracy_task task =
         task_of("{\"ladder\": {\"light_samples\": [1, 4]}, \"seeds\": 2, \"target\": "
                 "{\"metric\": \"flip\", \"value\": 1}}");
-    task.pixel_begins = wait_a_little;
-    task.pixel_user = &renders;
+    task.frame.pixel_begins = wait_a_little;
+    task.frame.pixel_user = &renders;
     task.budget_ms = 1e6;
     make(&task);
     const struct pen_runs_use use = pen_accuracy_use(&accuracy);
@@ -337,7 +341,7 @@ START_TEST(test_accuracy__spoiled_runs_are_repeated_and_recommend_nothing)
     ck_assert(json_is_null(json_object_get(report, "recommended")));
     for (int i = 0; i < 2; i++) {
         struct pen_buf out = {0};
-        ck_assert(pen_accuracy_write(report, formats[i], &out, &st));
+        ck_assert(pen_report_write(report, formats[i], NULL, &out, &st));
         const char *words = strstr((const char *)out.data, " runs are spoiled: other programs");
         ck_assert_ptr_nonnull(words);
         ck_assert_ptr_nonnull(strstr(words, "No row is recommended"));
@@ -349,7 +353,7 @@ START_TEST(test_accuracy__spoiled_runs_are_repeated_and_recommend_nothing)
 }
 END_TEST
 
-/* A forecast that was far from the time is commented. */
+/* The report comments on a forecast that was far from the real time. */
 START_TEST(test_accuracy__overruns_are_commented)
 {
     static const struct {
@@ -361,11 +365,12 @@ START_TEST(test_accuracy__overruns_are_commented)
                  {322, 1, 8, "the forecast, which renders a few pixels"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct pen_buf out = {0};
-        json_t *report = json_pack(
-            "{s:f, s:{s:f, s:f, s:f, s:f}, s:{s:f}, s:{s:f}}", "budget_seconds", 600.0, "forecast",
-            "expected_seconds", 24.0, "low", 20.0, "high", 30.0, "actual", cases[i].took, "timing",
-            "cpu_share", cases[i].share, "reference", "factor", cases[i].factor);
-        ck_assert(pen_accuracy_write(report, "text", &out, &st));
+        json_t *report =
+            json_pack("{s:s, s:f, s:{s:f, s:f, s:f, s:f}, s:{s:f}, s:{s:f}}", "kind", "accuracy",
+                      "budget_seconds", 600.0, "forecast", "expected_seconds", 24.0, "low", 20.0,
+                      "high", 30.0, "actual", cases[i].took, "timing", "cpu_share", cases[i].share,
+                      "reference", "factor", cases[i].factor);
+        ck_assert(pen_report_write(report, "text", NULL, &out, &st));
         const char *text = (const char *)out.data;
         if (cases[i].words)
             ck_assert_msg(strstr(text, cases[i].words) != NULL, "%s", text);
@@ -379,9 +384,9 @@ END_TEST
 
 START_TEST(test_accuracy__fitted_slope_and_its_interval)
 {
-    /* y = 3 x^-0.75 without noise; then points whose line and interval are known: x = e^0..e^4,
-     * log y = 0, 1, 0, 1, 0 has slope 0 and a residual variance of 1.2 / 3, and the sum of squares
-     * of log x is 10, so the half-width is 3.182 sqrt(0.04). */
+    /* First y = 3 x^-0.75 without noise. Then points whose line and interval are known: x =
+     * e^0..e^4 with log y = 0, 1, 0, 1, 0. The slope is 0, the residual variance is 1.2 / 3, and
+     * the sum of squares of log x is 10. So the half-width is 3.182 sqrt(0.04). */
     double x[5], y[5];
     for (int i = 0; i < 5; i++) {
         x[i] = pow(4, i);
@@ -439,10 +444,10 @@ START_TEST(test_accuracy__budget_leaves_out_the_dearest_and_says_so)
     ck_assert_ptr_nonnull(strstr(text, "light_samples 100000000: one run is expected to take"));
     json_t *report = pen_accuracy_json(&accuracy, "s");
     struct pen_buf out = {0};
-    ck_assert(pen_accuracy_write(report, "text", &out, &st));
+    ck_assert(pen_report_write(report, "text", NULL, &out, &st));
     ck_assert_ptr_nonnull(strstr((const char *)out.data, "left out: light_samples 100000000"));
     pen_buf_release(&out);
-    ck_assert(pen_accuracy_write_html(&accuracy, report, &out, &st));
+    ck_assert(pen_accuracy_figures(&accuracy, report, &out, &st));
     pen_buf_release(&out);
     json_decref(report);
     release();
@@ -465,23 +470,23 @@ START_TEST(test_accuracy__formats)
     json_t *report = pen_accuracy_json(&accuracy, "a<b>");
     struct pen_buf out = {0};
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
-        ck_assert(pen_accuracy_write(report, formats[i].format, &out, &st));
+        ck_assert(pen_report_write(report, formats[i].format, NULL, &out, &st));
         const char *words =
             strcmp(formats[i].format, "md") == 0 ? "# Accuracy: a&lt;b\\>" : formats[i].words;
         ck_assert_msg(strstr((const char *)out.data, words) != NULL, "%s: %s", formats[i].format,
                       (const char *)out.data);
         pen_buf_release(&out);
     }
-    ck_assert(pen_accuracy_write_html(&accuracy, report, &out, &st));
+    struct pen_buf figures = {0};
+    ck_assert(pen_accuracy_figures(&accuracy, report, &figures, &st));
+    ck_assert(pen_report_write(report, "html", &figures, &out, &st));
     const char *page = (const char *)out.data;
     ck_assert_ptr_nonnull(strstr(page, "<h1>Accuracy: a&lt;b&gt;</h1>"));
-    ck_assert_ptr_null(strstr(page, "<script"));
-    ck_assert_ptr_null(strstr(page, "http://") == strstr(page, "http://www.w3.org/2000/svg")
-                           ? NULL
-                           : strstr(page, "http://"));
-    ck_assert_ptr_null(strstr(page, "https://"));
-    ck_assert_ptr_nonnull(strstr(page, "id=\"time-flip\""));
-    ck_assert_ptr_nonnull(strstr(page, "id=\"convergence\""));
+    ck_assert_ptr_nonnull(strstr(page, "<figure class=\"reference\""));
+    ck_assert_ptr_nonnull(strstr(page, "<figure class=\"picture\" data-row=\"2\""));
+    ck_assert_ptr_nonnull(strstr(page, "<figure class=\"map\" data-row=\"2\""));
+    ck_assert_ptr_nonnull(strstr(page, "pale yellow a FLIP of "));
+    pen_buf_release(&figures);
     pen_buf_release(&out);
     json_decref(report);
     release();
@@ -500,9 +505,9 @@ START_TEST(test_accuracy__can_be_cancelled)
     make_scene();
     struct pen_accuracy_task task = task_of("{\"ladder\": {\"light_samples\": [1, 4, 16]}}");
     atomic_bool cancel = false;
-    task.cancel = &cancel;
-    task.progress = cancel_after_two;
-    task.user = &cancel;
+    task.frame.cancel = &cancel;
+    task.frame.progress = cancel_after_two;
+    task.frame.user = &cancel;
     ck_assert(!pen_accuracy_make(&task, &accuracy, &st));
     ck_assert_int_eq(st.code, PEN_CANCELLED);
     release();
@@ -526,7 +531,7 @@ END_TEST
 
 static const char steps[] = "{\"ladder\": {\"light_samples\": [1, 4, 16]}, \"seeds\": 3}";
 
-/* A study that is never short of time, whose reference may be interrupted after each tile. */
+/* A study with enough time, whose reference may be interrupted after each tile. */
 static struct pen_accuracy_task patient_task(void)
 {
     make_scene();
@@ -550,7 +555,7 @@ static void check_same_row(const struct pen_accuracy_row_result *a,
         ck_assert(b->run[run].time.ms > 0);
         for (int m = 0; m < PEN_METRIC_COUNT; m++)
             ck_assert_msg(b->run[run].error[m] == a->run[run].error[m], "run %d: %s", run,
-                          pen_accuracy_metrics[m]);
+                          pen_metrics[m]);
     }
 }
 
@@ -562,16 +567,16 @@ START_TEST(test_accuracy__interrupted_study_has_the_results_of_a_whole_one)
     int interruptions = 0;
     make(&task);
     whole = accuracy;
-    /* The best row alone meets the target, so times do not decide which one is recommended. */
+    /* Only the best row meets the target, so times do not decide which row is recommended. */
     task.target = 1.01 * whole.row[2].run[0].error[PEN_METRIC_RMSE];
     const struct pen_accuracy_task whole_task = task;
     whole.task = &whole_task;
-    task.between = unfinished_keep;
-    task.user = &bed;
+    task.frame.between = unfinished_keep;
+    task.frame.user = &bed;
     for (bed.runs_left = 1; !pen_accuracy_make(&task, &accuracy, &st); bed.runs_left = 1) {
         ck_assert_msg(st.code == PEN_UNAVAILABLE, "%s", st.msg);
         pen_accuracy_release(&accuracy);
-        task.kept = &bed.kept;
+        task.frame.kept = &bed.kept;
         interruptions++;
     }
     /* The runs of three rows with three seeds, and two renders of 9 tiles or more. */
@@ -594,10 +599,11 @@ START_TEST(test_accuracy__interrupted_study_has_the_results_of_a_whole_one)
 }
 END_TEST
 
-/* Whether the study goes on with a state, whose first row took this long with the first seed. */
+/* Whether the study resumes from a state in which the first row's run with the first seed took this
+ * long. */
 static bool goes_on_with(struct pen_accuracy_task *task, const struct pen_kept_study *kept)
 {
-    task->kept = kept;
+    task->frame.kept = kept;
     make(task);
     const bool goes_on = accuracy.row[0].run[0].time.ms == 1e6;
     pen_accuracy_release(&accuracy);
@@ -607,44 +613,42 @@ static bool goes_on_with(struct pen_accuracy_task *task, const struct pen_kept_s
 START_TEST(test_accuracy__what_is_kept_of_another_study_is_not_used)
 {
     static const char *const changes[][2] = {{"/version", "99"},
-                                             {"/seeds", "2"},
+                                             {"/kind", "\"benchmark\""},
                                              {"/pool_threads", "7"},
                                              {"/host", "{}"},
                                              {"/elapsed_ms", "-1"},
-                                             {"/forecast", "[1, 2]"},
-                                             {"/threads_ms", "[1]"},
+                                             {"/expected_ms", "[1, 2]"},
                                              {"/left_out", "1"},
                                              {"/done", "-1"},
                                              {"/pass", "4"},
                                              {"/pass", "0"},
                                              {"/place", "4"},
-                                             {"/order", "[0, 1, 1]"},
-                                             {"/order", "[0, 1, 3]"},
-                                             {"/reference", "null"},
-                                             {"/reference/halves", "1"},
-                                             {"/reference/tiles", "1"},
-                                             {"/reference/factor", "0"},
-                                             {"/reference/hashes/0", "\"0123456789abcdef\""},
+                                             {"/rows/2/next", "9"},
+                                             {"/rows/2/next", "-1"},
+                                             {"/halves", "1"},
+                                             {"/tiles", "1"},
+                                             {"/factor", "0"},
+                                             {"/first_hash", "7"},
                                              {"/rows", "[]"},
                                              {"/rows/2/wanted", "false"},
                                              {"/rows/2/runs", "[]"},
-                                             {"/rows/2/runs", "[[1, 1, 0, 1, 1, 1, 1, 1, 1], [1]]"},
-                                             {"/rows/2/threads", "9"},
-                                             {"/rows/2/rays", "[-1, 1, 1, 1, 1, 1, 1]"},
-                                             {"/rows/2/hash", "\"\""},
+                                             {"/rows/2/runs", "[{}]"},
+                                             {"/rows/2/threads", "-9"},
+                                             {"/rows/2/shadow", "1.5"},
+                                             {"/rows/2/picture_hash", "\"\""},
                                              {"/rows/2/expected_ms", "\"\""}};
     struct unfinished_bed bed = {0};
     struct pen_accuracy_task task = patient_task(), first = task;
     task.at_once_ms = 0;
     first.at_once_ms = 0;
-    first.between = unfinished_keep;
-    first.user = &bed;
+    first.frame.between = unfinished_keep;
+    first.frame.user = &bed;
     make(&first);
     pen_accuracy_release(&accuracy);
     bed.runs_left = bed.calls - 2; /* before the last two runs of the last pass */
     ck_assert(!pen_accuracy_make(&first, &accuracy, &st));
     pen_accuracy_release(&accuracy);
-    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0/0", "1e6");
+    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0/ms", "1e6");
     struct pen_kept_study kept = bed.kept;
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
         json_t *changed = unfinished_changed(marked, changes[i][0], changes[i][1]);

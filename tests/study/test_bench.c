@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The order of runs, medians, the comparison of pictures, and what ends a benchmark early. */
+/* The order of runs, medians, the comparison of pictures, and the reasons for an early end of a
+ * benchmark. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +12,7 @@
 #include "study/bench.h"
 #include "support/kit.h"
 #include "support/suite.h"
+#include "support/unfinished.h"
 
 enum { ROWS_MAX = 16, SEEN_MAX = 4096 };
 
@@ -21,7 +23,7 @@ static struct pen_bench_result result;
 static struct pen_status st;
 static const int views[] = {0};
 
-/* What the hooks recorded: the rows whose pictures were checked, and the progress reported. */
+/* Records of the hooks: the rows whose pictures were checked, and the progress reported. */
 static int seen[SEEN_MAX], seen_count, progress[SEEN_MAX], progress_count, total;
 
 static void note_row(void *user, int row, int view, float *rgb)
@@ -43,15 +45,15 @@ static void note_progress(void *user, int done, int all)
 static void set_up(int threads)
 {
     kit_medley(&kit);
-    bench = (struct pen_bench){.desc = &kit.desc,
+    bench = (struct pen_bench){.frame = {.desc = &kit.desc,
+                                         .pool = pen_thread_pool_new(threads, &st),
+                                         .progress = note_progress},
                                .views = views,
                                .view_count = 1,
                                .rows = rows,
                                .repeats = 3,
-                               .warmup = 1,
-                               .progress = note_progress,
-                               .pool = pen_thread_pool_new(threads, &st)};
-    ck_assert_ptr_nonnull(bench.pool);
+                               .warmup = 1};
+    ck_assert_ptr_nonnull(bench.frame.pool);
     seen_count = progress_count = 0;
 }
 
@@ -69,7 +71,7 @@ static void tear_down(void)
     pen_bench_result_release(&bench, &result);
     for (int i = 0; i < bench.row_count; i++)
         json_decref((json_t *)(uintptr_t)rows[i].varied);
-    pen_thread_pool_free(bench.pool);
+    pen_thread_pool_free(bench.frame.pool);
 }
 
 static void run(void)
@@ -84,8 +86,8 @@ static void add_none_and_auto(void)
     add_row("{\"accelerator\": \"auto\"}")->accelerator = PEN_ACCEL_AUTO;
 }
 
-/* Whether each pass of `slots` runs visited rows 0 .. slots - 1 once; *orders gets how many passes
- * began with row 0. */
+/* Checks that each pass of `slots` runs visited rows 0 .. slots - 1 once. *first becomes the number
+ * of passes that began with row 0. */
 static void check_passes(int passes, int slots, int *first)
 {
     *first = 0;
@@ -176,7 +178,7 @@ START_TEST(test_bench__medians_and_speedups_are_those_of_the_runs)
 }
 END_TEST
 
-/* Makes every run of row 1 longer by `dawdle_ms`, of processor time or of sleep. */
+/* Lengthens every run of row 1 by `dawdle_ms`, of processor time or of sleep. */
 static double dawdle_ms;
 static bool dawdle_sleeps;
 
@@ -190,7 +192,7 @@ static void dawdle(void *user, int row)
     }
 }
 
-/* Two rows of the same settings but for the tile, the second of which dawdles. */
+/* Adds two rows that differ in the tile alone. The second one dawdles. */
 static void add_equal_rows(void)
 {
     kit.settings.width = kit.settings.height = 16;
@@ -212,7 +214,7 @@ START_TEST(test_bench__ratio_is_the_median_of_the_pairs_of_one_repeat)
     add_equal_rows();
     bench.repeats = 11;
     bench.least_effect = 0.02;
-    dawdle_ms = 50; /* more than others may take of a run without being noticed */
+    dawdle_ms = 50; /* more than other programs may take of an unspoiled run */
     run();
     const struct pen_bench_row_result *slow = &result.rows[1];
     double ratios[11];
@@ -284,7 +286,7 @@ START_TEST(test_bench__runs_that_wait_are_spoiled_and_decide_nothing)
     add_equal_rows();
     bench.repeats = 10;
     dawdle_ms = 200;
-    dawdle_sleeps = true; /* as a thread without a processor does */
+    dawdle_sleeps = true; /* like a thread without a processor */
     run();
     const struct pen_bench_row_result *row = &result.rows[1];
     ck_assert_int_eq(row->spoiled, 10);
@@ -303,8 +305,8 @@ START_TEST(test_bench__runs_that_wait_are_spoiled_and_decide_nothing)
 }
 END_TEST
 
-/* The benchmark has ended since its interval is narrow; or, on a machine that takes the processors
- * away from most runs, at the most repeats, with no interval. */
+/* Checks that the benchmark ended because its interval is narrow. On a machine on which most runs
+ * are spoiled, it ends at the most repeats without an interval. */
 static void check_ended_by_interval(void)
 {
     const struct pen_confidence *ratio = &result.rows[1].ratio;
@@ -358,7 +360,7 @@ START_TEST(test_bench__faster_with_another_picture_is_no_speed_up)
     bench.repeats = 10;
     kit.settings.width = kit.settings.height = 16;
     add_row("{\"precision\": \"robust\"}");
-    add_row("{\"precision\": \"fast\"}")->max_depth = 0; /* stands for a wrong result */
+    add_row("{\"precision\": \"fast\"}")->max_depth = 0; /* simulates a wrong result */
     run();
     ck_assert(result.rows[0].picture_hash != result.rows[1].picture_hash);
     ck_assert_int_eq(result.rows[1].verdict, PEN_VERDICT_DIFFERENT_PICTURE);
@@ -376,7 +378,7 @@ START_TEST(test_bench__picture_hash_is_that_of_the_film)
     struct pen_render_stats stats;
     struct pen_render_task task = {
         .scene = scene, .settings = &kit.settings, .tile_count = -1, .rgb = film->rgb};
-    ck_assert(pen_render_run(bench.pool, &task, &stats, &st));
+    ck_assert(pen_render_run(bench.frame.pool, &task, &stats, &st));
     ck_assert(result.rows[0].picture_hash == pen_film_hash(film));
     ck_assert(result.rows[1].picture_hash == pen_film_hash(film));
     pen_scene_free(scene);
@@ -485,7 +487,7 @@ START_TEST(test_bench__one_bit_of_difference_fails_it_and_is_named)
     bench.tamper = flip_bit;
     ck_assert(!pen_bench_run(&bench, &result, &st));
     ck_assert_int_eq(st.code, PEN_DIFFERENT);
-    ck_assert_ptr_nonnull(strstr(st.msg, "row 0 (accelerator \"none\")"));
+    ck_assert_ptr_nonnull(strstr(st.msg, "row 0 (accelerator none)"));
     char other[40];
     snprintf(other, sizeof other, "row %d (accelerator ", seen[3]);
     ck_assert_ptr_nonnull(strstr(st.msg, other));
@@ -504,38 +506,30 @@ static void cancel_at_five(void *user, int done, int all)
         atomic_store(&cancel, true);
 }
 
-/* What an interrupted benchmark has kept, and after how many runs it is interrupted. */
-static json_t *kept;
-static int runs_left;
+/* The saved state of an interrupted benchmark. */
+static struct unfinished_bed bed;
 
-static bool keep(void *user, const struct pen_bench_state *state)
+/* Makes the benchmark be saved, and interrupted after this number of runs. */
+static void interrupt_after(int runs)
 {
-    (void)user;
-    json_decref(kept);
-    kept = pen_bench_state_json(state);
-    ck_assert_ptr_nonnull(kept);
-    return --runs_left > 0;
+    bench.frame.between = unfinished_keep;
+    bench.frame.user = &bed;
+    bed.runs_left = runs;
 }
 
-/* Runs the benchmark, interrupted after every `each` runs, until it ends. Returns how often it was
- * interrupted. */
+/* Runs the benchmark until it ends, interrupted after every `each` runs. Returns the number of
+ * interruptions. */
 static int run_in_parts(int each)
 {
     for (int interruptions = 0;; interruptions++) {
-        json_t *before = kept;
-        kept = NULL;
-        bench.kept = before;
-        bench.between = keep;
-        runs_left = each;
-        const bool ok = pen_bench_run(&bench, &result, &st);
-        json_decref(before);
-        if (ok) {
-            json_decref(kept);
-            kept = NULL;
+        interrupt_after(each);
+        if (pen_bench_run(&bench, &result, &st)) {
+            unfinished_release(&bed);
             return interruptions;
         }
         ck_assert_msg(st.code == PEN_UNAVAILABLE, "%s", st.msg);
         pen_bench_result_release(&bench, &result);
+        bench.frame.kept = &bed.kept;
     }
 }
 
@@ -555,7 +549,8 @@ START_TEST(test_bench__interrupted_benchmark_makes_the_runs_of_a_whole_one)
     const int interruptions = run_in_parts(3);
     ck_assert_int_ge(interruptions, 2);
     ck_assert_int_eq(result.breaks, interruptions);
-    ck_assert_int_eq(seen_count, whole_count + interruptions); /* each throws its first run away */
+    ck_assert_int_eq(seen_count,
+                     whole_count + interruptions); /* each process discards its first run */
     for (int i = 0, at = 0; i < seen_count; i++) {
         if (i > 0 && i % 4 == 3 && at < whole_count) {
             ck_assert_int_eq(seen[i], 0); /* of the baseline */
@@ -585,37 +580,36 @@ END_TEST
 
 START_TEST(test_bench__what_is_kept_of_another_benchmark_is_not_used)
 {
-    static const struct {
-        const char *key, *value;
-    } changes[] = {{"version", "99"},    {"order_seed", "5"},  {"warmup", "2"},
-                   {"slots", "3"},       {"host", "{}"},       {"pool_threads", "7"},
-                   {"passes", "100"},    {"passes", "-1"},     {"place", "2"},
-                   {"repeats", "3"},     {"runs", "[]"},       {"rows", "[1]"},
-                   {"runs", "[[1],[]]"}, {"calibration", "1"}, {"elapsed_ms", "-1"}};
+    static const char *const changes[][2] = {
+        {"/version", "99"},        {"/kind", "\"effects\""},
+        {"/order_seed", "5"},      {"/warmup", "2"},
+        {"/host", "{}"},           {"/pool_threads", "7"},
+        {"/passes", "100"},        {"/passes", "-1"},
+        {"/place", "2"},           {"/rows", "[1]"},
+        {"/rows/1/runs", "[]"},    {"/rows/1/runs", "[1, 2]"},
+        {"/rows/1/threads", "-1"}, {"/rows/0/picture_hash", "\"\""},
+        {"/elapsed_ms", "-1"}};
+    struct pen_kept_study last;
     set_up(1);
     add_none_and_auto();
-    bench.between = keep;
-    runs_left = 4;
+    interrupt_after(4);
     ck_assert(!pen_bench_run(&bench, &result, &st));
     pen_bench_result_release(&bench, &result);
-    json_t *good = kept;
-    kept = NULL;
-    bench.between = NULL;
+    bench.frame.between = NULL;
+    last = bed.kept;
+    bench.frame.kept = &last;
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
-        json_t *bad = json_deep_copy(good);
-        json_object_set_new(bad, changes[i].key,
-                            json_loads(changes[i].value, JSON_DECODE_ANY, NULL));
-        bench.kept = bad;
+        json_t *bad = unfinished_changed(bed.state, changes[i][0], changes[i][1]);
+        last.state = bad;
         run();
-        ck_assert_msg(result.breaks == 0, "%s %s", changes[i].key, changes[i].value);
+        ck_assert_msg(result.breaks == 0, "%s %s", changes[i][0], changes[i][1]);
         pen_bench_result_release(&bench, &result);
         json_decref(bad);
     }
-    bench.kept = good;
+    last.state = bed.state;
     run();
     ck_assert_int_eq(result.breaks, 1);
-    json_decref(good);
-    bench.kept = NULL;
+    unfinished_release(&bed);
     tear_down();
 }
 END_TEST
@@ -624,19 +618,16 @@ START_TEST(test_bench__pictures_must_stay_the_same_over_an_interruption)
 {
     set_up(1);
     add_none_and_auto();
-    bench.between = keep;
-    runs_left = 4;
+    interrupt_after(4);
     ck_assert(!pen_bench_run(&bench, &result, &st));
     pen_bench_result_release(&bench, &result);
-    json_object_set_new(json_array_get(json_object_get(kept, "rows"), 0), "hash",
-                        json_string("0123456789abcdef"));
-    bench.between = NULL;
-    bench.kept = kept;
+    json_object_set_new(json_array_get(json_object_get(bed.state, "rows"), 0), "picture_hash",
+                        json_integer(7));
+    bench.frame.between = NULL;
+    bench.frame.kept = &bed.kept;
     ck_assert(!pen_bench_run(&bench, &result, &st));
     ck_assert_int_eq(st.code, PEN_DIFFERENT);
-    json_decref(kept);
-    kept = NULL;
-    bench.kept = NULL;
+    unfinished_release(&bed);
     tear_down();
 }
 END_TEST
@@ -645,8 +636,8 @@ START_TEST(test_bench__cancel_ends_it_between_runs_and_within_one)
 {
     set_up(1);
     add_none_and_auto();
-    bench.cancel = &cancel;
-    bench.progress = cancel_at_five;
+    bench.frame.cancel = &cancel;
+    bench.frame.progress = cancel_at_five;
     atomic_store(&cancel, false);
     ck_assert(!pen_bench_run(&bench, &result, &st));
     ck_assert_int_eq(st.code, PEN_CANCELLED);

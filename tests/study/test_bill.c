@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The bill: each effect's row lacks that effect, its picture and rays are those of the scene
- * changed by hand, and the reports say so. */
+/* The bill: each effect's row lacks that effect. Its picture and rays are those of a scene that is
+ * changed by hand, and the reports show them. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "report/report.h"
 #include "study/bill.h"
 #include "study/leave_out.h"
 #include "support/kit.h"
@@ -50,10 +51,11 @@ static struct pen_bill bill_of(const struct pen_bill_task *task)
 static struct pen_bill_task task_of(struct pen_thread_pool *pool)
 {
     return (struct pen_bill_task){
-        .desc = &kit.desc, .settings = &kit.settings, .repeats = 2, .pool = pool};
+        .frame = {.desc = &kit.desc, .pool = pool}, .settings = &kit.settings, .repeats = 2};
 }
 
-/* The effects of the scene without one of them; of other views, too, which the kit has not. */
+/* The effects of the scene without one of them. Includes effects of other views, which the kit does
+ * not have. */
 static unsigned effects_without(unsigned effect, struct pen_settings *settings)
 {
     struct pen_scene_desc without;
@@ -126,7 +128,7 @@ START_TEST(test_bill__rows_are_the_scene_changed)
 }
 END_TEST
 
-/* What is seen through blocks all light: the picture is that of opaque shadows. */
+/* Transmitting surfaces block all light: the picture has opaque shadows. */
 START_TEST(test_bill__opaque_shadows)
 {
     kit_init(&kit);
@@ -154,18 +156,22 @@ START_TEST(test_bill__reports)
     everything();
     struct pen_bill_task task = task_of(pool);
     struct pen_bill bill = bill_of(&task);
+    struct pen_buf figures = {0};
+    json_t *json = pen_bill_json(&bill, "a <scene>");
+    pen_bill_figures(&bill, &figures);
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
         struct pen_buf out = {0};
-        ck_assert(pen_bill_write(&bill, "a <scene>", formats[i], &out, &st));
-        pen_buf_puts(&out, "");
-        const char *text = (const char *)out.data;
+        ck_assert(pen_report_write(json, formats[i], &figures, &out, &st));
+        char *text = (char *)out.data;
+        for (char *c = text; strcmp(formats[i], "md") == 0 && (c = strchr(c, '\\'));)
+            memmove(c, c + 1, strlen(c)); /* before each _ */
         for (int fx = 0; fx < PEN_FX_COUNT; fx++)
             ck_assert_msg(strstr(text, pen_effect_name(fx)) != NULL, "%s: %s", formats[i],
                           pen_effect_name(fx));
         ck_assert(strstr(text, "<scene>") == NULL || strcmp(formats[i], "json") == 0);
         pen_buf_release(&out);
     }
-    json_t *json = pen_bill_json(&bill, "x");
+    pen_buf_release(&figures);
     const json_t *rows = json_object_get(json, "rows"), *first = json_array_get(rows, 0);
     ck_assert_uint_eq(json_array_size(rows), PEN_FX_COUNT + 1);
     ck_assert(json_is_null(json_object_get(first, "without")));
@@ -177,7 +183,7 @@ START_TEST(test_bill__reports)
 }
 END_TEST
 
-/* Keeps the threads from rendering, as other programs do that have the processors. */
+/* Delays the threads, as other programs that use the processors do. */
 static void wait_a_little(void *user, int thread, int x, int y)
 {
     (void)thread;
@@ -193,19 +199,20 @@ START_TEST(test_bill__spoiled_runs_are_repeated_and_tell_no_cost)
     struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
     everything();
     struct pen_bill_task task = task_of(pool);
-    task.pixel_begins = wait_a_little;
-    task.pixel_user = &renders;
+    task.frame.pixel_begins = wait_a_little;
+    task.frame.pixel_user = &renders;
     struct pen_bill bill = bill_of(&task);
     ck_assert_int_eq(bill.use.runs, 2 * bill.rows);
     ck_assert_int_eq(bill.use.spoiled, bill.use.runs);
-    ck_assert_int_eq(renders, bill.rows * (1 + 2 * 3)); /* to warm up; and each with two repeats */
+    ck_assert_int_eq(renders,
+                     bill.rows * (1 + 2 * 3)); /* a warm-up, and each run with two repeats */
     json_t *json = pen_bill_json(&bill, "x"),
            *row = json_array_get(json_object_get(json, "rows"), 1);
     ck_assert(json_is_null(json_object_get(row, "cost_ms")));
     ck_assert(json_is_null(json_object_get(row, "cost_below_ms")));
     ck_assert(json_is_number(json_object_get(row, "cost_rays")));
     struct pen_buf out = {0};
-    ck_assert(pen_bill_write(&bill, "x", "text", &out, &st));
+    ck_assert(pen_report_write(json, "text", NULL, &out, &st));
     const char *text = (const char *)out.data;
     ck_assert_msg(strstr(text, " runs are spoiled: other programs used") - text < 12, "%s", text);
     pen_buf_release(&out);
@@ -230,27 +237,27 @@ START_TEST(test_bill__comparing_can_be_cancelled)
     struct pen_thread_pool *pool = pen_thread_pool_new(1, &st);
     everything();
     struct pen_bill_task task = task_of(pool);
-    task.cancel = &cancel;
-    task.progress = cancel_at_end;
-    task.user = &cancel;
+    task.frame.cancel = &cancel;
+    task.frame.progress = cancel_at_end;
+    task.frame.user = &cancel;
     ck_assert(!pen_bill_make(&task, &bill, &st) && st.code == PEN_CANCELLED);
     pen_bill_release(&bill);
     pen_thread_pool_free(pool);
 }
 END_TEST
 
-/* Makes the bill, interrupted after each run, until it ends. Returns how often it was. */
+/* Makes the bill until it ends, interrupted after each run. Returns the number of interruptions. */
 static int make_in_parts(struct pen_bill_task *task, struct pen_bill *bill)
 {
     struct unfinished_bed bed = {0};
     struct pen_status st;
     int interruptions = 0;
-    task->between = unfinished_keep;
-    task->user = &bed;
+    task->frame.between = unfinished_keep;
+    task->frame.user = &bed;
     for (bed.runs_left = 1; !pen_bill_make(task, bill, &st); bed.runs_left = 1) {
         ck_assert_msg(st.code == PEN_UNAVAILABLE, "%s", st.msg);
         pen_bill_release(bill);
-        task->kept = &bed.kept;
+        task->frame.kept = &bed.kept;
         interruptions++;
     }
     unfinished_release(&bed);
@@ -285,10 +292,10 @@ START_TEST(test_bill__interrupted_one_is_that_of_a_whole_one)
 }
 END_TEST
 
-/* Whether the bill goes on with a state, whose first row took this long in the first pass. */
+/* Whether the bill resumes from a state in which the first row took this long in the first pass. */
 static bool goes_on_with(struct pen_bill_task *task, const struct pen_kept_study *kept)
 {
-    task->kept = kept;
+    task->frame.kept = kept;
     struct pen_bill bill = bill_of(task);
     const bool goes_on = bill.row[0].runs[0].ms == 1e9;
     pen_bill_release(&bill);
@@ -298,7 +305,6 @@ static bool goes_on_with(struct pen_bill_task *task, const struct pen_kept_study
 START_TEST(test_bill__what_is_kept_of_another_one_is_not_used)
 {
     static const char *const changes[][2] = {{"/version", "99"},
-                                             {"/repeats", "3"},
                                              {"/pool_threads", "7"},
                                              {"/host", "{}"},
                                              {"/done", "-1"},
@@ -306,11 +312,10 @@ START_TEST(test_bill__what_is_kept_of_another_one_is_not_used)
                                              {"/done", "34"},
                                              {"/rows", "[]"},
                                              {"/rows/3/runs", "[1, 2]"},
-                                             {"/rows/3/rays", "[1]"},
-                                             {"/rows/3/hash", "1"},
-                                             {"/rows/3/hash", "\"0123456789abcdef\""},
-                                             {"/rows/3/runs", "[[1, 1]]"},
-                                             {"/rows/3/runs", "[\"\"]"},
+                                             {"/rows/3/runs", "[{}]"},
+                                             {"/rows/3/primary", "1.5"},
+                                             {"/rows/3/picture_hash", "\"\""},
+                                             {"/rows/3/picture_hash", "7"},
                                              {"/rows/3/kernel", "\"none\""}};
     struct pen_status st;
     struct pen_bill bill;
@@ -320,11 +325,11 @@ START_TEST(test_bill__what_is_kept_of_another_one_is_not_used)
     kit.settings.width = 10;
     kit.settings.height = 8;
     struct pen_bill_task task = task_of(pool), first = task;
-    first.between = unfinished_keep;
-    first.user = &bed;
+    first.frame.between = unfinished_keep;
+    first.frame.user = &bed;
     ck_assert(!pen_bill_make(&first, &bill, &st)); /* after three runs of the second repeat */
     pen_bill_release(&bill);
-    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0/0", "1e9");
+    json_t *marked = unfinished_changed(bed.state, "/rows/0/runs/0/ms", "1e9");
     struct pen_kept_study kept = bed.kept;
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
         json_t *changed = unfinished_changed(marked, changes[i][0], changes[i][1]);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Comparisons of reports: which rows are matched, what counts as a difference, verdicts, and that
- * any JSON can be compared. */
+/* Comparisons of reports: matching of rows, differences, verdicts. Any JSON can be compared. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "report/report.h"
 #include "study/comparison.h"
 #include "support/random.h"
 #include "support/suite.h"
@@ -99,10 +99,11 @@ START_TEST(test_comparison__accuracy_studies_have_errors_of_both)
     json_t *comparison = compare(before, after);
     json_t *wanted = json_pack("{s:[f, f], s:[f, f]}", "rmse", 0.25, 0.125, "flip", 0.5, 0.25);
     ck_assert(json_equal(json_object_get(row_of(comparison, 0), "errors"), wanted));
-    ck_assert(!pen_comparison_judge(comparison, false, &st)); /* other pictures */
+    ck_assert(!pen_comparison_judge(comparison, false, &st)); /* the pictures differ */
     struct pen_buf text = {0};
-    pen_comparison_write_text(comparison, &text);
-    ck_assert_ptr_nonnull(strstr((const char *)text.data, "0.25 to 0.125"));
+    ck_assert(pen_report_write(comparison, "text", NULL, &text, &st));
+    ck_assert_ptr_nonnull(strstr((const char *)text.data, "0.25\xE2\x80\x93"
+                                                          "0.125"));
     pen_buf_release(&text);
     json_decref(comparison);
     comparison = compare(before, before);
@@ -126,7 +127,7 @@ START_TEST(test_comparison__interval_has_the_extremes_of_both_at_half_the_error)
     json_t *before = report(100, 10), *after = report(200, 10);
     json_t *comparison = compare(before, after);
     const json_t *ratio = json_object_get(row_of(comparison, 1), "ratio");
-    /* Of 10 values the second and the last but one: an error of 2.1 %. */
+    /* Of 10 values, the interval has the second and the second last as ends: an error of 2.1 %. */
     const double low = 200 * 1.0001 / (100 * 1.0008), high = 200 * 1.0008 / (100 * 1.0001);
     ck_assert_double_eq_tol(json_real_value(json_object_get(ratio, "low")), low, 1e-12);
     ck_assert_double_eq_tol(json_real_value(json_object_get(ratio, "high")), high, 1e-12);
@@ -148,7 +149,7 @@ START_TEST(test_comparison__hosts_that_differ_have_a_calibrated_ratio_and_no_ver
     ck_assert_ptr_nonnull(strstr(text_of(first, "reason"), "different hosts"));
     ck_assert_double_eq_tol(json_real_value(json_object_get(first, "calibrated_ratio")), 1, 1e-12);
     struct pen_buf text = {0};
-    pen_comparison_write_text(comparison, &text);
+    ck_assert(pen_report_write(comparison, "text", NULL, &text, &st));
     ck_assert_ptr_nonnull(strstr((char *)text.data, "different hosts, by cpu:"));
     pen_buf_release(&text);
     json_decref(comparison);
@@ -192,7 +193,7 @@ START_TEST(test_comparison__one_count_or_picture_more_is_a_difference)
         ck_assert_str_eq(text_of(row_of(comparison, 1), "verdict"),
                          i < 4 ? "faster" : "different picture");
         struct pen_buf text = {0};
-        pen_comparison_write_text(comparison, &text);
+        ck_assert(pen_report_write(comparison, "text", NULL, &text, &st));
         ck_assert_ptr_nonnull(
             strstr((char *)text.data, i < 4 ? " before, 401 after" : "DIFFERENT"));
         pen_buf_release(&text);
@@ -207,8 +208,8 @@ START_TEST(test_comparison__rows_are_matched_by_their_settings)
 {
     json_t *before = report(100, 20), *after = report(100, 20);
     json_t *rows = json_object_get(after, "rows");
-    json_array_insert_new(rows, 0, row(4, 50, 20)); /* added, and the others move */
-    json_array_remove(rows, 1);                     /* that of 1 thread is missing */
+    json_array_insert_new(rows, 0, row(4, 50, 20)); /* a row is added, and the others move */
+    json_array_remove(rows, 1);                     /* the row of 1 thread is missing */
     json_object_set_new(json_object_get(before, "render"), "later", json_true());
     json_t *comparison = compare(before, after);
     ck_assert_uint_eq(json_array_size(json_object_get(comparison, "rows")), 1);
@@ -246,7 +247,7 @@ START_TEST(test_comparison__a_host_that_differs_from_itself_gives_no_verdict)
 }
 END_TEST
 
-/* Puts something else in the place of a random part of a value. */
+/* Replaces a random part of a value. */
 static json_t *spoil(struct random *r, json_t *value)
 {
     static const char *const others[] = {"null", "[]", "{}", "\"\\u0007\"", "-1", "1e308", "[1]"};
@@ -276,7 +277,7 @@ START_TEST(test_comparison__any_json_can_be_compared)
         if (pen_comparison_check(after, &st))
             comparison = pen_comparison_new(before, after, &st);
         if (comparison) {
-            pen_comparison_write_text(comparison, &text);
+            ck_assert(pen_report_write(comparison, "text", NULL, &text, &st));
             for (size_t c = 0; c < text.bytes; c++)
                 ck_assert(text.data[c] >= 0x20 || text.data[c] == '\n');
             compared++;

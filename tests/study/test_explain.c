@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Explanations: what is called for and why; and that the expected numbers of rays are those of a
- * render, on the built-in scenes and on random ones. */
+/* Explanations: the effects that a scene needs, and the reasons. The expected numbers of rays agree
+ * with a render, on the built-in scenes and on random ones. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,8 +18,8 @@ static struct kit kit;
 
 enum { KINDS = 4 };
 
-/* How often an interval covers what a render counts, and whether each kind of ray that makes up 5 %
- * of all is met within 15 % or its interval. */
+/* Counts how often an interval contains the number that a render counts, and whether each kind that
+ * makes up 5 % of all rays is within 15 % or its interval. */
 struct tally {
     int intervals, covered, off;
 };
@@ -188,13 +188,13 @@ START_TEST(test_explain__deadline_ends_the_pre_render)
     ck_assert_int_ge(some.pixels, 1);
     ck_assert_int_lt(some.pixels, all.pixels);
     ck_assert(width_of(&some.total) > width_of(&all.total));
-    kit.settings.target_error = 0.001; /* the rounds of its small pictures end as well */
+    kit.settings.target_error = 0.001; /* the pre-render's rounds of small pictures also end */
     const struct pen_forecast rounds = forecast_by(pen_clock_ns() - 1);
     ck_assert(rounds.total.high > rounds.total.expected);
 }
 END_TEST
 
-/* So many samples that not even one pixel would be done. */
+/* The number of samples is so large that not even one pixel would be finished. */
 START_TEST(test_explain__deadline_bounds_the_samples_of_a_pixel)
 {
     const int64_t ten_s_ns = INT64_C(10000000000);
@@ -227,7 +227,7 @@ static json_t *explanation(void)
     return json;
 }
 
-/* Why an effect is in a list; NULL if it is not. */
+/* The reason why an effect is in a list; NULL if it is not. */
 static const char *why(const json_t *json, const char *list, const char *name)
 {
     size_t i;
@@ -240,8 +240,8 @@ static const char *why(const json_t *json, const char *list, const char *name)
     return NULL;
 }
 
-/* A small mirror and a small lens in view, which none of the pixels of the pre-render meets, if the
- * picture is large, and some of the picture do. */
+/* A small mirror and a small lens in view. In a large picture no pixel of the pre-render hits them,
+ * but some pixels of the picture do. */
 START_TEST(test_explain__what_is_not_met_is_not_excluded)
 {
     struct pen_status st;
@@ -272,7 +272,8 @@ START_TEST(test_explain__what_is_not_met_is_not_excluded)
     ck_assert(f.total.high >= 1e6 + f.reflection.high);
     pen_forecast_release(&f);
     pen_scene_free(scene);
-    kit.settings.width = kit.settings.height = 20; /* all pixels are rendered: there is nothing */
+    kit.settings.width = kit.settings.height =
+        20; /* all pixels are rendered, so nothing is missed */
     kit.objects[0].u.sphere.center = pen_vec3(0, 0, 1e5);
     scene = kit_freeze(&kit);
     const struct pen_forecast_task all = {.scene = scene, .settings = &kit.settings};

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The seed of an audit follows from every bit of the picture. */
+/* The seed of an audit depends on every bit of the picture. */
 #include <string.h>
 
 #include "study/hash.h"
 #include "support/suite.h"
 
-/* What sha256sum says of "abc" sixteen times begins with these digits. */
+/* The output of sha256sum for "abc" sixteen times begins with these digits. */
 START_TEST(test_hash__seeds_of_audits_are_the_first_64_bits_of_sha_256)
 {
     float rgb[12];

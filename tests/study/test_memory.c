@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* A benchmark fails with PEN_NO_MEMORY wherever an allocation fails; the sanitizers' run shows that
- * it leaks nothing. */
+/* A benchmark fails with PEN_NO_MEMORY wherever an allocation fails. Under sanitizers, the test
+ * also shows that nothing leaks. */
 #include <stdio.h>
 #include <string.h>
 
+#include "report/report.h"
 #include "study/bench.h"
-#include "study/report.h"
 #include "support/alloc.h"
 #include "support/kit.h"
 #include "support/random.h"
@@ -22,8 +22,8 @@ static bool work(const struct pen_bench *bench, struct pen_status *st)
     json_t *report = ok ? pen_bench_report_new(bench, &result, json_object()) : NULL;
     if (ok && !report)
         ok = pen_fail(st, PEN_NO_MEMORY, "no memory for a report");
-    for (int i = 0; ok && pen_bench_report_formats[i]; i++) {
-        ok = pen_bench_report_write(report, pen_bench_report_formats[i], &text, st);
+    for (int i = 0; ok && pen_report_formats[i]; i++) {
+        ok = pen_report_write(report, pen_report_formats[i], NULL, &text, st);
         pen_buf_release(&text);
     }
     json_decref(report);
@@ -43,13 +43,12 @@ START_TEST(test_memory__every_failed_allocation_is_reported)
         rows[i].settings.max_depth = i + 1;
         rows[i].varied = json_pack("{s:i, s:s}", "max_depth", i + 1, "transfer", "srgb");
     }
-    struct pen_bench bench = {.desc = &kit.desc,
+    struct pen_bench bench = {.frame = {.desc = &kit.desc, .pool = pen_thread_pool_new(1, &st)},
                               .views = views,
                               .view_count = 1,
                               .rows = rows,
                               .row_count = 2,
-                              .repeats = 2,
-                              .pool = pen_thread_pool_new(1, &st)};
+                              .repeats = 2};
     ck_assert(work(&bench, &st)); /* waits until the pool's thread has started, which allocates */
     for (long n = 0;; n += random_all() || n < 300 ? 1 : 5) {
         ck_assert_int_lt(n, 100000);
@@ -61,7 +60,7 @@ START_TEST(test_memory__every_failed_allocation_is_reported)
         if (!refused)
             break;
     }
-    pen_thread_pool_free(bench.pool);
+    pen_thread_pool_free(bench.frame.pool);
     for (int i = 0; i < 2; i++)
         json_decref((json_t *)(uintptr_t)rows[i].varied);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Times of runs: which runs count, and which of two rows is quicker. */
+/* Times of runs: which runs count, and which of two rows is faster. */
 #include "study/run_time.h"
 #include "support/suite.h"
 
@@ -39,7 +39,7 @@ START_TEST(test_run_time__rows_are_distinguished_if_their_intervals_lie_apart)
 }
 END_TEST
 
-/* Two threads that had 190 of 200 ms, and less. */
+/* Two threads that had a processor for 190 of 200 ms, and for less. */
 START_TEST(test_run_time__threads_that_wait_spoil_a_run)
 {
     struct pen_render_stats stats = {.threads = 2, .thread_ms = 200, .cpu_ms = 191};
@@ -50,7 +50,7 @@ START_TEST(test_run_time__threads_that_wait_spoil_a_run)
     ck_assert(pen_run_end(&watch, &stats, 0, 0).spoiled);
     ck_assert(!pen_run_end(&watch, &stats, 500, 500).spoiled); /* a long build alone */
     stats = (struct pen_render_stats){.threads = 2, .thread_ms = 2, .cpu_ms = 1};
-    ck_assert(!pen_run_end(&watch, &stats, 0, 0).spoiled); /* they woke up */
+    ck_assert(!pen_run_end(&watch, &stats, 0, 0).spoiled); /* the time in which threads start */
 }
 END_TEST
 

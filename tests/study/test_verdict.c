@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Intervals of medians: their ranks against sums of binomial coefficients, and how often they cover
- * the median of simulated times when one looks at them until they are narrow. */
+/* Intervals of medians. Their ranks are compared with sums of binomial coefficients. The intervals
+ * are looked at until they are narrow, and the test counts how often they contain the median of
+ * simulated times. */
 #include <math.h>
 #include <string.h>
 
@@ -101,8 +102,8 @@ START_TEST(test_verdict__quotient_has_the_extremes_of_both_intervals)
 }
 END_TEST
 
-/* A ratio of times whose median is 1, with a long tail on either side: as beside a load that comes
- * and goes. */
+/* A ratio of times with median 1 and long tails on both sides, as under a load that comes and goes.
+ */
 static double noisy_ratio(struct random *random)
 {
     const double u = random_unit(random), v = random_unit(random);
@@ -111,8 +112,8 @@ static double noisy_ratio(struct random *random)
     return u < 0.5 ? 1 / (1 + size) : 1 + size;
 }
 
-/* Measures as a benchmark does, until the interval is narrower than `width`. The first `spoiled`
- * values are far off. */
+/* Measures like a benchmark until the interval is narrower than `width`. The first `spoiled` values
+ * are far off. */
 static struct pen_confidence measure(struct random *random, double width, int spoiled)
 {
     double values[PEN_PAIRS_MAX], sorted[PEN_PAIRS_MAX];
@@ -141,7 +142,7 @@ START_TEST(test_verdict__intervals_cover_the_median_though_one_looks_until_they_
             missed += last.low > 1 || last.high < 1;
             stopped += last.count < PEN_PAIRS_MAX;
         }
-        /* 5 % of 4000 are 200; a count of that mean exceeds 255 once in 20 000 times. */
+        /* 5 % of 4000 is 200. A count with this mean exceeds 255 once in 20 000 times. */
         ck_assert_msg(missed <= 255, "%d of %d missed, seed %llu", missed, (int)TRIALS,
                       (unsigned long long)random.seed);
         ck_assert_msg(stopped > TRIALS / 2, "%d stopped early", stopped);

@@ -3,7 +3,7 @@
 #ifndef TESTS_SUPPORT_UNFINISHED_H
 #define TESTS_SUPPORT_UNFINISHED_H
 
-#include "study/unfinished.h"
+#include "study/study.h"
 
 /* Initialise with zeros. */
 struct unfinished_bed {

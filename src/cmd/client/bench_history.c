@@ -98,61 +98,18 @@ static bool read_folder(const struct pen_bench_history *h, struct reports *repor
     return ok;
 }
 
-static bool write_output(const json_t *history, const char *path, struct pen_status *st)
-{
-    struct pen_buf text = {0};
-    bool ok = true;
-    if (pen_name_ends_in(path, ".html"))
-        pen_history_write_html(history, &text);
-    else
-        ok = pen_report_text(history, &text, st);
-    ok = ok && (!text.failed || out_of_memory(st)) &&
-         pen_file_write(path, text.data, text.bytes, st);
-    pen_buf_release(&text);
-    return ok;
-}
-
-static bool check_outputs(const struct pen_option_list *outputs, struct pen_status *st)
-{
-    for (int i = 0; i < outputs->count; i++) {
-        const char *path = outputs->item[i];
-        if (!pen_name_ends_in(path, ".html") && !pen_name_ends_in(path, ".json"))
-            return pen_fail(st, PEN_USAGE,
-                            "-o: a history is written as .html or .json, found \"%s\"", path);
-        if (!pen_file_check(path, st))
-            return false;
-    }
-    return true;
-}
-
-static void print(const struct pen_bench_history *h, json_t *history)
-{
-    struct pen_buf text = {0};
-    if (h->json) {
-        pen_report_line(json_incref(history));
-    } else if (!h->quiet) {
-        pen_history_write_text(history, &text);
-        pen_report_show(stdout, text.data ? (const char *)text.data : "");
-        pen_buf_release(&text);
-    }
-}
-
 int pen_bench_history(const struct pen_bench_history *h)
 {
     struct reports reports = {0};
     struct pen_status st;
     json_t *history = NULL;
-    bool ok = check_outputs(h->output, &st) && read_folder(h, &reports, &st);
+    bool ok = pen_report_output_check(&h->output, &st) && read_folder(h, &reports, &st);
     if (ok)
         history = pen_history_new(reports.item, reports.count, h->least_effect, &st);
-    ok = history != NULL;
-    for (int i = 0; ok && i < h->output->count; i++)
-        ok = write_output(history, h->output->item[i], &st);
-    if (ok)
-        print(h, history);
+    ok = history && pen_report_output_write(&h->output, history, NULL, &st);
     for (int i = 0; i < reports.count; i++)
         json_decref(reports.item[i]);
     free(reports.item);
     json_decref(history);
-    return ok ? 0 : pen_report_json(NULL, h->json, &st);
+    return ok ? 0 : pen_report_json(NULL, h->output.json, &st);
 }

@@ -3,16 +3,13 @@
 #ifndef PEN_CMD_CLIENT_BENCH_HISTORY_H
 #define PEN_CMD_CLIENT_BENCH_HISTORY_H
 
-#include <stdbool.h>
-
-#include "cmd/options.h"
+#include "cmd/client/report_output.h"
 
 struct pen_bench_history {
     const char *folder;
     const char *scene; /* only reports of this scene; NULL: all must be of one scene */
-    const struct pen_option_list *output; /* files, .html or .json */
+    struct pen_report_output output;
     double least_effect;
-    bool json, quiet;
 };
 
 /* Reads the files of the folder that end in .json, and writes the history of the reports of

@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* `penumbra accuracy`: what a picture's accuracy costs in time, without a daemon. */
 #include <stdio.h>
-#include <string.h>
 
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
-#include "cmd/client/output.h"
 #include "cmd/client/progress.h"
+#include "cmd/client/report_output.h"
 #include "cmd/client/scene_input.h"
 #include "cmd/client/setting_options.h"
 #include "cmd/report.h"
-#include "study/report.h"
+#include "report/report.h"
 
 struct values {
     struct pen_accuracy_values accuracy;
-    const char *format, *view, *svg;
+    const char *format, *view;
     struct pen_option_list output, set;
     double budget;
     int threads;
@@ -39,12 +38,7 @@ static const struct pen_option options[] = {
      .value = "OUT",
      .help = "the report's file; its ending, .html, .json, .csv or .md, gives the format; may be "
              "repeated"},
-    PEN_FORMAT_OPTION(struct values, "json|csv|md|html", pen_bench_report_formats),
-    {.name = "svg",
-     .kind = PEN_OPTION_TEXT,
-     .offset = offsetof(struct values, svg),
-     .value = "FILE",
-     .help = "write the plot of error against time to FILE"},
+    PEN_FORMAT_OPTION(struct values, "json|csv|md|html", pen_report_formats),
     PEN_QUIET_OPTION(struct values, "no progress bar and no table"),
     PEN_JSON_OPTION(struct values, "print the report as a line of JSON instead of a table"),
     {0}};
@@ -64,20 +58,6 @@ struct study {
 static const char *scene_name(const struct study *s)
 {
     return s->input.desc.name[0] ? s->input.desc.name : s->input.source.label;
-}
-
-static bool check_values(const struct values *v, struct pen_status *st)
-{
-    if (v->format && v->output.count != 1)
-        return pen_fail(st, PEN_USAGE, "--format: needs one -o OUT");
-    for (int i = 0; i < v->output.count; i++) {
-        const char *output = v->output.item[i];
-        if (strcmp(output, "-") == 0 && v->json)
-            return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json uses");
-        if (!pen_output_report_format(output, v->format, st) || !pen_file_check(output, st))
-            return false;
-    }
-    return true;
 }
 
 static void show_progress(void *user, int done, int total)
@@ -132,12 +112,12 @@ static bool prepare(struct study *s, struct pen_errors *errors)
     if (!read_spec(s, errors))
         return false;
     s->task = pen_accuracy_of_spec(&s->spec);
-    s->task.desc = desc;
+    s->task.frame.desc = desc;
     s->task.settings = &desc->settings;
     s->task.limits = pen_limits_default();
     s->task.forecast = show_forecast;
-    s->task.progress = show_progress;
-    s->task.user = s;
+    s->task.frame.progress = show_progress;
+    s->task.frame.user = s;
     if (s->values->view)
         s->task.view = pen_scene_input_view(&s->input, s->values->view, &st);
     if (s->task.view >= 0 && pen_accuracy_check(&s->task, "", &st))
@@ -150,7 +130,7 @@ static bool measure(struct study *s, struct pen_status *st)
 {
     if (!(s->pool = pen_thread_pool_new(s->values->threads, st)))
         return false;
-    s->task.pool = s->pool;
+    s->task.frame.pool = s->pool;
     pen_progress_begin(&s->progress, s->input.source.label, s->values->quiet);
     const bool ok = pen_accuracy_make(&s->task, &s->accuracy, st);
     pen_progress_end(&s->progress);
@@ -160,60 +140,37 @@ static bool measure(struct study *s, struct pen_status *st)
     return s->report || pen_fail(st, PEN_NO_MEMORY, "out of memory");
 }
 
-static bool write_svg(const struct study *s, struct pen_status *st)
+/* Where the report goes. */
+static struct pen_report_output output_of(const struct values *v)
 {
-    struct pen_buf text = {0};
-    const bool ok = pen_accuracy_write_svg(s->report, &text, st) &&
-                    pen_file_write(s->values->svg, text.data, text.bytes, st);
-    pen_buf_release(&text);
+    return (struct pen_report_output){
+        .files = &v->output, .format = v->format, .json = v->json, .quiet = v->quiet};
+}
+
+static bool write_report(const struct study *s, struct pen_status *st)
+{
+    const struct pen_report_output output = output_of(s->values);
+    struct pen_buf figures = {0};
+    const bool ok = pen_accuracy_figures(&s->accuracy, s->report, &figures, st) &&
+                    pen_report_output_write(&output, s->report, &figures, st);
+    pen_buf_release(&figures);
     return ok;
-}
-
-static bool write_reports(const struct study *s, struct pen_status *st)
-{
-    const struct values *v = s->values;
-    for (int i = 0; i < v->output.count; i++) {
-        const char *output = v->output.item[i];
-        const char *format = pen_output_report_format(output, v->format, st);
-        struct pen_buf text = {0};
-        const bool ok = format &&
-                        (strcmp(format, "html") == 0
-                             ? pen_accuracy_write_html(&s->accuracy, s->report, &text, st)
-                             : pen_accuracy_write(s->report, format, &text, st)) &&
-                        pen_file_write(output, text.data, text.bytes, st);
-        pen_buf_release(&text);
-        if (!ok)
-            return false;
-    }
-    return !v->svg || write_svg(s, st);
-}
-
-static void print_report(const struct study *s)
-{
-    struct pen_buf text = {0};
-    struct pen_status st;
-    if (s->values->json)
-        pen_report_line(json_incref(s->report));
-    else if (!s->values->quiet && !pen_output_is_standard(&s->values->output) &&
-             pen_accuracy_write(s->report, "text", &text, &st))
-        pen_report_show(stdout, (const char *)text.data);
-    pen_buf_release(&text);
 }
 
 static int accuracy(struct study *s, const char *name)
 {
     const bool json = s->values->json;
+    const struct pen_report_output output = output_of(s->values);
     struct pen_errors errors = {0};
     struct pen_status st;
-    if (!check_values(s->values, &st))
+    if (!pen_report_output_check(&output, &st))
         return pen_report_json(NULL, json, &st);
     if (!pen_scene_input_read(&s->input, name, &errors))
         return pen_report_errors_json(s->input.source.label, json, &errors);
     if (!prepare(s, &errors))
         return pen_report_errors_json(NULL, json, &errors);
-    if (!measure(s, &st) || !write_reports(s, &st))
+    if (!measure(s, &st) || !write_report(s, &st))
         return pen_report_json(NULL, json, &st);
-    print_report(s);
     return 0;
 }
 

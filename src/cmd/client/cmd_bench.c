@@ -10,14 +10,14 @@
 #include "cmd/client/bench_remote.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
-#include "cmd/client/output.h"
 #include "cmd/client/progress.h"
+#include "cmd/client/report_output.h"
 #include "cmd/client/report_source.h"
 #include "cmd/client/scene_input.h"
 #include "cmd/client/setting_options.h"
 #include "cmd/report.h"
+#include "report/report.h"
 #include "study/comparison.h"
-#include "study/report.h"
 
 struct values {
     struct pen_bench_values bench;
@@ -67,7 +67,7 @@ static const struct pen_option options[] = {
      .value = "OUT",
      .help = "the report's file; its ending, .json, .csv, .md or .html, gives the format; may be "
              "repeated"},
-    PEN_FORMAT_OPTION(struct values, "json|csv|md|html", pen_bench_report_formats),
+    PEN_FORMAT_OPTION(struct values, "json|csv|md|html", pen_report_formats),
     {.name = "csv",
      .kind = PEN_OPTION_TEXT,
      .offset = offsetof(struct values, csv),
@@ -95,29 +95,23 @@ struct benchmark {
     struct pen_progress progress;
 };
 
-static bool check_output(const struct values *v, const char *output, struct pen_status *st)
+/* Where the report goes. */
+static struct pen_report_output output_of(const struct values *v)
 {
-    if (!pen_output_report_format(output, v->format, st))
-        return false;
-    if (strcmp(output, "-") == 0 && v->json)
-        return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json uses");
-    if (v->csv && strcmp(output, v->csv) == 0)
-        return pen_fail(st, PEN_USAGE, "--csv: is the same as -o, \"%s\"", v->csv);
-    return pen_file_check(output, st);
+    return (struct pen_report_output){
+        .files = &v->output, .format = v->format, .json = v->json, .quiet = v->quiet};
 }
 
 static bool check_values(const struct values *v, struct pen_status *st)
 {
+    const struct pen_report_output output = output_of(v);
     if (v->on_daemon && v->threads >= 0)
         return pen_fail(st, PEN_USAGE,
                         "--threads: a daemon has its own pool; --set threads=N uses a part of it");
-    if (v->format && v->output.count != 1)
-        return pen_fail(st, PEN_USAGE, "--format: needs one -o OUT");
-    for (int i = 0; i < v->output.count; i++) {
-        if (!check_output(v, v->output.item[i], st))
-            return false;
-    }
-    return !v->csv || pen_file_check(v->csv, st);
+    for (int i = 0; v->csv && i < v->output.count; i++)
+        if (strcmp(v->output.item[i], v->csv) == 0)
+            return pen_fail(st, PEN_USAGE, "--csv: is the same as -o, \"%s\"", v->csv);
+    return pen_report_output_check(&output, st) && (!v->csv || pen_file_check(v->csv, st));
 }
 
 /* Opens the client if a daemon runs the benchmark. A warning that it prints is not printed again
@@ -196,7 +190,7 @@ static bool prepare(struct benchmark *b, struct pen_errors *errors)
     if (!read_spec(b, errors))
         return false;
     b->bench = pen_bench_of_spec(&b->spec);
-    b->bench.desc = &b->input.desc;
+    b->bench.frame.desc = &b->input.desc;
     if (choose_views(b, &st) &&
         pen_bench_spec_check(&b->spec, &limits, &b->input.desc, b->bench.view_count, &st))
         return true;
@@ -216,9 +210,9 @@ static bool run_here(struct benchmark *b, struct pen_status *st)
         pen_thread_pool_new(b->values->threads < 0 ? 0 : b->values->threads, st);
     if (!pool)
         return false;
-    b->bench.pool = pool;
-    b->bench.progress = show_progress;
-    b->bench.user = &b->progress;
+    b->bench.frame.pool = pool;
+    b->bench.frame.progress = show_progress;
+    b->bench.frame.user = &b->progress;
     pen_progress_begin(&b->progress, b->input.source.label, b->values->quiet);
     bool ok = pen_bench_run(&b->bench, &b->result, st);
     pen_progress_end(&b->progress);
@@ -289,42 +283,12 @@ static bool judge(const struct benchmark *b, struct pen_status *st)
            pen_comparison_judge(comparison, strcmp(compare, "time") == 0, st);
 }
 
-static bool write_format(const struct benchmark *b, const char *path, const char *format,
-                         struct pen_status *st)
+static bool write_report(const struct benchmark *b, struct pen_status *st)
 {
-    struct pen_buf text = {0};
-    bool ok = pen_bench_report_write(b->report, format, &text, st) &&
-              pen_file_write(path, text.data, text.bytes, st);
-    pen_buf_release(&text);
-    return ok;
-}
-
-static bool write_reports(const struct benchmark *b, struct pen_status *st)
-{
-    const struct values *v = b->values;
-    for (int i = 0; i < v->output.count; i++) {
-        const char *output = v->output.item[i];
-        const char *format = pen_output_report_format(output, v->format, st);
-        if (!format || !write_format(b, output, format, st))
-            return false;
-    }
-    return !v->csv || write_format(b, v->csv, "csv", st);
-}
-
-static void print_report(const struct benchmark *b)
-{
-    struct pen_buf text = {0};
-    if (b->values->json) {
-        pen_report_line(json_incref(b->report));
-    } else if (!b->values->quiet && !pen_output_is_standard(&b->values->output)) {
-        pen_bench_report_write_text(b->report, &text);
-        if (b->earlier) {
-            pen_buf_puts(&text, "\n");
-            pen_comparison_write_text(json_object_get(b->report, "comparison"), &text);
-        }
-        pen_report_show(stdout, text.data ? (const char *)text.data : "");
-        pen_buf_release(&text);
-    }
+    const struct pen_report_output output = output_of(b->values);
+    const char *csv = b->values->csv;
+    return (!csv || pen_report_output_file(csv, "csv", b->report, NULL, st)) &&
+           pen_report_output_write(&output, b->report, NULL, st);
 }
 
 static void release(struct benchmark *b)
@@ -356,9 +320,8 @@ static int benchmark(struct benchmark *b, const char *name)
         return pen_report_errors_json(NULL, json, &errors);
     if ((code = measure(b)) != 0)
         return code;
-    if (!compare(b, &st) || !write_reports(b, &st))
+    if (!compare(b, &st) || !write_report(b, &st))
         return pen_report_json(NULL, json, &st);
-    print_report(b);
     if (judge(b, &st))
         return 0;
     return b->values->quiet ? pen_code_exit(st.code) : pen_report("penumbra", NULL, &st);
@@ -375,10 +338,8 @@ static int run(int argc, char **argv)
         return pen_bench_history(&(struct pen_bench_history){
             .folder = values.history,
             .scene = parsed.count > 0 ? parsed.args[0] : NULL,
-            .output = &values.output,
-            .least_effect = values.bench.least_effect >= 0 ? values.bench.least_effect : 0.02,
-            .json = values.json,
-            .quiet = values.quiet});
+            .output = output_of(&values),
+            .least_effect = values.bench.least_effect >= 0 ? values.bench.least_effect : 0.02});
     if (parsed.count == 0) {
         struct pen_status st;
         pen_fail(&st, PEN_USAGE, "missing argument, usage: penumbra bench SCENE");

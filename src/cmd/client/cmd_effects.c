@@ -1,17 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* `penumbra effects`: what each effect of a scene costs, without a daemon. */
-#include <stdio.h>
-#include <string.h>
 
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
-#include "cmd/client/output.h"
 #include "cmd/client/progress.h"
+#include "cmd/client/report_output.h"
 #include "cmd/client/scene_input.h"
 #include "cmd/client/setting_options.h"
 #include "cmd/report.h"
+#include "report/report.h"
 #include "study/bill.h"
-#include "study/report.h"
 
 struct values {
     const char *format, *view;
@@ -38,7 +36,7 @@ static const struct pen_option options[] = {
      .value = "OUT",
      .help = "the report's file; its ending, .html, .json, .csv or .md, gives the format; may be "
              "repeated"},
-    PEN_FORMAT_OPTION(struct values, "json|csv|md|html", pen_bench_report_formats),
+    PEN_FORMAT_OPTION(struct values, "json|csv|md|html", pen_report_formats),
     PEN_QUIET_OPTION(struct values, "no progress bar and no table"),
     PEN_JSON_OPTION(struct values, "print the report as a line of JSON instead of a table"),
     {0}};
@@ -58,20 +56,6 @@ static const char *scene_name(const struct effects *e)
     return e->input.desc.name[0] ? e->input.desc.name : e->input.source.label;
 }
 
-static bool check_values(const struct values *v, struct pen_status *st)
-{
-    if (v->format && v->output.count != 1)
-        return pen_fail(st, PEN_USAGE, "--format: needs one -o OUT");
-    for (int i = 0; i < v->output.count; i++) {
-        const char *output = v->output.item[i];
-        if (strcmp(output, "-") == 0 && v->json)
-            return pen_fail(st, PEN_USAGE, "-o -: standard output is also what --json uses");
-        if (!pen_output_report_format(output, v->format, st) || !pen_file_check(output, st))
-            return false;
-    }
-    return true;
-}
-
 static void show_progress(void *user, int done, int total)
 {
     pen_progress_show(user, (double)done / total, -1);
@@ -83,66 +67,58 @@ static bool make_bill(struct effects *e, struct pen_status *st)
     struct pen_scene_desc *desc = &e->input.desc;
     if (!pen_set_options_apply(&e->values->set, &desc->settings, st))
         return false;
-    e->task = (struct pen_bill_task){.desc = desc,
-                                     .settings = &desc->settings,
-                                     .repeats = e->values->repeats,
-                                     .progress = show_progress,
-                                     .user = &e->progress};
+    e->task = (struct pen_bill_task){
+        .frame = {.desc = desc, .progress = show_progress, .user = &e->progress},
+        .settings = &desc->settings,
+        .repeats = e->values->repeats};
     if (e->values->view)
         e->task.view = pen_scene_input_view(&e->input, e->values->view, st);
     if (e->task.view < 0 ||
         !pen_bill_check(&limits, desc, e->task.view, &desc->settings, e->values->repeats, "", st) ||
         !(e->pool = pen_thread_pool_new(e->values->threads, st)))
         return false;
-    e->task.pool = e->pool;
+    e->task.frame.pool = e->pool;
     pen_progress_begin(&e->progress, e->input.source.label, e->values->quiet);
     const bool ok = pen_bill_make(&e->task, &e->bill, st);
     pen_progress_end(&e->progress);
     return ok;
 }
 
-static bool write_reports(const struct effects *e, struct pen_status *st)
+/* Where the report goes. */
+static struct pen_report_output output_of(const struct values *v)
 {
-    const struct values *v = e->values;
-    for (int i = 0; i < v->output.count; i++) {
-        const char *output = v->output.item[i];
-        const char *format = pen_output_report_format(output, v->format, st);
-        struct pen_buf text = {0};
-        const bool ok = format && pen_bill_write(&e->bill, scene_name(e), format, &text, st) &&
-                        pen_file_write(output, text.data, text.bytes, st);
-        pen_buf_release(&text);
-        if (!ok)
-            return false;
-    }
-    return true;
+    return (struct pen_report_output){
+        .files = &v->output, .format = v->format, .json = v->json, .quiet = v->quiet};
 }
 
-static void print_bill(const struct effects *e)
+static bool write_report(const struct effects *e, struct pen_status *st)
 {
-    struct pen_buf text = {0};
-    struct pen_status st;
-    if (e->values->json)
-        pen_report_line(pen_bill_json(&e->bill, scene_name(e)));
-    else if (!e->values->quiet && !pen_output_is_standard(&e->values->output) &&
-             pen_bill_write(&e->bill, scene_name(e), "text", &text, &st))
-        pen_report_show(stdout, (const char *)text.data);
-    pen_buf_release(&text);
+    const struct pen_report_output output = output_of(e->values);
+    struct pen_buf figures = {0};
+    json_t *report = pen_bill_json(&e->bill, scene_name(e));
+    pen_bill_figures(&e->bill, &figures);
+    const bool ok = report && !figures.failed
+                        ? pen_report_output_write(&output, report, &figures, st)
+                        : pen_fail(st, PEN_NO_MEMORY, "out of memory");
+    pen_buf_release(&figures);
+    json_decref(report);
+    return ok;
 }
 
 static int effects(struct effects *e, const char *name)
 {
     const bool json = e->values->json;
+    const struct pen_report_output output = output_of(e->values);
     struct pen_errors errors = {0};
     struct pen_status st;
-    if (!check_values(e->values, &st))
+    if (!pen_report_output_check(&output, &st))
         return pen_report_json(NULL, json, &st);
     if (!pen_scene_input_read(&e->input, name, &errors))
         return pen_report_errors_json(e->input.source.label, json, &errors);
-    if (!make_bill(e, &st) || !write_reports(e, &st)) {
+    if (!make_bill(e, &st) || !write_report(e, &st)) {
         pen_source_locate(&e->input.source, &st);
         return pen_report_json(st.at[0] || st.line > 0 ? e->input.source.label : NULL, json, &st);
     }
-    print_bill(e);
     return 0;
 }
 

@@ -7,7 +7,7 @@
 
 #include "cmd/files.h"
 #include "render/transfer.h"
-#include "study/report.h"
+#include "report/report.h"
 
 const char *const pen_output_formats[] = {"png", "png16", "pfm", NULL};
 const char *const pen_output_all_formats[] = {"png", "png16", "pfm",  "json",
@@ -44,7 +44,7 @@ const char *pen_output_format(const char *path, const char *format, struct pen_s
 
 const char *pen_output_report_format(const char *path, const char *format, struct pen_status *st)
 {
-    const char *found = find_format(path, format, pen_bench_report_formats);
+    const char *found = find_format(path, format, pen_report_formats);
     if (!found && format)
         pen_fail(st, PEN_USAGE, "--format: a report is json, csv, md or html, not %s", format);
     else if (!found)

@@ -9,7 +9,7 @@
 #include "cmd/client/output.h"
 #include "cmd/client/progress.h"
 #include "cmd/files.h"
-#include "study/report.h"
+#include "report/report.h"
 
 enum {
     ANSWER_S = 30,
@@ -276,7 +276,7 @@ static bool result_path(struct pen_client *client, const char *id, const struct 
         pen_errors_add(errors, &st);
         return false;
     }
-    *accept = fetch->report ? pen_bench_report_media_type(format) : NULL;
+    *accept = fetch->report ? pen_report_media_type(format) : NULL;
     return (fetch->report ? job_path(client, id, "/report", path)
                           : image_path(client, id, fetch, format, path)) ||
            out_of_memory(errors);

@@ -8,6 +8,7 @@
 #include "cmd/client/remote_job.h"
 #include "cmd/files.h"
 #include "cmd/report.h"
+#include "report/report.h"
 #include "study/comparison.h"
 
 enum { REPORT_BYTES_MAX = 64 << 20, ID_LENGTH = 36 };
@@ -128,11 +129,10 @@ static int compare(const struct pen_report_compare *c, const json_t *before, con
     json_t *comparison = pen_comparison_new(before, after, &st);
     if (!comparison)
         return pen_report_json(NULL, c->json, &st);
-    pen_comparison_write_text(comparison, &text);
     if (c->json)
         pen_report_line(json_incref(comparison));
-    else if (!c->quiet)
-        pen_report_show(stdout, text.data ? (const char *)text.data : "");
+    else if (!c->quiet && pen_report_write(comparison, "text", NULL, &text, &st))
+        pen_report_show(stdout, (const char *)text.data);
     pen_buf_release(&text);
     const bool same = pen_comparison_judge(comparison, c->time, &st);
     json_decref(comparison);

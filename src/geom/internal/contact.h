@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The contact of a ray's origin with a surface that contains it: from which side the ray comes, and
- * whether the surface counts there. src/geom/README.md derives the rule. P is the primitive that
- * the ray starts on, Q another one. Bounds are as in geom/ray.h. All functions are pure. */
+ * whether the surface counts there. src/geom/SELF_INTERSECTION.md derives the rule. P is the
+ * primitive that the ray starts on, Q another one. Bounds are as in geom/ray.h. All functions are
+ * pure. */
 #ifndef PEN_GEOM_INTERNAL_CONTACT_H
 #define PEN_GEOM_INTERNAL_CONTACT_H
 

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* The events of a job as text, made from the job and its commits; no log of events is kept.
+/* The events of a job as text. They are made from the job and its commits; there is no log of
+ * events.
  *
- * Ids. Each revision of a job has PEN_JOB_TILE_PARTS + 1 ids. The last one is for the event about
- * the job itself; those before it are for the rectangles that the commit of this revision has
- * added. So ids grow, they mean the same after a restart, and a client can resume after any event.
- * If several revisions come between two updates of a stream, the stream gets the tiles of all of
- * them and one event about the job.
+ * Ids. Each revision of a job has PEN_JOB_TILE_PARTS + 1 ids. The last id is of the event about the
+ * job; the ids before it are of the rectangles that the revision's commit has added. So ids grow,
+ * and they mean the same after a restart. A client can resume after any event. If several revisions
+ * come between two updates of a stream, the stream gets all their tiles and one event about the
+ * job.
  *
- * Shape: a text holds whole events, each ended by an empty line. */
+ * Shape: a text holds whole events; an empty line ends each. */
 #ifndef PEN_HTTP_INTERNAL_EVENTS_H
 #define PEN_HTTP_INTERNAL_EVENTS_H
 
@@ -26,8 +27,8 @@ struct event_cursor {
     bool more;                /* the last text was cut short: more events are due */
 };
 
-/* The place of a client that sends this Last-Event-ID. With NULL, or an id that this job has not
- * given yet, it is the beginning. */
+/* The place of a client that sends this Last-Event-ID. NULL, or an id that the job does not have
+ * yet, means the beginning. */
 struct event_cursor pen_http_events_begin(const char *last_event_id,
                                           const struct snapshot *snapshot);
 
@@ -37,7 +38,8 @@ bool pen_http_events_are_complete(const struct event_cursor *cursor,
 
 /* Appends the events after the cursor to the text, oldest first, and advances the cursor. If there
  * are none, nothing is appended. A text that would become too long ends before the event about the
- * job, and `more` is set. Fails: as pen_jobs_tiles, PEN_NO_MEMORY; the cursor is then unchanged. */
+ * job, and `more` is set.
+ * Fails: as pen_jobs_tiles, PEN_NO_MEMORY; the cursor is then unchanged. */
 bool pen_http_events_write(const struct snapshot *snapshot, struct pen_jobs *jobs,
                            struct event_cursor *cursor, struct pen_buf *text,
                            struct pen_status *st);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The server: its parts, and the counters that several of them use. Every request points to the
- * server, and so reaches the executor and the watcher; their calls are declared in their own
- * headers only. */
+ * server. Each part declares its calls in its own header. */
 #ifndef PEN_HTTP_INTERNAL_HTTP_H
 #define PEN_HTTP_INTERNAL_HTTP_H
 
@@ -33,7 +32,7 @@ struct pen_http {
     bool has_proxy;
     unsigned char proxy[16]; /* the trusted proxy's address as IPv6 */
 
-    /* The store is open, and executor and watcher are there. atomic: release, after they are. */
+    /* The store is open, and executor and watcher exist. atomic: release, after they exist. */
     atomic_bool opened;
     atomic_bool draining, stopping; /* atomic: relaxed, one request more may still be served */
     atomic_int active;              /* requests whose head was seen and that have not ended.
@@ -43,19 +42,21 @@ struct pen_http {
     atomic_uint request_count;      /* atomic: relaxed, values only have to differ */
     uint32_t id_prefix;             /* distinguishes this process's request ids from others' */
 
-    /* Requests that were refused for load, and that failed. atomic: relaxed, sums */
+    /* Requests that were refused because of load, and requests that failed. atomic: relaxed, sums
+     */
     atomic_uint_least64_t refused_429, refused_503, failed;
 
     pthread_mutex_t ready_lock;
-    int64_t ready_ns;        /* guarded by ready_lock: when the store was last probed, or took a
-                              * job; 0: never */
-    bool probing;            /* guarded by ready_lock: a thread is probing it */
-    struct pen_status ready; /* guarded by ready_lock: the result */
+    /* guarded by ready_lock: time of the last probe of the store, or of the last job that it took;
+     * 0: never */
+    int64_t ready_ns;
+    bool probing;                         /* guarded by ready_lock: a thread is probing it */
+    struct pen_status ready;              /* guarded by ready_lock: the result of the probe */
     char not_ready_reason[PEN_MSG_BYTES]; /* guarded by ready_lock: see pen_http_set_not_ready */
     struct pen_status store_fault;        /* guarded by ready_lock: why the store is not open */
 };
 
-/* Reports an I/O error that the handle's store has met. */
+/* Reports an I/O error of the store that belongs to the handle. */
 void pen_http_check_store(struct pen_http *http, struct pen_jobs *jobs);
 
 #endif

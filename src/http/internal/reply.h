@@ -16,21 +16,22 @@
 #include "base/status.h"
 
 /* Reference-counted bytes: one cached body may be sent to many clients at once. From
- * PEN_BLOB_FILE_BYTES on they are in an unlinked file, mapped into memory, so that the system can
- * write them out when it needs the memory. Threads: any. */
+ * PEN_BLOB_FILE_BYTES on they are in an unlinked file that is mapped into memory. The system can
+ * write such bytes out when it needs the memory.
+ * Threads: any. */
 struct blob {
     atomic_int refs; /* atomic: acquire-release, so that the thread that frees sees all reads */
     struct pen_buf content;
-    bool is_mapped;     /* content.data is a mapping of a file */
-    atomic_size_t *sum; /* in which its bytes are counted while it exists; NULL: none. atomic:
-                         * relaxed, a sum */
-    struct blob *gzip;  /* these bytes compressed, of a file that many clients ask for; NULL: not
-                         * kept */
+    bool is_mapped; /* content.data is a mapping of a file */
+    /* The sum that includes its bytes while it exists; NULL: none. atomic: relaxed, a sum */
+    atomic_size_t *sum;
+    /* These bytes compressed, for a file that many clients request; NULL: not kept. */
+    struct blob *gzip;
 };
 
 enum { PEN_BLOB_FILE_BYTES = 64 << 10 };
 
-/* Takes the contents of a buffer, which is empty afterwards, also on failure.
+/* Makes a blob of the contents of a buffer. The buffer is empty afterwards, even after a failure.
  * Fails: NULL when out of memory, or if the buffer has failed. */
 struct blob *pen_http_blob_take(struct pen_buf *content);
 
@@ -39,13 +40,15 @@ void pen_http_blob_count(struct blob *blob, atomic_size_t *sum);
 struct blob *pen_http_blob_ref(struct blob *blob);
 void pen_http_blob_unref(struct blob *blob); /* NULL is allowed */
 
-/* A reference to these bytes compressed with gzip. Fails: NULL when out of memory. */
+/* Compresses a blob with gzip, or uses the kept result. Returns a reference.
+ * Fails: NULL when out of memory. */
 struct blob *pen_http_blob_gzip(struct blob *blob);
 
-/* A JSON text with a line end. Fails: NULL when out of memory. */
+/* Makes a blob of JSON text with a line end.
+ * Fails: NULL when out of memory. */
 struct blob *pen_http_blob_json(const json_t *json);
 
-/* A strong entity tag, quoted: a hash of the bytes. */
+/* Writes a strong entity tag, quoted: a hash of the bytes. */
 enum { ETAG_BYTES = 40 };
 void pen_http_etag(const struct pen_buf *content, char etag[ETAG_BYTES]);
 
@@ -74,11 +77,10 @@ void pen_http_reply_field(struct reply *reply, const char *name, const char *for
 /* Removes the field at a place. */
 void pen_http_reply_remove(struct reply *reply, int place);
 
-/* Sets status and body; takes the blob. A NULL blob is an allocation that failed. */
+/* Sets status and body, and takes the blob. A NULL blob stands for a failed allocation. */
 void pen_http_reply_body(struct reply *reply, int status, struct blob *blob, const char *type);
 
-/* Answers with a problem document, as pen_http_reply_body; with Retry-After where trying again
- * helps.
+/* Answers with a problem document, as pen_http_reply_body. Adds Retry-After if trying again helps.
  */
 void pen_http_reply_problem(struct reply *reply, int status, struct blob *text);
 

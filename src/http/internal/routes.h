@@ -14,15 +14,16 @@
 
 struct request;
 
+/* The result of a handler. */
 enum outcome {
     OUTCOME_ANSWERED, /* the reply is complete */
-    OUTCOME_WATCHED   /* the request belongs to the watcher, which resumes it later */
+    OUTCOME_WATCHED   /* the watcher has the request, and resumes it later */
 };
 
-/* Fills request->reply. jobs is NULL where the route has no queue. */
+/* Fills request->reply. `jobs` is NULL if the route has no queue. */
 typedef enum outcome route_handler(struct request *request, struct pen_jobs *jobs);
 
-/* Answers from memory, in the thread of the connection, if possible. Returns whether it did. */
+/* Answers from memory if possible, in the thread of the connection. Returns whether it did. */
 typedef bool route_quick(struct request *request);
 
 /* The handlers, by file: handle_jobs.c, handle_results.c, streams.c, handle_service.c,
@@ -35,7 +36,7 @@ route_handler pen_http_handle_events;
 route_handler pen_http_handle_validate, pen_http_handle_file, pen_http_handle_workers,
     pen_http_handle_healthz, pen_http_handle_readyz;
 route_handler pen_http_handle_metrics;
-route_quick pen_http_quick_job, pen_http_quick_refusal;
+route_quick pen_http_quick_job;
 
 /* Where a handler runs. */
 enum queue_id {
@@ -43,12 +44,14 @@ enum queue_id {
     QUEUE_STORE,   /* on a store thread: reads of the store */
     QUEUE_CHANGES, /* on a thread for changes: writes, which wait for other writers */
     QUEUE_COMPUTE  /* on a compute thread: encoding pictures, writing reports, reading scenes and
-                    * checking them, and whatever has a large body */
+                    * checking them, and all requests with a large body */
 };
 
-/* What a query parameter may be: if `allowed` is set, one of these words; else, if high > 0, a
- * number from low to high; else, if is_job, the id of a job, which must be given; else a text of 1
- * to `longest` characters. */
+/* The allowed values of a query parameter. The first of these rules that applies:
+ *    allowed   one of these words
+ *    high      a number from low to high
+ *    is_job    the id of a job; this parameter must be given
+ *    longest   a text of 1 to `longest` characters */
 struct param_rule {
     const char *name;
     const char *const *allowed; /* ends with NULL */
@@ -57,33 +60,34 @@ struct param_rule {
     size_t longest;
 };
 
+/* An entry of the route table. */
 struct route {
     const char *method, *path;
-    enum pen_scope scope; /* what its clients need; PEN_SCOPE_NONE: not even a token */
+    enum pen_scope scope; /* the scope that clients need; PEN_SCOPE_NONE: no token */
     route_handler *handle;
     route_quick *quick; /* tried before queueing; NULL: none */
     enum queue_id queue;
     bool takes_body;   /* a scene or a job; otherwise a body is discarded */
     bool submits;      /* refused while draining */
-    bool handle_again; /* a request that has waited in the watcher goes to the handler again,
-                        * instead of being answered with its job */
+    bool handle_again; /* the handler runs again after its wait; otherwise the answer is the job */
     const struct param_rule *params; /* ends with a NULL name; NULL: none */
 };
 
 enum { ALLOW_BYTES = 64 };
 
-/* Finds the route of a request; *arg becomes the path's {id} or {name}. Fails: PEN_NOT_FOUND;
- * PEN_METHOD, and `allow` becomes the list of methods for an Allow field. */
+/* Finds the route of a request; *arg becomes the path's {id} or {name}.
+ * Fails: PEN_NOT_FOUND; PEN_METHOD, and `allow` becomes the list of methods for an Allow field. */
 const struct route *pen_http_route_find(const char *method, const struct pen_target *target,
                                         const char **arg, char allow[ALLOW_BYTES],
                                         struct pen_status *st);
 
-/* Checks the query parameters. Fails: PEN_USAGE, with the parameter's name and what is allowed. */
+/* Checks the query parameters.
+ * Fails: PEN_USAGE, with the parameter's name and what is allowed. */
 bool pen_http_route_check_params(const struct route *route, const struct pen_target *target,
                                  struct pen_status *st);
 
-/* The queue for a request whose body was received. The picture that a worker has stored, that of a
- * view as PNG, needs no compute thread. */
+/* The queue for a request whose body was received. A stored picture, a view as PNG, needs no
+ * compute thread. */
 enum queue_id pen_http_route_queue(const struct route *route, const struct request *request);
 
 #endif

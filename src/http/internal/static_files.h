@@ -13,7 +13,7 @@ struct static_file {
     char name[64]; /* "openapi.yaml"; "scenes" is the list, "scenes/room" a built-in scene,
                     * "page/app.js" a file of the page */
     const char *type;
-    const char *policy; /* Content-Security-Policy; NULL: it is no HTML */
+    const char *policy; /* Content-Security-Policy; NULL: not HTML */
     char etag[ETAG_BYTES];
     struct blob *blob;
 };
@@ -24,7 +24,7 @@ struct static_files;
 struct static_files *pen_http_static_files_new(struct pen_status *st);
 void pen_http_static_files_free(struct static_files *files); /* NULL is allowed */
 
-/* The file of that name, or NULL. */
+/* Finds a file by its name. NULL: there is none. */
 const struct static_file *pen_http_static_files_find(const struct static_files *files,
                                                      const char *name);
 

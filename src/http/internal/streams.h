@@ -23,33 +23,37 @@ struct pen_jobs;
 struct request;
 struct stream;
 
-/* The texts that were written lately: the streams of one job need the same one. */
+/* The texts that were written last. All streams of a job at the same place send the same text. */
 enum { STREAM_TEXTS = 16 };
 struct stream_texts {
     struct stream_text {
         char job_id[PEN_ID_BYTES];
         struct event_cursor from, to;
-        struct blob *text; /* NULL: nothing new */
-        bool over;         /* nothing follows */
+        struct blob *text; /* NULL: no new events */
+        bool over;         /* the last text of the stream */
     } text[STREAM_TEXTS];
     int count;
 };
 void pen_http_stream_texts_release(struct stream_texts *texts);
 
-/* Gives a waiting stream the events that it has not been sent yet; if there are none and its
- * heartbeat is due, that. `changes` is the store's change counter from before the call. Returns
- * whether the stream has something to send, or ends. Threads: the watcher's. */
+/* Gives a waiting stream its next events, or a heartbeat if there are none and it is due. `changes`
+ * is the store's change counter from before the call. Returns whether the stream has something to
+ * send, or ends.
+ * Threads: the watcher's. */
 bool pen_http_stream_advance(struct request *request, struct pen_jobs *jobs, uint32_t changes,
                              struct stream_texts *texts);
 
-/* Nothing follows what the stream is sending. Threads: the one that has the request. */
+/* Ends a stream after the text that it is sending.
+ * Threads: the one that has the request. */
 void pen_http_stream_end(struct stream *stream);
 
 /* Copies the next bytes to send into `out`. Returns their number; -1 at the end. If there are none
- * now, returns 0 and has given the request to the watcher. Threads: the connection's. */
+ * now, it gives the request to the watcher and returns 0.
+ * Threads: the connection's. */
 ssize_t pen_http_stream_read(struct request *request, char *out, size_t bytes);
 
-/* Frees a stream. Returns the number of bytes that were read from it. Threads: the connection's. */
+/* Frees a stream. Returns the number of bytes that were read from it.
+ * Threads: the connection's. */
 uint64_t pen_http_stream_close(struct request *request);
 
 #endif

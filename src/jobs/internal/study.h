@@ -3,7 +3,7 @@
  * themselves, instead of taking a frozen scene from the cache. They store their progress in runs.
  *
  * A study is one batch. Between two runs, never during a run, its progress and its measurements are
- * stored (study/unfinished.h). So a worker that ends loses a run, not the study. When a batch of
+ * stored (study/study.h). So a worker that ends loses a run, not the study. When a batch of
  * higher priority waits, a kept study is given back, and continues later. An explanation, which is
  * short, is not kept. Runs may last milliseconds. So a study is kept at most four times a second,
  * and keeping takes at most a twentieth of the time. */
@@ -12,7 +12,7 @@
 
 #include "jobs/internal/batch.h"
 #include "jobs/internal/keep.h"
-#include "study/unfinished.h"
+#include "study/study.h"
 
 struct pen_study {
     struct pen_batch_context *context;
@@ -40,23 +40,18 @@ void pen_study_end(struct pen_study *study);
  * succeed, and the heartbeat notices a lost lease. */
 void pen_study_progress(void *user, int done, int total);
 
-/* Keeps the study if it is due. It is a pen_between_fn; `user` is the study. A failure is ignored,
- * as in pen_study_progress. */
-bool pen_study_keep(void *user, const struct pen_unfinished *unfinished);
-
-/* Returns what an earlier worker kept of the study. If nothing was kept, or it is damaged, its
- * `state` is NULL.
+/* Returns the frame of the study: its scene and context, how its state is kept, and what an earlier
+ * worker kept. Damaged state counts as none. `user` is the struct whose first member is the study.
  * Owns: the study. */
-const struct pen_kept_study *pen_study_kept(struct pen_study *study);
+struct pen_study_frame pen_study_frame_of(struct pen_study *study, void *user);
 
-/* Writes a report with pictures in all formats, because the pictures exist only during the study.
- * JSON goes into the commit, the other formats into the store. A worker that repeats the study
- * after a failed commit replaces them. `write` appends one format.
- * Fails: as `write`, and pen_batch_store. */
-typedef bool pen_study_write_fn(const void *user, const char *format, struct pen_buf *out,
-                                struct pen_status *st);
-bool pen_study_store_report(struct pen_study *study, pen_study_write_fn *write, const void *user,
-                            struct pen_batch_output *output, struct pen_status *st);
+/* Writes a report as JSON for the commit. A report with figures (report/report.h) is also stored as
+ * a page, because the figures exist only during the study. A worker that repeats the study after a
+ * failed commit replaces the page.
+ * Fails: as pen_report_write, and pen_batch_store. */
+bool pen_study_store_report(struct pen_study *study, const json_t *report,
+                            const struct pen_buf *figures, struct pen_batch_output *output,
+                            struct pen_status *st);
 
 /* Makes the statistics of a render those of the job.
  * Fails: PEN_NO_MEMORY. */

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Random orders of runs: the same for the same state, on every machine. */
+/* Random orders of runs. The same state gives the same order on every machine. */
 #ifndef PEN_STUDY_INTERNAL_RANDOM_ORDER_H
 #define PEN_STUDY_INTERNAL_RANDOM_ORDER_H
 
 #include <stdint.h>
 
-/* splitmix64 (Steele, Lea, Flood, OOPSLA 2014). */
+/* The next number of splitmix64.
+ * Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014. */
 static inline uint64_t pen_random_next(uint64_t *state)
 {
     uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
@@ -14,7 +15,7 @@ static inline uint64_t pen_random_next(uint64_t *state)
     return z ^ (z >> 31);
 }
 
-/* Fills order[] with the numbers from 0 to count - 1, shuffled after Fisher and Yates. */
+/* Fills order[] with the numbers 0 .. count - 1 in a random order (Fisher-Yates shuffle). */
 static inline void pen_random_order(int *order, int count, uint64_t *state)
 {
     for (int i = 0; i < count; i++)
