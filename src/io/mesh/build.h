@@ -59,7 +59,7 @@ bool pen_build_far(struct pen_build *b);
  * Fails: returns false if there are none, or too many. */
 bool pen_build_space(struct pen_build *b, uint64_t triangles, bool materials);
 
-/* Makes space for so many corners of the face at `at`, of at least those that it has. */
+/* Makes space for `count` corners of the face at `at`, not fewer than it has. */
 bool pen_build_corners(struct pen_build *b, const char *at, uint32_t count);
 
 /* Appends a corner to the face that is read at `at`. */
