@@ -93,7 +93,10 @@ START_TEST(test_model_memory__any_failed_allocation_is_reported_as_such)
         enum pen_model_kind kind;
         const char *text;
     } files[] = {{PEN_MODEL_OBJ, obj}, {PEN_MODEL_PLY, ply}, {PEN_MODEL_STL, stl}};
-    struct model r = {.mtl = "newmtl a\nKd 1 0 0\nnewmtl b\n"};
+    char mtl[1000] = "newmtl a\nKd 1 0 0\nnewmtl b\n";
+    struct model r = {.mtl = mtl};
+    for (int i = 0; i < 70; i++)
+        strcat(mtl, "newmtl b\n");
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         long n = 0;
         for (bool again = true; again; n++) {
@@ -108,6 +111,19 @@ START_TEST(test_model_memory__any_failed_allocation_is_reported_as_such)
         ck_assert_int_gt(n, 6);
     }
     pen_model_release(&r.m);
+}
+END_TEST
+
+START_TEST(test_model_memory__too_many_materials_are_refused)
+{
+    enum { COUNT = 100000 };
+    char *mtl = malloc(COUNT * 7 + 1);
+    struct model r = {.mtl = mtl};
+    for (int i = 0; i < COUNT; i++)
+        memcpy(mtl + 7 * i, "newmtl\n", 8);
+    ck_assert(!model_text(&r, PEN_MODEL_OBJ, obj));
+    ck_assert_int_eq(r.st.code, PEN_TOO_LARGE);
+    free(mtl);
 }
 END_TEST
 
@@ -232,4 +248,5 @@ START_TEST(test_model_memory__stays_below_four_times_the_file_and_a_mebibyte)
 END_TEST
 
 PEN_SUITE("io/model_memory", test_model_memory__any_failed_allocation_is_reported_as_such,
+          test_model_memory__too_many_materials_are_refused,
           test_model_memory__stays_below_four_times_the_file_and_a_mebibyte)

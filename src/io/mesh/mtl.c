@@ -179,8 +179,8 @@ static bool read_file(struct pen_mtl *mtl, struct pen_build *b, const char *name
     if (mtl->text.bytes == from || parse(mtl, b, from))
         return true;
     why = *s->st;
-    return why.line == 0 || pen_scan_fail(s, why.code, name, "%s, line %d: %.300s",
-                                          pen_text_quote(path).text, why.line, why.msg);
+    return why.line > 0 && pen_scan_fail(s, why.code, name, "%s, line %d: %.300s",
+                                         pen_text_quote(path).text, why.line, why.msg);
 }
 
 /* A name may contain spaces; it ends with .mtl, or with the line. */
