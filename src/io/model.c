@@ -20,21 +20,9 @@ enum pen_model_kind pen_model_kind_of_name(const char *name)
     return PEN_MODEL_NONE;
 }
 
-static bool read_kind(struct pen_build *b)
-{
-    switch (b->file->kind) {
-    case PEN_MODEL_PLY:
-        return pen_ply_read(b);
-    case PEN_MODEL_OBJ:
-        return pen_obj_read(b);
-    case PEN_MODEL_STL:
-        return pen_stl_read(b);
-    case PEN_MODEL_NONE:
-        break;
-    }
-    return pen_fail(b->scan.st, PEN_UNSUPPORTED,
-                    "The file's kind is unknown; models are .ply, .obj or .stl");
-}
+/* By enum pen_model_kind. */
+static bool (*const readers[])(struct pen_build *) = {NULL, pen_ply_read, pen_obj_read,
+                                                      pen_stl_read};
 
 bool pen_model_read(const struct pen_model_file *file, struct pen_model *model,
                     struct pen_errors *notes, struct pen_status *st)
@@ -50,7 +38,9 @@ bool pen_model_read(const struct pen_model_file *file, struct pen_model *model,
     *model = (struct pen_model){0};
     if (file->bytes >> 33)
         return pen_fail(st, PEN_TOO_LARGE, "The file has more than 8 GiB");
-    if (read_kind(&b) && pen_build_finish(&b))
+    if (file->kind == PEN_MODEL_NONE)
+        return pen_fail(st, PEN_UNSUPPORTED, "Models are .ply, .obj or .stl files");
+    if (readers[file->kind](&b) && pen_build_finish(&b))
         return true;
     pen_build_release(&b);
     pen_model_release(model);
