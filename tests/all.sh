@@ -29,7 +29,8 @@ promises  15 $make accuracy-promise audit-promise
 eta        5 $make eta-promise
 mutants  150 $make mutants
 stability 60 $make stability
-fuzz      20 $make fuzz MINUTES=2
+fuzz      26 $make fuzz MINUTES=2
+models     1 sh tests/io/models.sh $build
 '
 # The tests that judge times.
 timed=$(grep -lE 'PEN_TIMED|ck_assert_timed|suite_timed|^ *timed "' tests/*/*.c tests/*/*.sh | grep -vE '^tests/(support|crash|load)/|/lib\.sh')

@@ -18,6 +18,7 @@ has() { # NEED: whether this machine has it
     terminal) python3 -c 'import os; os.openpty()' 2>/dev/null ;;
     postgresql) ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 ;;
     avx2) grep -qw "$1" /proc/cpuinfo ;;
+    models) [ -d "${PEN_MODELS:-}" ] ;;
     plain-build) case $log in *asan* | *tsan*) return 1 ;; esac ;;
     command-*) command -v "${1#command-}" >/dev/null ;;
     *) echo "tests/needs.sh does not know the need \"$1\"" ;;

@@ -7,7 +7,7 @@
 #include "geom/internal/facet.h"
 #include "geom/internal/kinds.h"
 #include "geom/internal/make.h"
-#include "geom/internal/triangulate.h"
+#include "geom/triangulate.h"
 
 /* Newell's normal, relative to the first vertex. */
 static struct dd3 newell(const struct pen_vec3 *v, uint32_t count)

@@ -3,7 +3,7 @@
  * cut off, until three vertices are left. All orientations are exact. The ear with the best shape
  * is cut first, because corners off the plane tilt the plane of a narrow triangle most.
  * Source: Meisters, "Polygons have ears", American Mathematical Monthly 82(6), 1975. */
-#include "geom/internal/triangulate.h"
+#include "geom/triangulate.h"
 
 #include <stdlib.h>
 

@@ -139,8 +139,7 @@ static double divide(uint64_t digits, int places)
     return nearest_double(quotient, up5 - up - 63 - places);
 }
 
-/* The double nearest to a decimal. Returns false for the few decimals that are left to strtod. */
-static bool round_decimal(const struct pen_json_decimal *decimal, double *out)
+bool pen_json_nearest(const struct pen_json_decimal *decimal, double *out)
 {
     uint64_t product;
     int exponent = decimal->exponent;
@@ -197,7 +196,7 @@ bool pen_json_number(struct pen_json_numbers *numbers, const char *text, size_t 
     uint64_t bits = decimal->negative ? -decimal->digits : decimal->digits;
     *out = NULL;
     if (!is_whole(decimal)) {
-        if (!round_decimal(decimal, &real)) {
+        if (!pen_json_nearest(decimal, &real)) {
             numbers->scratch.bytes = 0;
             if (!pen_buf_add(&numbers->scratch, text, bytes))
                 return true;

@@ -31,6 +31,9 @@ size_t pen_json_scan_number(const char *text, size_t offset, size_t end,
 size_t pen_java_scan_number(const char *text, size_t offset, size_t end,
                             struct pen_json_decimal *out, size_t *bytes);
 
+/* The double nearest to a decimal. Returns false for the few decimals that are left to strtod. */
+bool pen_json_nearest(const struct pen_json_decimal *decimal, double *out);
+
 enum { PEN_JSON_RECENT = 1024 };
 
 struct pen_json_recent {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Cutting of a polygon into triangles. */
-#ifndef PEN_GEOM_INTERNAL_TRIANGULATE_H
-#define PEN_GEOM_INTERNAL_TRIANGULATE_H
+#ifndef PEN_GEOM_TRIANGULATE_H
+#define PEN_GEOM_TRIANGULATE_H
 
 #include <stdbool.h>
 #include <stdint.h>
