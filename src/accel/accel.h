@@ -102,11 +102,19 @@ struct pen_t_interval {
 
 extern const struct pen_hit pen_after_start;
 
+/* Whether a primitive transmits light: see struct pen_shadow. */
+static inline bool pen_see_through(const struct pen_prims *prims, const uint8_t *see_through,
+                                   uint32_t prim)
+{
+    return see_through && see_through[pen_prim_slot(prims, prim)];
+}
+
 enum { PEN_SHADOW_MAX = 32 };
 
 /* A shadow query considers intersections with 0 < t < tmax. With `to_point`, the ray ends in a
  * light at t = 1 = tmax, and a surface that contains the light within rounding does not count.
- * see_through[prim] != 0 marks primitives that transmit light; NULL means that no primitive does.
+ * see_through[pen_prim_slot(prim)] != 0 marks primitives that transmit light; NULL means that no
+ * primitive does.
  */
 struct pen_shadow {
     double tmax;

@@ -65,7 +65,7 @@ static void cost_of_infinite(const struct pen_tree_layout *layout, double *alone
         if (ref->kind == PEN_BLOCK_PLANES)
             planes++;
         else
-            *alone += (double)pen_kinds[layout->prims->ref[ref->prim].kind].cost;
+            *alone += (double)pen_kinds[pen_prim_kind(layout->prims, ref->prim)].cost;
     }
     *packet = fallback * *alone + plane_in_packet * planes;
     *alone += plane * ceil((double)planes / PEN_LANES);

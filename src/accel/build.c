@@ -33,7 +33,7 @@ static bool build_auto(struct pen_tree_layout *layout, const struct request *req
     if (stats->choice != PEN_AUTO_NONE)
         return true;
     pen_tree_layout_release(layout);
-    return pen_tree_layout_init(layout, request->prims, request->generic_kinds) &&
+    return pen_tree_layout_init(layout, request->prims, request->generic_kinds, NULL) &&
            build_none(layout);
 }
 
@@ -58,7 +58,11 @@ static bool build_layout(struct pen_tree_layout *layout, const struct request *r
 static bool build(const struct request *request, struct pen_arena *arena, struct pen_accel *accel)
 {
     struct pen_tree_layout layout;
-    bool ok = pen_tree_layout_init(&layout, request->prims, request->generic_kinds) &&
+    const uint32_t meshes = request->kind == PEN_ACCEL_AUTO ? request->prims->mesh_count : 0;
+    struct pen_mesh_frame *frames = pen_arena_alloc(arena, meshes, sizeof *frames);
+    const bool blocks = frames && meshes > 0 && pen_mesh_frames_make(request->prims, frames);
+    bool ok = pen_tree_layout_init(&layout, request->prims, request->generic_kinds,
+                                   blocks ? frames : NULL) &&
               build_layout(&layout, request, &accel->stats) &&
               pen_accel_pack(&layout, arena, accel);
     if (ok)

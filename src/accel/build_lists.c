@@ -3,10 +3,9 @@
  *  - manual: the children of the document's top level are one list, in document order, each with
  *    its box. A group is a child like any other; its box leads to its own list.
  *  - cbr: there are no groups, and all primitives are in one list.
- * Children are single primitives; nothing is merged, sorted or split. Groups without a finite
- * primitive are left out. The children of a group nested deeper than PEN_MAX_DEPTH belong to the
- * enclosing group.
- * Cost: linear. */
+ * Children are single primitives, or whole meshes; nothing is merged, sorted or split. Groups
+ * without a finite primitive are left out. The children of a group nested deeper than PEN_MAX_DEPTH
+ * belong to the enclosing group. Cost: linear. */
 #include <stdlib.h>
 
 #include "accel/internal/tree_layout.h"
@@ -21,6 +20,16 @@ struct lists {
     struct group_range *range;
     uint32_t count;
 };
+
+/* The end of the child that begins at `at`: the triangles of a mesh, at most up to `end`, or one
+ * primitive. */
+static uint32_t end_of_run(const struct pen_tree_layout *layout, uint32_t at, uint32_t end)
+{
+    const uint32_t prim = layout->ref[at].prim;
+    const struct pen_mesh *mesh = pen_prim_mesh(layout->prims, prim);
+    const uint32_t count = mesh ? mesh->first + mesh->count - prim : 1;
+    return count < end - at ? at + count : end;
+}
 
 /* The index in ref[] of the first primitive with a number >= prim. */
 static uint32_t find_ref(const struct pen_tree_layout *layout, uint32_t prim)
@@ -64,7 +73,8 @@ struct children {
 };
 
 /* Advances to the next child; false at the end. The child is group *group or, if *group equals the
- * number of groups, the reference *ref. With `flat`, the primitives of groups are children instead.
+ * number of groups, the references from *ref to c->at - 1. With `flat`, the primitives of groups
+ * are children instead.
  */
 static bool next_child(const struct lists *l, struct children *c, bool flat, uint32_t *ref,
                        uint32_t *group)
@@ -78,7 +88,8 @@ static bool next_child(const struct lists *l, struct children *c, bool flat, uin
         c->at = l->range[c->group].end;
         c->group = l->range[c->group].after;
     } else {
-        c->at++;
+        const bool stops = !flat && c->group < l->count && l->range[c->group].begin < c->end;
+        c->at = end_of_run(l->layout, c->at, stops ? l->range[c->group].begin : c->end);
     }
     return true;
 }
@@ -91,10 +102,16 @@ static uint32_t count_children(const struct lists *l, struct children c, bool fl
     return count;
 }
 
-static bool build_leaf(struct lists *l, uint32_t at, uint32_t depth, struct pen_child_box *made)
+/* Makes the leaf of a range of references. */
+static bool build_leaf(struct lists *l, struct pen_leaf leaf, uint32_t depth,
+                       struct pen_child_box *made)
 {
-    *made = pen_ref_box(&l->layout->ref[at]);
-    made->child = pen_tree_layout_add_leaf(l->layout, at, 1);
+    *made = pen_ref_box(&l->layout->ref[leaf.begin]);
+    for (uint32_t i = 1; i < leaf.count; i++) {
+        const struct pen_child_box box = pen_ref_box(&l->layout->ref[leaf.begin + i]);
+        pen_child_box_grow(made, &box);
+    }
+    made->child = pen_tree_layout_add_leaf(l->layout, leaf.begin, leaf.count);
     if (l->layout->depth < depth)
         l->layout->depth = depth;
     return made->child != PEN_NO_CHILD;
@@ -114,7 +131,7 @@ static bool build_list(struct lists *l, struct children c, uint32_t depth,
     for (uint32_t i = 0; next_child(l, &c, flat, &ref, &group); i++) {
         struct pen_child_box child;
         bool ok = group == l->count
-                      ? build_leaf(l, ref, depth + 1, &child)
+                      ? build_leaf(l, (struct pen_leaf){ref, c.at - ref}, depth + 1, &child)
                       : build_list(l, (struct children){ref, l->range[group].end, group + 1},
                                    depth + 1, &child);
         if (!ok)

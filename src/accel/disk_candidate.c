@@ -480,7 +480,8 @@ enum pen_disk_candidate_verdict pen_disk_candidate_make(const struct pen_disk_pa
                                                         uint32_t prim, bool generic,
                                                         struct pen_disk_candidate *candidate)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
+    struct pen_triangle room;
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     if (prim == packet->origin->prim && pen_prim_flat(ref.kind) && !generic)
         return PEN_DISK_CANDIDATE_NEVER;
     candidate->prim = prim;
@@ -488,14 +489,14 @@ enum pen_disk_candidate_verdict pen_disk_candidate_make(const struct pen_disk_pa
     candidate->lines = 0;
     candidate->plane_only = false;
     candidate->is_origin = candidate->by_reference = prim == packet->origin->prim;
-    candidate->opaque = !(packet->see_through && packet->see_through[prim]);
+    candidate->opaque = !pen_see_through(prims, packet->see_through, prim);
     switch (generic ? PEN_BLOCK_GENERIC : pen_block_of(ref.kind)) {
     case PEN_BLOCK_SPHERES:
         return sphere_candidate(packet, &prims->sphere[ref.index], candidate);
     case PEN_BLOCK_PLANES:
         return plane_candidate(packet, &prims->plane[ref.index], candidate);
     case PEN_BLOCK_TRIANGLES:
-        return triangle_candidate(packet, &prims->triangle[ref.index], candidate);
+        return triangle_candidate(packet, pen_prim_triangle(prims, ref.index, &room), candidate);
     case PEN_BLOCK_POLYGONS:
         return polygon_candidate(packet, &prims->polygon[ref.index], candidate);
     case PEN_BLOCK_INFINITE_CYLINDERS:
@@ -503,6 +504,7 @@ enum pen_disk_candidate_verdict pen_disk_candidate_make(const struct pen_disk_pa
     case PEN_BLOCK_CYLINDERS:
         return cylinder_candidate(packet, &prims->cylinder[ref.index], candidate);
     case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_MESH:
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:

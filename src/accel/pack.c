@@ -7,9 +7,11 @@
 
 /* The arrays being filled, and the position in each. In the first pass `items` is NULL. */
 struct packer {
+    bool wide;    /* leaves of meshes have no items */
     bool singles; /* a leaf of one primitive is that primitive, not a block; never for `auto`,
                      because disk packets read only blocks */
     const struct pen_prims *prims;
+    const struct pen_mesh_frame *frames;
     const struct pen_ref *ref;
     uint32_t *items;
     struct pen_triangles4 *triangles;
@@ -20,6 +22,7 @@ struct packer {
     struct pen_planes4 *planes;
     struct pen_generic4 *infinite_cylinders;
     struct pen_generic4 *generic;
+    struct pen_mesh4 *mesh_blocks;
     uint32_t item_count, corner_count, block_count[PEN_BLOCK_KIND_COUNT];
 };
 
@@ -132,6 +135,27 @@ static void pack_planes(struct packer *p, const struct lanes *in, uint32_t block
     }
 }
 
+/* Packs triangles of a mesh, each from its distinguished corner on. */
+static void pack_mesh(struct packer *p, const struct lanes *in, uint32_t block)
+{
+    struct pen_mesh4 *b = &p->mesh_blocks[block];
+    const struct pen_mesh *mesh = pen_prim_mesh(p->prims, in->prim[0]);
+    const float factor = p->frames[mesh - p->prims->mesh].factor;
+    memcpy(b->prim, in->prim, sizeof b->prim);
+    for (int k = 0; k < 9 * PEN_LANES; k++)
+        ((float *)b->v)[k] = NAN;
+    for (int lane = 0; lane < in->count; lane++) {
+        const uint32_t triangle = in->prim[lane] - mesh->first;
+        struct pen_vec3 v[3];
+        pen_mesh_corners(mesh, triangle, v);
+        const int first = pen_triangle_first_corner(v);
+        for (int i = 0; i < 3; i++)
+            for (int axis = 0; axis < 3; axis++)
+                b->v[i][axis][lane] =
+                    factor * pen_mesh_float(mesh, triangle, (first + i) % 3)[axis];
+    }
+}
+
 /* Packs one block in the second pass; counts it in the first. */
 static void pack_block(struct packer *p, const struct lanes *in, enum pen_block_kind kind)
 {
@@ -164,6 +188,9 @@ static void pack_block(struct packer *p, const struct lanes *in, enum pen_block_
     case PEN_BLOCK_GENERIC:
         memcpy(p->generic[block].prim, in->prim, sizeof in->prim);
         break;
+    case PEN_BLOCK_MESH:
+        pack_mesh(p, in, block);
+        break;
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:
@@ -180,19 +207,25 @@ static uint32_t pack_single(struct packer *p, uint32_t ref)
     return item;
 }
 
-/* Packs the blocks of a leaf, kind by kind, and returns its first item. */
+/* Packs the blocks of a leaf, kind by kind, and returns its first item, or what stands for it in
+ * the child of a node. */
 static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
 {
-    uint32_t first = p->item_count;
+    const uint32_t first = p->item_count, block = p->block_count[PEN_BLOCK_MESH];
     for (uint32_t kind = 0; kind < PEN_BLOCK_NOTHING; kind++) {
         struct lanes in = {{PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM}, {0}, {0}, 0};
         const struct lanes none = in;
         for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++) {
             if (p->ref[i].kind != kind)
                 continue;
+            if (kind == PEN_BLOCK_MESH && in.count > 0 &&
+                pen_prim_mesh(p->prims, p->ref[i].prim) != pen_prim_mesh(p->prims, in.prim[0])) {
+                pack_block(p, &in, (enum pen_block_kind)kind);
+                in = none;
+            }
             in.prim[in.count] = p->ref[i].prim;
             in.ref[in.count] = &p->ref[i];
-            in.index[in.count++] = p->prims->ref[p->ref[i].prim].index;
+            in.index[in.count++] = pen_prim_ref(p->prims, p->ref[i].prim).index;
             if (in.count == PEN_LANES) {
                 pack_block(p, &in, (enum pen_block_kind)kind);
                 in = none;
@@ -200,6 +233,11 @@ static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
         }
         if (in.count > 0)
             pack_block(p, &in, (enum pen_block_kind)kind);
+    }
+    const uint32_t blocks = p->block_count[PEN_BLOCK_MESH] - block;
+    if (p->wide && blocks > 0 && blocks <= PEN_LEAF_BLOCKS_MAX && p->item_count == first + blocks) {
+        p->item_count = first;
+        return PEN_LEAF_BLOCKS | block * PEN_LEAF_BLOCKS_MAX | (blocks - 1);
     }
     if (p->item_count == first) {
         if (p->items)
@@ -231,7 +269,7 @@ static void pack_leaves(struct packer *p, const struct pen_tree_layout *layout,
 static bool allocate(struct packer *p, const struct packer *counted, struct pen_arena *arena)
 {
     const uint32_t *n = counted->block_count;
-    p->items = pen_arena_alloc(arena, counted->item_count, sizeof *p->items);
+    p->items = pen_arena_alloc(arena, counted->item_count + PEN_LEAF_BLOCKS_MAX, sizeof *p->items);
     p->triangles = pen_arena_alloc(arena, n[PEN_BLOCK_TRIANGLES], sizeof *p->triangles);
     p->polygons = pen_arena_alloc(arena, n[PEN_BLOCK_POLYGONS], sizeof *p->polygons);
     p->corners = pen_arena_alloc(arena, counted->corner_count, sizeof *p->corners);
@@ -241,8 +279,9 @@ static bool allocate(struct packer *p, const struct packer *counted, struct pen_
     p->infinite_cylinders =
         pen_arena_alloc(arena, n[PEN_BLOCK_INFINITE_CYLINDERS], sizeof *p->infinite_cylinders);
     p->generic = pen_arena_alloc(arena, n[PEN_BLOCK_GENERIC], sizeof *p->generic);
+    p->mesh_blocks = pen_arena_alloc(arena, n[PEN_BLOCK_MESH], sizeof *p->mesh_blocks);
     return p->items && p->triangles && p->polygons && p->corners && p->spheres && p->cylinders &&
-           p->planes && p->infinite_cylinders && p->generic;
+           p->planes && p->infinite_cylinders && p->generic && p->mesh_blocks;
 }
 
 /* Replaces the numbers of leaves by those of their first items, and empty children by the empty
@@ -296,9 +335,11 @@ static double largest_scale(const struct pen_tree_layout *layout)
 bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *arena,
                     struct pen_accel *accel)
 {
-    struct packer counted = {.singles = layout->shape == PEN_SHAPE_PAIRS ||
+    struct packer counted = {.wide = layout->shape == PEN_SHAPE_WIDE,
+                             .singles = layout->shape == PEN_SHAPE_PAIRS ||
                                         layout->shape == PEN_SHAPE_LISTS,
                              .prims = layout->prims,
+                             .frames = layout->frames,
                              .ref = layout->ref};
     struct packer p = counted;
     accel->prims = layout->prims;
@@ -322,6 +363,9 @@ bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *aren
     accel->planes = p.planes;
     accel->infinite_cylinders = p.infinite_cylinders;
     accel->generic = p.generic;
+    accel->mesh_blocks = p.mesh_blocks;
+    accel->mixed = p.item_count > 2;
+    accel->mesh_frames = p.block_count[PEN_BLOCK_MESH] > 0 ? layout->frames : NULL;
     accel->infinite = 1;
     accel->scale = largest_scale(layout);
     accel->stats.nodes = layout->shape == PEN_SHAPE_LISTS ? layout->lists : layout->nodes.count;

@@ -27,7 +27,7 @@ static bool is_convex(const struct pen_polygon *p)
 
 static bool outline_is_convex(const struct pen_prims *prims, uint32_t prim)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     if (ref.kind == PEN_PRIM_TRIANGLE)
         return true;
     if (ref.kind != PEN_PRIM_POLYGON)
@@ -39,21 +39,26 @@ static bool outline_is_convex(const struct pen_prims *prims, uint32_t prim)
 bool pen_accel_pack_boxes(const struct pen_tree_layout *layout, struct pen_arena *arena,
                           struct pen_accel *accel)
 {
-    const size_t count = (size_t)layout->count + layout->infinite;
+    const size_t count = pen_prim_slots(layout->prims);
     struct pen_float_box *box = pen_arena_alloc(arena, count, sizeof *box);
     bool *convex = pen_arena_alloc(arena, count, sizeof *convex);
     if (!box || !convex)
         return false;
     for (uint32_t i = 0; i < layout->count; i++) {
         const struct pen_ref *ref = &layout->ref[i];
+        const bool in_mesh = pen_prim_mesh(layout->prims, ref->prim) != NULL;
+        const uint32_t slot = pen_prim_slot(layout->prims, ref->prim);
         for (int axis = 0; axis < 3; axis++) {
-            box[ref->prim].lo[axis] = ref->lo[axis];
-            box[ref->prim].hi[axis] = ref->hi[axis];
+            if (!in_mesh) {
+                box[slot].lo[axis] = ref->lo[axis];
+                box[slot].hi[axis] = ref->hi[axis];
+            }
             double lo = fabs((double)ref->lo[axis]), hi = fabs((double)ref->hi[axis]);
             accel->extent = lo > accel->extent ? lo : accel->extent;
             accel->extent = hi > accel->extent ? hi : accel->extent;
         }
-        convex[ref->prim] = outline_is_convex(layout->prims, ref->prim);
+        if (!in_mesh)
+            convex[slot] = outline_is_convex(layout->prims, ref->prim);
     }
     accel->prim_box = box;
     accel->convex = convex;

@@ -35,13 +35,16 @@ void pen_array_release(struct pen_array *array)
     *array = (struct pen_array){.size = array->size};
 }
 
-/* The kind of a primitive's block. A cut polygon is tested by the reference. */
+/* The kind of a primitive's block. A cut polygon is tested by the reference,
+ * and so is a triangle of a mesh in all structures but the tree. */
 static enum pen_block_kind block_kind(const struct pen_tree_layout *layout, uint32_t prim)
 {
-    uint32_t kind = layout->prims->ref[prim].kind;
-    if (pen_prim_cut(layout->prims, prim))
+    uint32_t kind = pen_prim_kind(layout->prims, prim);
+    if (pen_prim_cut(layout->prims, prim) || layout->generic_kinds >> kind & 1)
         return PEN_BLOCK_GENERIC;
-    return layout->generic_kinds >> kind & 1 ? PEN_BLOCK_GENERIC : pen_block_of(kind);
+    if (!pen_prim_mesh(layout->prims, prim))
+        return pen_block_of(kind);
+    return layout->frames ? PEN_BLOCK_MESH : PEN_BLOCK_GENERIC;
 }
 
 /* Sets the number of lanes as which a finite primitive counts, and their class. */
@@ -50,6 +53,7 @@ static void set_cost(struct pen_ref *ref, enum pen_block_kind block, uint32_t pr
     ref->lanes = 1;
     switch (block) {
     case PEN_BLOCK_TRIANGLES:
+    case PEN_BLOCK_MESH:
         ref->cost_class = PEN_COST_TRIANGLES;
         return;
     case PEN_BLOCK_POLYGONS:
@@ -83,26 +87,27 @@ static struct pen_ref finite_ref(const struct pen_tree_layout *layout, uint32_t 
         (uint16_t)block_kind(layout, prim),
         0,
         0};
-    set_cost(&ref, block_kind(layout, prim), layout->prims->ref[prim].kind);
+    set_cost(&ref, block_kind(layout, prim), pen_prim_kind(layout->prims, prim));
     return ref;
 }
 
 bool pen_tree_layout_init(struct pen_tree_layout *layout, const struct pen_prims *prims,
-                          unsigned generic_kinds)
+                          unsigned generic_kinds, const struct pen_mesh_frame *frames)
 {
     *layout = (struct pen_tree_layout){.prims = prims,
                                        .generic_kinds = generic_kinds,
+                                       .frames = frames,
                                        .nodes = {.size = sizeof(struct pen_node)},
                                        .leaves = {.size = sizeof(struct pen_leaf)}};
     layout->ref = malloc(((size_t)prims->count + 1) * sizeof *layout->ref);
     if (!layout->ref)
         return false;
     for (uint32_t prim = 0; prim < prims->count; prim++) {
-        if (!pen_prim_infinite(prims->ref[prim].kind))
+        if (!pen_prim_infinite(pen_prim_kind(prims, prim)))
             layout->ref[layout->count++] = finite_ref(layout, prim);
     }
     for (uint32_t prim = 0; prim < prims->count; prim++) {
-        if (pen_prim_infinite(prims->ref[prim].kind))
+        if (pen_prim_infinite(pen_prim_kind(prims, prim)))
             layout->ref[layout->count + layout->infinite++] =
                 (struct pen_ref){.prim = prim, .kind = (uint16_t)block_kind(layout, prim)};
     }

@@ -8,7 +8,9 @@
 static struct pen_vec3 projected(const struct pen_prims *prims, struct pen_hit on,
                                  struct pen_vec3 p)
 {
-    return pen_prim_row(prims, on.prim)->fn->project(pen_prim_self(prims, on.prim), on.part, p);
+    struct pen_triangle room;
+    return pen_prim_row(prims, on.prim)
+        ->fn->project(pen_prim_self(prims, on.prim, &room), on.part, p);
 }
 
 /* Whether x, a point of one surface, is on the other. The two normals may differ by some roundings,
@@ -46,7 +48,8 @@ static bool samples_lie_in(const struct pen_pair *pair, struct pen_hit in, struc
  * quadric: the corners of an outline, else samples. */
 static bool lies_in(const struct pen_pair *pair, struct pen_hit in, struct pen_hit on)
 {
-    const struct pen_outline line = pen_prim_outline(pair->prims, in.prim);
+    struct pen_triangle room;
+    const struct pen_outline line = pen_prim_outline(pair->prims, in.prim, &room);
     if (line.count == 0)
         return samples_lie_in(pair, in, on);
     for (uint32_t i = 0; i < line.count; i++)
@@ -86,8 +89,9 @@ static struct pen_vec3 inward_of_outline(const struct pen_outline *line, struct 
 
 static struct pen_vec3 inward(const struct pen_pair *pair, struct pen_vec3 n, double near)
 {
+    struct pen_triangle room;
     const struct pen_kind *kind = pen_prim_row(pair->prims, pair->a.prim);
-    const struct pen_outline line = pen_prim_outline(pair->prims, pair->a.prim);
+    const struct pen_outline line = pen_prim_outline(pair->prims, pair->a.prim, &room);
     struct pen_vec3 sum = pen_vec3(0, 0, 0);
     int borders = 0;
     if (line.count > 0)
@@ -151,11 +155,12 @@ double pen_prim_layers_end(const struct pen_prims *prims, const struct pen_ray *
 /* A point of the surface: a corner, or the point nearest corner i of its box. */
 static struct pen_vec3 point_of(const struct pen_prims *prims, struct pen_hit on, int i)
 {
-    const struct pen_outline line = pen_prim_outline(prims, on.prim);
+    struct pen_triangle room;
+    const struct pen_outline line = pen_prim_outline(prims, on.prim, &room);
     if (line.count > 0)
         return line.v[0];
     struct pen_box box = {pen_vec3(0, 0, 0), pen_vec3(0, 0, 0)};
-    if (!pen_prim_infinite(prims->ref[on.prim].kind))
+    if (!pen_prim_infinite(pen_prim_kind(prims, on.prim)))
         box = pen_prim_bounds(prims, on.prim);
     return projected(prims, on,
                      pen_vec3(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y,
@@ -167,8 +172,8 @@ static struct pen_vec3 point_of(const struct pen_prims *prims, struct pen_hit on
 static bool pair_make(struct pen_pair *pair, const struct pen_prims *prims, struct pen_hit a,
                       struct pen_hit b)
 {
-    bool infinite = pen_prim_infinite(prims->ref[a.prim].kind);
-    struct pen_hit on = infinite || pen_prim_outline(prims, b.prim).count > 0 ? b : a;
+    bool infinite = pen_prim_infinite(pen_prim_kind(prims, a.prim));
+    struct pen_hit on = infinite || pen_prim_row(prims, b.prim)->fn->outline ? b : a;
     struct pen_hit other = on.prim == a.prim ? b : a;
     for (int i = 0; i < 8; i++) {
         struct pen_vec3 p = point_of(prims, on, i);
@@ -184,7 +189,7 @@ static bool pair_make(struct pen_pair *pair, const struct pen_prims *prims, stru
 /* Whether both surfaces are flat or both are round sides. A sphere is alike only to spheres. */
 static bool are_alike(const struct pen_prims *prims, struct pen_hit a, struct pen_hit b)
 {
-    uint32_t kind_a = prims->ref[a.prim].kind, kind_b = prims->ref[b.prim].kind;
+    uint32_t kind_a = pen_prim_kind(prims, a.prim), kind_b = pen_prim_kind(prims, b.prim);
     bool round_a = a.part == PEN_PART_SIDE && !pen_prim_flat(kind_a);
     bool round_b = b.part == PEN_PART_SIDE && !pen_prim_flat(kind_b);
     return round_a == round_b && (kind_a == PEN_PRIM_SPHERE) == (kind_b == PEN_PRIM_SPHERE);
@@ -219,8 +224,9 @@ enum { EDGES_MAX = 64 };
 
 bool pen_prim_may_coincide(const struct pen_prims *prims, struct pen_hit a, struct pen_hit b)
 {
-    const struct pen_outline line_a = pen_prim_outline(prims, a.prim),
-                             line_b = pen_prim_outline(prims, b.prim);
+    struct pen_triangle rooms[2];
+    const struct pen_outline line_a = pen_prim_outline(prims, a.prim, &rooms[0]),
+                             line_b = pen_prim_outline(prims, b.prim, &rooms[1]);
     struct pen_pair pair;
     if (!are_alike(prims, a, b) || !pair_make(&pair, prims, a, b) || !pen_coincide(&pair))
         return false;

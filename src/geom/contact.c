@@ -10,7 +10,8 @@
 static double reach(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 n,
                     struct pen_vec3 p)
 {
-    return pen_prim_row(prims, prim)->fn->reach(pen_prim_self(prims, prim), n, p);
+    struct pen_triangle room;
+    return pen_prim_row(prims, prim)->fn->reach(pen_prim_self(prims, prim, &room), n, p);
 }
 
 bool pen_surface_contains(struct pen_surface s, struct pen_vec3 n, struct pen_vec3 p, double b)
@@ -108,12 +109,12 @@ static double side_of_arrival(const struct pen_contact *c)
     return round_corner ? lies : side;
 }
 
-/* The contact of P itself with the ray's origin, as if it were Q. */
-static struct pen_contact contact_of_origin(const struct pen_contact *c)
+/* The contact of P itself with the ray's origin, as if it were Q. `room` as in pen_prim_self. */
+static struct pen_contact contact_of_origin(const struct pen_contact *c, struct pen_triangle *room)
 {
     struct pen_hit left = {0, c->origin->prim, c->origin->part};
     const struct pen_ray here = {.o = c->p};
-    return pen_contact_at(c->prims, left, pen_surface_at(c->prims, left.prim, c->p), &here,
+    return pen_contact_at(c->prims, left, pen_surface_at(c->prims, left.prim, c->p, room), &here,
                           c->origin);
 }
 
@@ -176,7 +177,8 @@ static double reach_nearby(const struct pen_contact *c, struct pen_vec3 up, doub
 /* The unit normal of P on the side to which the ray goes; false if the side is not known. */
 static bool side_up(const struct pen_contact *c, struct pen_vec3 d, struct pen_vec3 *up)
 {
-    const struct pen_contact own = contact_of_origin(c);
+    struct pen_triangle room;
+    const struct pen_contact own = contact_of_origin(c, &room);
     double side = side_of_departure(&own, d);
     *up = side > 0 ? own.n : pen_neg(own.n);
     return side != 0;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "geom/ray.h"
+#include "math/frame.h"
 
 struct pen_vec3 pen_scale_to_one(struct pen_vec3 v)
 {
@@ -29,6 +30,19 @@ struct pen_vec3 pen_unit_of(struct pen_vec3 v)
     struct pen_vec3 s = pen_scale_to_one(v);
     double length = pen_length(s);
     return pen_vec3(s.x / length, s.y / length, s.z / length);
+}
+
+struct pen_vec3 pen_across_points(const struct pen_vec3 *v, uint32_t count)
+{
+    struct pen_vec3 longest = {0, 0, 0};
+    for (uint32_t i = 1; i < count; i++) {
+        struct pen_vec3 edge = pen_sub(v[i], v[0]);
+        if (pen_largest3(edge) > pen_largest3(longest))
+            longest = edge;
+    }
+    if (!(pen_largest3(longest) > 0 && isfinite(pen_largest3(longest))))
+        return pen_vec3(0, 0, 0);
+    return pen_across(pen_unit_of(longest)).u;
 }
 
 struct pen_box pen_box_of_points(const struct pen_vec3 *v, uint32_t count)

@@ -15,6 +15,7 @@
 #include "geom/cylinder.h"
 #include "geom/infinite_cylinder.h"
 #include "geom/kind.h"
+#include "geom/mesh.h"
 #include "geom/plane.h"
 #include "geom/polygon.h"
 #include "geom/ray.h"
@@ -22,17 +23,25 @@
 #include "geom/triangle.h"
 #include "math/box.h"
 
-/* Where the primitive of a number is stored. */
+/* Where a primitive is stored. The triangles of meshes are not stored. Their indices follow those
+ * of the stored triangles, mesh by mesh. */
 struct pen_prim_ref {
     uint32_t kind : 4; /* enum pen_prim_kind */
     uint32_t index : 28;
 };
 
 /* All primitives of a scene.
+ *
+ * What is the same for all triangles of a mesh of one material is stored once. So the primitives
+ * have slots: a primitive outside meshes has one, and a mesh has one for each of its materials.
+ * Slots have the order of the numbers, and arrays of data by primitive are arrays by slot. Without
+ * meshes, a primitive's slot is its number.
  * Owns: nothing; the arrays belong to the scene's arena. */
 struct pen_prims {
     uint32_t count;
-    const struct pen_prim_ref *ref; /* by primitive number */
+    uint32_t mesh_count;
+    const struct pen_mesh *mesh;    /* in the order of their numbers; none is empty */
+    const struct pen_prim_ref *ref; /* by slot; not used for meshes */
     union {                         /* the array of each kind: by name, or by enum pen_prim_kind */
         struct {
 #define KIND(NAME, name, ...) const struct pen_##name *name;
@@ -41,7 +50,7 @@ struct pen_prims {
         };
         const void *array[PEN_PRIM_KIND_COUNT];
     };
-    uint32_t kind_count[PEN_PRIM_KIND_COUNT];
+    uint32_t kind_count[PEN_PRIM_KIND_COUNT]; /* of stored primitives */
 };
 
 #define KIND(NAME, name, ...)                                                                      \
@@ -51,30 +60,89 @@ struct pen_prims {
 PEN_KINDS(KIND)
 #undef KIND
 
+/* The last mesh whose numbers begin at `prim` or before it; NULL if there is none. */
+const struct pen_mesh *pen_mesh_before(const struct pen_prims *prims, uint32_t prim);
+
+/* The functions below, for scenes with meshes. */
+uint32_t pen_mesh_slot_of_prim(const struct pen_prims *prims, uint32_t prim);
+struct pen_prim_ref pen_mesh_ref_of_prim(const struct pen_prims *prims, uint32_t prim);
+const struct pen_triangle *pen_mesh_triangle_of_index(const struct pen_prims *prims, uint32_t index,
+                                                      struct pen_triangle *room);
+
+/* The mesh of a primitive; NULL if it is in none. */
+static inline const struct pen_mesh *pen_prim_mesh(const struct pen_prims *prims, uint32_t prim)
+{
+    const struct pen_mesh *mesh = prims->mesh_count ? pen_mesh_before(prims, prim) : NULL;
+    return mesh && prim - mesh->first < mesh->count ? mesh : NULL;
+}
+
+/* The slot of a primitive. */
+static inline uint32_t pen_prim_slot(const struct pen_prims *prims, uint32_t prim)
+{
+    return prims->mesh_count ? pen_mesh_slot_of_prim(prims, prim) : prim;
+}
+
+/* The number of slots. */
+static inline uint32_t pen_prim_slots(const struct pen_prims *prims)
+{
+    return prims->count ? pen_prim_slot(prims, prims->count) : 0;
+}
+
+/* Where a primitive is stored. */
+static inline struct pen_prim_ref pen_prim_ref(const struct pen_prims *prims, uint32_t prim)
+{
+    return prims->mesh_count ? pen_mesh_ref_of_prim(prims, prim) : prims->ref[prim];
+}
+
+/* Its enum pen_prim_kind. */
+static inline uint32_t pen_prim_kind(const struct pen_prims *prims, uint32_t prim)
+{
+    return pen_prim_ref(prims, prim).kind;
+}
+
+/* The triangle of this index. One of a mesh is made in `room`. */
+static inline const struct pen_triangle *
+pen_prim_triangle(const struct pen_prims *prims, uint32_t index, struct pen_triangle *room)
+{
+    if (!prims->mesh_count || index < prims->kind_count[PEN_PRIM_TRIANGLE])
+        return &prims->triangle[index];
+    return pen_mesh_triangle_of_index(prims, index, room);
+}
+
 /* The table's row for a primitive. */
 static inline const struct pen_kind *pen_prim_row(const struct pen_prims *prims, uint32_t prim)
 {
-    return &pen_kinds[prims->ref[prim].kind];
+    return &pen_kinds[pen_prim_kind(prims, prim)];
 }
 
-/* The primitive itself, a struct of its kind. */
-static inline const void *pen_prim_self(const struct pen_prims *prims, uint32_t prim)
+/* The primitive itself, a struct of its kind. A triangle of a mesh is made in `room`, which must
+ * live as long as the result is used. */
+static inline const void *pen_prim_self(const struct pen_prims *prims, uint32_t prim,
+                                        struct pen_triangle *room)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
+    if (ref.kind == PEN_PRIM_TRIANGLE)
+        return pen_prim_triangle(prims, ref.index, room);
     return (const char *)prims->array[ref.kind] + ref.index * pen_kinds[ref.kind].bytes;
 }
 
-/* The outline of a primitive; empty if it has none. */
-static inline struct pen_outline pen_prim_outline(const struct pen_prims *prims, uint32_t prim)
+/* The outline of a primitive; empty if it has none. `room` as above. */
+static inline struct pen_outline pen_prim_outline(const struct pen_prims *prims, uint32_t prim,
+                                                  struct pen_triangle *room)
 {
+    const struct pen_mesh *mesh = pen_prim_mesh(prims, prim);
     const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
-    return fn->outline ? fn->outline(pen_prim_self(prims, prim)) : (struct pen_outline){NULL, 0, 0};
+    if (!fn->outline)
+        return (struct pen_outline){NULL, 0, 0};
+    if (mesh)
+        pen_mesh_outline(mesh, prim - mesh->first, room);
+    return fn->outline(mesh ? room : pen_prim_self(prims, prim, room));
 }
 
 /* The polygon, if the primitive is a polygon that is cut into triangles; else NULL. */
 static inline const struct pen_polygon *pen_prim_cut(const struct pen_prims *prims, uint32_t prim)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     if (ref.kind != PEN_PRIM_POLYGON || !prims->polygon[ref.index].piece)
         return NULL;
     return &prims->polygon[ref.index];
@@ -129,10 +197,11 @@ double pen_prim_scale(const struct pen_prims *prims, uint32_t prim, struct pen_v
 static inline double pen_prim_curvature(const struct pen_prims *prims, struct pen_hit hit,
                                         struct pen_vec3 p)
 {
-    if (pen_prim_flat(prims->ref[hit.prim].kind))
+    struct pen_triangle room;
+    if (pen_prim_flat(pen_prim_kind(prims, hit.prim)))
         return 0;
     return pen_prim_row(prims, hit.prim)
-        ->fn->curvature(pen_prim_self(prims, hit.prim), hit.part, p);
+        ->fn->curvature(pen_prim_self(prims, hit.prim, &room), hit.part, p);
 }
 
 /* The rounding bound for rays that start at p: 16u (|p|_1 + pen_prim_scale). */

@@ -9,10 +9,11 @@
 static void intersect_own(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                           uint8_t part, struct pen_intersections *out)
 {
+    struct pen_triangle room;
     const struct pen_kind *kind = pen_prim_row(prims, prim);
     out->count = 0;
     if (kind->shape == PEN_KIND_ROUND)
-        kind->fn->intersect_own(pen_prim_self(prims, prim), ray, part, out);
+        kind->fn->intersect_own(pen_prim_self(prims, prim, &room), ray, part, out);
 }
 
 /* Adds an intersection at the ray's origin if it counts. */
@@ -32,7 +33,8 @@ static void intersect_touching(const struct pen_prims *prims, uint32_t prim,
                                const struct pen_ray *ray, const struct pen_origin_surface *origin,
                                struct pen_intersections *out)
 {
-    const struct pen_surface s = pen_surface_at(prims, prim, ray->o);
+    struct pen_triangle room;
+    const struct pen_surface s = pen_surface_at(prims, prim, ray->o, &room);
     unsigned rim = s.fn->intersect_touching(s.self, ray, origin->bound, out);
     for (uint8_t part = 0; out->count == 0 && rim >> part != 0; part++) {
         const struct pen_contact at =
@@ -134,7 +136,8 @@ static void intersect_flat(const struct pen_prims *prims, uint32_t prim, struct 
 static bool is_cut_layer(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                          const struct pen_origin_surface *origin, struct pen_intersections *out)
 {
-    const struct pen_surface s = pen_surface_at(prims, prim, ray->o);
+    struct pen_triangle room;
+    const struct pen_surface s = pen_surface_at(prims, prim, ray->o, &room);
     const struct pen_contact c =
         pen_contact_at(prims, (struct pen_hit){0, prim, PEN_PART_SIDE}, s, ray, origin);
     if (!pen_surface_contains(s, c.n, c.p, c.slack) || !pen_contact_is_layer(&c))
@@ -181,8 +184,9 @@ static void intersect_cut(const struct pen_prims *prims, uint32_t prim, const st
 static bool passes_rim(const struct pen_prims *prims, const struct pen_ray *ray,
                        const struct pen_origin_surface *origin, struct pen_hit *at)
 {
+    struct pen_triangle room;
     const struct pen_kind_functions *fn = pen_prim_row(prims, at->prim)->fn;
-    const void *self = pen_prim_self(prims, at->prim);
+    const void *self = pen_prim_self(prims, at->prim, &room);
     double b = origin->bound + pen_own_rounding(prims, at->prim, ray->o), nearby = PEN_NEARBY * b;
     if (!fn->passes_rim || !fn->passes_rim(self, ray, b, &at->t, &at->part) ||
         !(at->t * at->t <= nearby * nearby * ray->inv_dd))
@@ -198,7 +202,8 @@ static void intersect_rim(const struct pen_prims *prims, struct pen_hit q,
                           const struct pen_ray *ray, const struct pen_origin_surface *origin,
                           struct pen_intersections *out)
 {
-    const struct pen_surface s = pen_surface_at(prims, q.prim, ray->o);
+    struct pen_triangle room;
+    const struct pen_surface s = pen_surface_at(prims, q.prim, ray->o, &room);
     const struct pen_contact c = pen_contact_at(prims, q, s, ray, origin);
     const struct pen_intersections all = *out;
     bool closed = q.part != PEN_PART_SIDE;
@@ -226,6 +231,7 @@ static void intersect_rim(const struct pen_prims *prims, struct pen_hit q,
 static bool ends_below(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                        const struct pen_origin_surface *origin, const struct pen_intersections *met)
 {
+    struct pen_triangle room;
     const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
     if (!fn->passes_rim || met->count == 0)
         return false;
@@ -233,17 +239,18 @@ static bool ends_below(const struct pen_prims *prims, uint32_t prim, const struc
     double t = met->t[last], b = origin->bound + pen_own_rounding(prims, prim, ray->o),
            nearby = PEN_NEARBY * b;
     if (!(t > 0 && t * t <= nearby * nearby * ray->inv_dd) ||
-        fn->touches(pen_prim_self(prims, prim), ray->o, origin->bound))
+        fn->touches(pen_prim_self(prims, prim, &room), ray->o, origin->bound))
         return false;
     const struct pen_hit q = {t, prim, met->part[last]};
     const struct pen_contact c =
-        pen_contact_at(prims, q, pen_surface_at(prims, prim, ray->o), ray, origin);
+        pen_contact_at(prims, q, pen_surface_at(prims, prim, ray->o, &room), ray, origin);
     return !pen_contact_rises(&c, ray->d);
 }
 
 void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const struct pen_ray *ray,
                         const struct pen_origin_surface *origin, struct pen_intersections *out)
 {
+    struct pen_triangle room;
     if (origin->prim != PEN_NO_PRIM && pen_prim_cut(prims, prim)) {
         intersect_cut(prims, prim, ray, origin, out);
         return;
@@ -255,8 +262,8 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
     pen_prim_intersect_line(prims, prim, ray, out);
     if (origin->prim == PEN_NO_PRIM)
         return;
-    if (pen_prim_flat(prims->ref[prim].kind)) {
-        intersect_flat(prims, prim, pen_surface_at(prims, prim, ray->o), ray, origin, out);
+    if (pen_prim_flat(pen_prim_kind(prims, prim))) {
+        intersect_flat(prims, prim, pen_surface_at(prims, prim, ray->o, &room), ray, origin, out);
         return;
     }
     struct pen_hit rim = {.prim = prim};
@@ -270,7 +277,7 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
     for (int i = 0; i < all.count; i++) {
         if (all.t[i] == 0)
             add_at_origin(prims, (struct pen_hit){PEN_FIRST_T, prim, all.part[i]},
-                          pen_surface_at(prims, prim, ray->o), ray, origin, out);
+                          pen_surface_at(prims, prim, ray->o, &room), ray, origin, out);
         else
             pen_intersections_add(out, all.t[i], all.part[i]);
     }
@@ -279,9 +286,10 @@ void pen_prim_intersect(const struct pen_prims *prims, uint32_t prim, const stru
 double pen_prim_viewer_side(const struct pen_prims *prims, struct pen_hit hit, struct pen_vec3 p,
                             struct pen_vec3 v, const struct pen_origin_surface *origin)
 {
+    struct pen_triangle room;
     const struct pen_ray here = {.o = p};
     const struct pen_contact c =
-        pen_contact_at(prims, hit, pen_surface_at(prims, hit.prim, p), &here, origin);
+        pen_contact_at(prims, hit, pen_surface_at(prims, hit.prim, p, &room), &here, origin);
     bool layer = hit.t > PEN_FIRST_T && hit.t <= PEN_LAST_LAYER_T;
     double side = layer ? -pen_contact_across(&c, v) : 0;
     if (side == 0)
@@ -292,6 +300,7 @@ double pen_prim_viewer_side(const struct pen_prims *prims, struct pen_hit hit, s
 bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray,
                        double t_end, double bound)
 {
+    struct pen_triangle room;
     if (hit.t <= PEN_LAST_LAYER_T)
         return false;
     struct pen_vec3 x = pen_along(ray->o, ray->d, hit.t), p = pen_along(ray->o, ray->d, t_end);
@@ -299,8 +308,8 @@ bool pen_prim_ends_ray(const struct pen_prims *prims, struct pen_hit hit, const 
     double b = bound + pen_own_rounding(prims, hit.prim, p);
     if (!(fabs((t_end - hit.t) * pen_dot(ray->d, n)) <= b))
         return false;
-    if (!pen_prim_flat(prims->ref[hit.prim].kind))
+    if (!pen_prim_flat(pen_prim_kind(prims, hit.prim)))
         return pen_prim_touches(prims, hit.prim, p, bound) >> hit.part & 1;
-    const struct pen_surface s = pen_surface_at(prims, hit.prim, p);
+    const struct pen_surface s = pen_surface_at(prims, hit.prim, p, &room);
     return pen_surface_contains(s, s.fn->normal(s.self, hit.part, p), p, b);
 }

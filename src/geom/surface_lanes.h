@@ -108,7 +108,8 @@ struct lanes_prim_point {
 static inline bool lanes_prim_surface(const struct pen_prims *prims, uint32_t prim, uint8_t part,
                                       unsigned wanted, struct lanes_prim_point *at)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
+    struct pen_triangle room;
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     const struct pen_facet *facet = NULL;
     at->scale = at->curvature = lanes_splat(0);
     switch ((enum pen_prim_kind)ref.kind) {
@@ -128,7 +129,7 @@ static inline bool lanes_prim_surface(const struct pen_prims *prims, uint32_t pr
         return true;
     }
     case PEN_PRIM_TRIANGLE:
-        facet = &prims->triangle[ref.index].facet;
+        facet = &pen_prim_triangle(prims, ref.index, &room)->facet;
         break;
     case PEN_PRIM_POLYGON:
         if (prims->polygon[ref.index].piece)

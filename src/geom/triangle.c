@@ -48,7 +48,7 @@ static int distinguished_by(const struct pen_vec3 edge[3])
 /* The distinguished corner. It does not depend on the order of the corners, on the triangle's
  * place, on mirroring, or on a permutation of the axes. The exception is a triangle whose edges all
  * have equal extents up to such a permutation. */
-static int first_corner(const struct pen_vec3 v[3])
+int pen_triangle_first_corner(const struct pen_vec3 v[3])
 {
     struct pen_vec3 edge[3], permuted[3];
     for (int i = 0; i < 3; i++) {
@@ -68,16 +68,10 @@ static bool make_with(struct pen_triangle *tri, const struct pen_vec3 v[3],
 {
     if (!is_vertex(v[0]) || !is_vertex(v[1]) || !is_vertex(v[2]))
         return false;
-    int first = first_corner(v);
+    int first = pen_triangle_first_corner(v);
     *tri = (struct pen_triangle){.v = {v[first], v[(first + 1) % 3], v[(first + 2) % 3]}};
-    struct dd3 e = dd_sub3(tri->v[1], tri->v[0]), f = dd_sub3(tri->v[2], tri->v[0]);
-    struct dd3 normal = dd_cross(e, f);
-    if (!is_finite3(dd_round3(normal)))
-        return false;
-    /* The error of the normal is a few 2^-104 of the product of the edges; below this limit it
-     * would be visible. */
-    double least = 0x1p-40 * pen_largest3(dd_round3(e)) * pen_largest3(dd_round3(f));
-    if (!pen_exact_enough(&normal, least, tri->v, 3, otherwise))
+    struct dd3 normal;
+    if (!pen_triangle_normal(tri->v, otherwise, &normal))
         return false;
     tri->facet = pen_facet_of(tri->v[0], normal);
     return true;
@@ -88,6 +82,15 @@ bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_v
 {
     const struct pen_vec3 v[3] = {a, b, c};
     return make_with(tri, v, pen_vec3(0, 0, 0));
+}
+
+void pen_triangle_make_thin(struct pen_triangle *tri, const struct pen_vec3 v[3])
+{
+    const struct pen_vec3 otherwise = pen_across_points(v, 3);
+    if (pen_largest3(otherwise) > 0 && make_with(tri, v, otherwise))
+        return;
+    *tri = (struct pen_triangle){.v = {v[0], v[1], v[2]}};
+    tri->facet = pen_facet_of(v[0], dd_of3(pen_vec3(0, 0, 1)));
 }
 
 /* The largest distance between two vertices along an axis. */

@@ -28,6 +28,13 @@ struct pen_triangle {
 bool pen_triangle_make(struct pen_triangle *tri, struct pen_vec3 a, struct pen_vec3 b,
                        struct pen_vec3 c);
 
+/* Makes a triangle whose vertices rounding has put on one line. Its normal is some vector across
+ * that line. If they are one point, it is one along z. */
+void pen_triangle_make_thin(struct pen_triangle *tri, const struct pen_vec3 v[3]);
+
+/* The number of the distinguished vertex. */
+int pen_triangle_first_corner(const struct pen_vec3 v[3]);
+
 /* Whether the ray's line passes inside the triangle. */
 static inline bool pen_triangle_entered(const struct pen_triangle *tri, const struct pen_ray *ray)
 {

@@ -21,9 +21,9 @@ static struct hidden hidden_in(const struct pen_kernel_input *input)
     const struct pen_scene *scene = input->scene;
     struct hidden hidden = {.mirrors = 0};
     for (uint32_t i = 0; i < scene->prims.count; i++) {
-        const struct pen_material *m = &scene->materials[scene->prim_material[i]];
+        const struct pen_material *m = pen_scene_material(scene, i);
         hidden.mirrors += pen_beam_largest(m->kr) > input->settings->min_contribution;
-        if (!pen_prim_infinite(scene->prims.ref[i].kind) && pen_beam_bright(scene, i))
+        if (!pen_prim_infinite(pen_prim_kind(&scene->prims, i)) && pen_beam_bright(scene, i))
             hidden.light = larger(hidden.light, pen_beam_light(scene, i));
     }
     return hidden;
@@ -34,13 +34,13 @@ static struct pen_vec3 shown_by(const struct pen_kernel_input *input, uint32_t p
                                 const struct hidden *hidden)
 {
     const struct pen_scene *scene = input->scene;
-    const uint32_t material = scene->prim_material[prim];
+    const uint32_t material = pen_scene_material_of(scene, prim);
     const struct pen_material *m = &scene->materials[material];
     const double least = input->settings->min_contribution;
     struct pen_vec3 sum = {0, 0, 0};
     if (pen_beam_largest(m->kt) > least && (m->ior != 1 || scene->blurs[material].transmission > 0))
         sum = pen_add(sum, m->kt);
-    if (pen_beam_largest(m->kr) > least && (scene->prims.ref[prim].kind == PEN_PRIM_CONE ||
+    if (pen_beam_largest(m->kr) > least && (pen_prim_kind(&scene->prims, prim) == PEN_PRIM_CONE ||
                                             hidden->mirrors > 1 || pen_beam_largest(sum) > 0))
         sum = pen_add(sum, m->kr);
     return m->patterns ? pen_scale(sum, 2) : sum;
@@ -49,7 +49,7 @@ static struct pen_vec3 shown_by(const struct pen_kernel_input *input, uint32_t p
 /* The highlights of a cone. */
 static struct pen_vec3 highlights_of(const struct pen_scene *scene, uint32_t prim)
 {
-    const struct pen_material *m = &scene->materials[scene->prim_material[prim]];
+    const struct pen_material *m = pen_scene_material(scene, prim);
     const struct pen_box box = pen_prim_bounds(&scene->prims, prim);
     struct pen_vec3 sum = {0, 0, 0};
     for (uint32_t i = 0; i < scene->light_count; i++)
@@ -74,13 +74,13 @@ bool pen_beam_add_depths(struct pen_beams *beams, const struct pen_kernel_input 
         struct pen_vec3 light = {0, 0, 0};
         if (pen_beam_largest(hidden.light) > 0)
             light = pen_mul(shown_by(input, i, &hidden), hidden.light);
-        if (scene->prims.ref[i].kind == PEN_PRIM_CONE)
+        if (pen_prim_kind(&scene->prims, i) == PEN_PRIM_CONE)
             light = pen_add(light, highlights_of(scene, i));
         struct thing thing = {
             .bounds = {.light = {(float)light.x, (float)light.y, (float)light.z}, .deep = true}};
         if (!(pen_beam_largest(light) > 0))
             continue;
-        if (pen_prim_infinite(scene->prims.ref[i].kind) ||
+        if (pen_prim_infinite(pen_prim_kind(&scene->prims, i)) ||
             !pen_project(input, i, &thing.hull, &thing.shear))
             add_everywhere(beams, &thing.bounds);
         else if (thing.hull.count >= 3 && !pen_beam_add_thing(beams, &thing))

@@ -18,8 +18,8 @@
 static bool is_screen(const struct pen_scene *scene, uint32_t prim)
 {
     const struct pen_prims *prims = &scene->prims;
-    const struct pen_prim_ref ref = prims->ref[prim];
-    if (scene->see_through[prim])
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
+    if (pen_scene_see_through(scene, prim))
         return false;
     switch ((enum pen_prim_kind)ref.kind) {
     case PEN_PRIM_SPHERE:
@@ -44,7 +44,7 @@ static bool is_screen(const struct pen_scene *scene, uint32_t prim)
 static bool is_outside(const struct pen_prims *prims, struct pen_hit hit, const struct pen_ray *ray)
 {
     const struct pen_vec3 p = pen_prim_point(prims, hit, ray);
-    return pen_prim_flat(prims->ref[hit.prim].kind) ||
+    return pen_prim_flat(pen_prim_kind(prims, hit.prim)) ||
            pen_dot(pen_prim_normal(prims, hit, p), ray->d) < 0;
 }
 

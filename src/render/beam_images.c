@@ -17,13 +17,13 @@ struct mirror {
 /* The tangent of the half-angle of a material's reflected rays. */
 static double blur_of(const struct pen_scene *scene, uint32_t prim)
 {
-    const double cosine = 1 - scene->blurs[scene->prim_material[prim]].reflection;
+    const double cosine = 1 - scene->blurs[pen_scene_material_of(scene, prim)].reflection;
     return sqrt(1 - cosine * cosine) / pen_larger(cosine, 1e-3);
 }
 
 static const struct pen_material *material_of(const struct pen_scene *scene, uint32_t prim)
 {
-    return &scene->materials[scene->prim_material[prim]];
+    return pen_scene_material(scene, prim);
 }
 
 /* An upper bound of the light that a primitive mirrors. */
@@ -41,11 +41,12 @@ static bool is_mirror(const struct pen_kernel_input *input, uint32_t prim)
 
 static bool mirror_of(const struct pen_kernel_input *input, uint32_t prim, struct mirror *mirror)
 {
+    struct pen_triangle room;
     const struct pen_scene *scene = input->scene;
-    const struct pen_prim_ref ref = scene->prims.ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(&scene->prims, prim);
     if (!pen_prim_flat(ref.kind) || !is_mirror(input, prim))
         return false;
-    const struct pen_outline outline = pen_prim_outline(&scene->prims, prim);
+    const struct pen_outline outline = pen_prim_outline(&scene->prims, prim, &room);
     mirror->kr = mirrored_by(scene, prim);
     mirror->blur = blur_of(scene, prim);
     mirror->near = pen_prim_infinite(ref.kind)
@@ -60,7 +61,7 @@ static bool mirror_of(const struct pen_kernel_input *input, uint32_t prim, struc
 static double radius_around(const struct pen_scene *scene, uint32_t prim)
 {
     const struct pen_box box = pen_prim_bounds(&scene->prims, prim);
-    return scene->prims.ref[prim].kind == PEN_PRIM_SPHERE
+    return pen_prim_kind(&scene->prims, prim) == PEN_PRIM_SPHERE
                ? 0.5 * (box.hi.x - box.lo.x)
                : 0.5 * pen_length(pen_sub(box.hi, box.lo));
 }
@@ -109,7 +110,7 @@ static bool add_mirrors(struct pen_beams *beams, const struct pen_kernel_input *
     for (uint32_t i = 0; i < scene->prims.count && count < MIRRORS_MOST; i++)
         count += mirror_of(input, i, &mirror[count]);
     for (uint32_t i = 0; count > 0 && i < scene->prims.count; i++) {
-        if (pen_prim_infinite(scene->prims.ref[i].kind) || !pen_beam_bright(scene, i))
+        if (pen_prim_infinite(pen_prim_kind(&scene->prims, i)) || !pen_beam_bright(scene, i))
             continue;
         for (int k = 0; k < count; k++)
             if (!add_mirrored(beams, input, i, &mirror[k]))
@@ -230,9 +231,10 @@ static bool place_on_plane(const struct pen_kernel_input *input, struct pen_vec3
 static bool place_on(const struct pen_kernel_input *input, uint32_t prim,
                      const struct source *source, struct place *at)
 {
+    struct pen_triangle room;
     const struct pen_prims *prims = &input->scene->prims;
-    const struct pen_prim_ref ref = prims->ref[prim];
-    const struct pen_outline outline = pen_prim_outline(prims, prim);
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
+    const struct pen_outline outline = pen_prim_outline(prims, prim, &room);
     if (ref.kind == PEN_PRIM_SPHERE)
         place_on_sphere(input, &prims->sphere[ref.index], source, at);
     else if (ref.kind == PEN_PRIM_CYLINDER)
@@ -291,7 +293,7 @@ static bool image_in(const struct pen_kernel_input *input, uint32_t prim,
         pen_add(pen_add(absolute(axes[0]), absolute(axes[1])), absolute(axes[2]));
     thing->bounds.near =
         pen_beam_depth(input, (struct pen_box){pen_sub(at->p, off), pen_add(at->p, off)});
-    if (!pen_prim_infinite(prims->ref[prim].kind) &&
+    if (!pen_prim_infinite(pen_prim_kind(prims, prim)) &&
         !is_near(pen_prim_bounds(prims, prim), at->p, i + k))
         return false;
     return pen_project_box(input, at->p, axes, &thing->hull, &thing->shear) &&
@@ -365,10 +367,10 @@ static bool add_round_mirrors(struct pen_beams *beams, const struct pen_kernel_i
 {
     const struct pen_scene *scene = input->scene;
     for (uint32_t i = 0; i < scene->prims.count; i++) {
-        if (pen_prim_infinite(scene->prims.ref[i].kind) || !pen_beam_bright(scene, i))
+        if (pen_prim_infinite(pen_prim_kind(&scene->prims, i)) || !pen_beam_bright(scene, i))
             continue;
         for (uint32_t k = 0; k < scene->prims.count; k++)
-            if (!pen_prim_flat(scene->prims.ref[k].kind) && is_mirror(input, k) &&
+            if (!pen_prim_flat(pen_prim_kind(&scene->prims, k)) && is_mirror(input, k) &&
                 !add_image(beams, input, k, i))
                 return false;
     }

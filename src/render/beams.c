@@ -51,7 +51,7 @@ static struct pen_vec3 lights_within(const struct pen_scene *scene, struct pen_b
 
 static const struct pen_material *material_of(const struct pen_scene *scene, uint32_t prim)
 {
-    return &scene->materials[scene->prim_material[prim]];
+    return pen_scene_material(scene, prim);
 }
 
 struct pen_vec3 pen_beam_light(const struct pen_scene *scene, uint32_t prim)
@@ -294,7 +294,7 @@ static bool is_thin(const struct pen_hull *hull, double pixels)
 static bool is_wide(const struct pen_kernel_input *input, uint32_t prim)
 {
     const struct pen_pinhole *p = &input->pinhole;
-    const struct pen_prim_ref ref = input->scene->prims.ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(&input->scene->prims, prim);
     if (ref.kind != PEN_PRIM_SPHERE)
         return false;
     const struct pen_sphere *s = &input->scene->prims.sphere[ref.index];
@@ -316,11 +316,12 @@ static bool share_a_corner(struct pen_outline a, struct pen_outline b)
  * document. Small primitives of a surface are no things. */
 static bool is_facet(const struct pen_prims *prims, uint32_t prim)
 {
+    struct pen_triangle room;
     enum { NEAR = 4 };
-    const struct pen_outline own = pen_prim_outline(prims, prim);
+    const struct pen_outline own = pen_prim_outline(prims, prim, &room);
     const uint32_t first = prim > NEAR ? prim - NEAR : 0;
     for (uint32_t i = first; i < prims->count && i <= prim + NEAR; i++)
-        if (i != prim && share_a_corner(own, pen_prim_outline(prims, i)))
+        if (i != prim && share_a_corner(own, pen_prim_outline(prims, i, &room)))
             return true;
     return false;
 }
@@ -329,7 +330,7 @@ static bool is_facet(const struct pen_prims *prims, uint32_t prim)
 static bool add_prim(struct pen_beams *beams, const struct pen_kernel_input *input, uint32_t prim)
 {
     const struct pen_scene *scene = input->scene;
-    const uint32_t kind = scene->prims.ref[prim].kind;
+    const uint32_t kind = pen_prim_kind(&scene->prims, prim);
     const bool shines = pen_beam_bright(scene, prim);
     struct thing thing = {.fall = 0};
     if (pen_prim_infinite(kind) || (!shines && is_wide(input, prim)) ||

@@ -108,9 +108,10 @@ static void add_bounds(struct points *points, struct pen_box b)
 static bool points_around(const struct pen_kernel_input *input, uint32_t prim,
                           struct points *points)
 {
+    struct pen_triangle room;
     const struct pen_prims *prims = &input->scene->prims;
-    const struct pen_prim_ref ref = prims->ref[prim];
-    const struct pen_outline outline = pen_prim_outline(prims, prim);
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
+    const struct pen_outline outline = pen_prim_outline(prims, prim, &room);
     points->count = 0;
     if (ref.kind == PEN_PRIM_SPHERE)
         return add_around_sphere(input, points, &prims->sphere[ref.index]);

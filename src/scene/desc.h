@@ -139,13 +139,31 @@ enum pen_object_kind {
 #define KIND(NAME, ...) PEN_OBJECT_##NAME = PEN_PRIM_##NAME,
     PEN_KINDS(KIND)
 #undef KIND
-        PEN_OBJECT_GROUP = PEN_PRIM_KIND_COUNT
+        PEN_OBJECT_GROUP = PEN_PRIM_KIND_COUNT,
+    PEN_OBJECT_MESH
 };
+
+/* A mesh. Vertex f is at shift + 2^exponent f. Each triangle is a primitive.
+ * Owns: it borrows the arrays. A frozen scene uses them too, so they must outlive it. */
+struct pen_mesh_desc {
+    uint32_t vertex_count, triangle_count; /* at least one triangle */
+    const float *vertex;                   /* three for each vertex, all finite */
+    const uint32_t *corner;                /* three for each triangle: numbers of vertices */
+    double shift[3];
+    int exponent;
+    const uint16_t *material_of; /* by triangle, index into `material`; NULL: 0 */
+    uint32_t material_count;     /* at least 1 */
+    const int *material;         /* indices into the scene's materials; -1: default */
+};
+
+/* The corners of a triangle in the mesh's own coordinates, before the transforms around it. */
+void pen_mesh_desc_triangle(const struct pen_mesh_desc *mesh, uint32_t triangle,
+                            struct pen_vec3 v[3]);
 
 struct pen_object_desc {
     enum pen_object_kind kind;
     const char *name; /* NULL if it has none */
-    int material;     /* index, -1: default */
+    int material;     /* index, -1: default; not used for a mesh */
     /* A triangle or polygon without area. It is no primitive, but its edges count where a solid may
      * close. */
     bool left_out;
@@ -182,6 +200,7 @@ struct pen_object_desc {
             bool has_transform;
             struct pen_transform transform;
         } group;
+        const struct pen_mesh_desc *mesh;
     } u;
 };
 

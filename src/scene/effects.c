@@ -173,7 +173,7 @@ void pen_effects_find(struct pen_scene *scene)
                             .effects = effect_of_sky(&scene->sky, scene->background)};
     for (uint32_t i = 0; i < scene->light_count; i++)
         survey.shadows |= shadow_kind(scene->lights[i].shadows, scene->lights[i].soft);
-    for (uint32_t i = 0; i < scene->prims.count; i++) {
+    for (uint32_t i = 0; i < pen_prim_slots(&scene->prims); i++) {
         const struct pen_material *m = &scene->materials[scene->prim_material[i]];
         const bool in_solid = scene->solids.count > 0 && scene->solids.of_prim[i] != PEN_NO_SOLID;
         add_material(&survey, m, m->ior != 1 || in_solid);
@@ -188,11 +188,16 @@ static void survey_objects(struct survey *survey, const struct pen_scene_desc *d
     const struct pen_material none = pen_material_default();
     for (uint32_t i = 0; i < count; i++) {
         const struct pen_object_desc *o = &objects[i];
-        const struct pen_material *m = o->material < 0 ? &none : &desc->materials[o->material];
-        if (o->kind == PEN_OBJECT_GROUP)
+        const bool mesh = o->kind == PEN_OBJECT_MESH;
+        if (o->kind == PEN_OBJECT_GROUP) {
             survey_objects(survey, desc, o->u.group.objects, o->u.group.count);
-        else if (!o->left_out)
+            continue;
+        }
+        for (uint32_t k = 0; !o->left_out && k < (mesh ? o->u.mesh->material_count : 1); k++) {
+            const int at = mesh ? o->u.mesh->material[k] : o->material;
+            const struct pen_material *m = at < 0 ? &none : &desc->materials[at];
             add_material(survey, m, m->ior != 1 || (survey->ones_are_solids && m->ior_written));
+        }
     }
 }
 

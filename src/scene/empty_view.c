@@ -70,9 +70,10 @@ static bool plane_is_seen(const struct pen_plane *plane, const struct pyramid *v
 static bool may_be_seen(const struct pen_prims *prims, uint32_t prim, const struct pyramid *v,
                         bool *behind)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
+    struct pen_triangle room;
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     const struct pen_kind_functions *fn = pen_kinds[ref.kind].fn;
-    const void *self = pen_prim_self(prims, prim);
+    const void *self = pen_prim_self(prims, prim, &room);
     *behind = false;
     if (ref.kind == PEN_PRIM_PLANE)
         return plane_is_seen(self, v);
@@ -88,7 +89,7 @@ static bool middle_of(const struct pen_scene *scene, struct pen_vec3 *out)
 {
     struct pen_box all = pen_box_empty();
     for (uint32_t i = 0; i < scene->prims.count; i++)
-        if (!pen_prim_infinite(scene->prims.ref[i].kind))
+        if (!pen_prim_infinite(pen_prim_kind(&scene->prims, i)))
             all = pen_box_union(all, pen_prim_bounds(&scene->prims, i));
     if (!(all.lo.x <= all.hi.x))
         return false;

@@ -22,9 +22,11 @@ static bool summarize_primitive(struct pen_freezer *f, const struct pen_scene_pr
                                 void *user)
 {
     (void)user;
-    if (f->summary.total == PRIMS_MAX)
+    if (f->summary.total + (scene_prim->mesh ? scene_prim->mesh->triangle_count : 1) > PRIMS_MAX)
         return pen_fail(f->st, PEN_INVALID, "is one primitive too many: %d are possible",
                         PRIMS_MAX);
+    if (scene_prim->mesh)
+        return pen_freeze_mesh_begin(f, scene_prim);
     pen_prim_summary_add(&f->summary, scene_prim);
     return true;
 }
@@ -268,6 +270,7 @@ static struct pen_scene *freeze(const struct pen_scene_desc *desc,
     fesetenv(FE_DFL_ENV);
     bool ok = freeze_all(&f);
     free(f.buffer);
+    free(f.mesh);
     scene->freeze_ms = (double)(pen_clock_ns() - begun) * 1e-6;
     ok = ok && (!f.rays || build_accel(&f, *accelerator));
     fesetenv(&caller);

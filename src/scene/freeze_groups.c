@@ -75,10 +75,11 @@ static bool gather(struct pen_freezer *f, struct gatherer *g)
     if (!pen_desc_iter_init(&iter, f->desc, f->st))
         return false;
     while ((step = pen_desc_iter_next(&iter, &at, f->st)) == PEN_ITER_PRIMITIVE) {
-        if (!update_open_groups(g, &iter, prim++)) {
+        if (!update_open_groups(g, &iter, prim)) {
             pen_freeze_no_memory(f);
             break;
         }
+        prim += at.object->kind == PEN_OBJECT_MESH ? at.object->u.mesh->triangle_count : 1;
     }
     close_groups(g, 0, prim);
     pen_desc_iter_release(&iter);

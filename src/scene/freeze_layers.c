@@ -14,6 +14,7 @@
 
 #include "math/scale.h"
 #include "scene/internal/freeze.h"
+#include "scene/internal/layers_in_mesh.h"
 
 enum {
     DIRECTION = 3, /* the first dimension of the normal or axis */
@@ -34,6 +35,7 @@ struct surface {
     double lo[DIMENSIONS], hi[DIMENSIONS];
     struct pen_hit part;
     enum class class;
+    const struct pen_mesh *mesh; /* NULL: it is in none */
 };
 
 /* The begin of a surface along an axis. */
@@ -53,6 +55,7 @@ static const uint32_t NO_PLACE = UINT32_MAX;
 
 struct finder {
     const struct pen_prims *prims;
+    struct pen_layers_others *others; /* what triangles of meshes may come near */
     struct surface *surface;
     uint32_t *list;      /* of surfaces */
     struct begin *begin; /* of the surfaces that are compared */
@@ -96,7 +99,7 @@ static void bound_flat(struct surface *s, struct pen_vec3 n, struct pen_vec3 q, 
 
 static const struct pen_cylinder_side *cylinder_side(const struct pen_prims *prims, uint32_t prim)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     return ref.kind == PEN_PRIM_CYLINDER            ? &prims->cylinder[ref.index].round
            : ref.kind == PEN_PRIM_INFINITE_CYLINDER ? &prims->infinite_cylinder[ref.index].round
                                                     : NULL;
@@ -108,7 +111,7 @@ static void bound_round(struct surface *s, const struct pen_prims *prims, struct
                         double off)
 {
     const struct pen_cylinder_side *side = cylinder_side(prims, s->part.prim);
-    uint32_t kind = prims->ref[s->part.prim].kind;
+    uint32_t kind = pen_prim_kind(prims, s->part.prim);
     s->class = kind == PEN_PRIM_SPHERE ? SPHERE : ROUND;
     s->lo[SIZE] = -INFINITY;
     s->hi[SIZE] = INFINITY;
@@ -124,20 +127,24 @@ static void bound_round(struct surface *s, const struct pen_prims *prims, struct
 /* Adds a surface with bounds whose margin is far above rounding, also that of rays from afar. */
 static void add_surface(struct finder *f, uint32_t prim, uint8_t part)
 {
+    struct pen_triangle room;
     const struct pen_kind *kind = pen_prim_row(f->prims, prim);
-    const void *self = pen_prim_self(f->prims, prim);
+    const void *self = pen_prim_self(f->prims, prim, &room);
     struct pen_box b = {pen_vec3(-INFINITY, -INFINITY, -INFINITY),
                         pen_vec3(INFINITY, INFINITY, INFINITY)};
     struct pen_vec3 p = pen_vec3(0, 0, 0), half = pen_vec3(1, 1, 1);
-    if (!pen_prim_infinite(f->prims->ref[prim].kind)) {
+    if (!pen_prim_infinite(pen_prim_kind(f->prims, prim))) {
         b = pen_prim_bounds(f->prims, prim);
         p = pen_box_center(b);
         half = pen_sub(b.hi, p);
     }
     double rounding = 64 * pen_prim_rounding(f->prims, prim, p), margin = rounding + 0x1p-40;
     struct surface *s = &f->surface[f->count++];
-    *s = (struct surface){
-        {b.lo.x, b.lo.y, b.lo.z}, {b.hi.x, b.hi.y, b.hi.z, 1, 1, 1}, {0, prim, part}, FLAT};
+    *s = (struct surface){{b.lo.x, b.lo.y, b.lo.z},
+                          {b.hi.x, b.hi.y, b.hi.z, 1, 1, 1},
+                          {0, prim, part},
+                          FLAT,
+                          pen_prim_mesh(f->prims, prim)};
     if (kind->shape == PEN_KIND_FLAT || part != PEN_PART_SIDE) {
         struct pen_vec3 q = kind->fn->project(self, part, p);
         bound_flat(s, kind->fn->normal(self, part, p), q,
@@ -232,7 +239,8 @@ static bool overlap(const struct surface *a, const struct surface *b)
     for (int k = 0; k < DIMENSIONS; k++)
         if (!(a->lo[k] <= b->hi[k] && b->lo[k] <= a->hi[k]))
             return false;
-    return a->part.prim != b->part.prim;
+    const struct pen_mesh *mesh = a->mesh;
+    return a->part.prim != b->part.prim && !(mesh && mesh == b->mesh);
 }
 
 static void compare_pair(struct finder *f, const struct surface *a, const struct surface *b)
@@ -396,28 +404,58 @@ static void find_in_runs(struct finder *f)
     }
 }
 
+/* Marks two equal triangles of a mesh. */
+static void mark_equal(void *user, uint32_t a, uint32_t b)
+{
+    struct finder *f = user;
+    const uint32_t count = f->count;
+    add_surface(f, a, PEN_PART_SIDE);
+    add_surface(f, b, PEN_PART_SIDE);
+    mark(f, &f->surface[count], &f->surface[count + 1]);
+    f->count = count;
+}
+
+/* Adds the surfaces of all primitives outside meshes, and of the triangles of meshes that come near
+ * another primitive. Returns their number. If f->surface is NULL, only counts. */
+static size_t add_surfaces(struct finder *f)
+{
+    const struct pen_prims *prims = f->prims;
+    size_t count = 0;
+    for (uint32_t i = 0, m = 0; i < prims->count; i++) {
+        const struct pen_mesh *mesh = m < prims->mesh_count ? &prims->mesh[m] : NULL;
+        if (mesh && i == mesh->first + mesh->count)
+            mesh = ++m < prims->mesh_count ? &prims->mesh[m] : NULL;
+        if (mesh && i >= mesh->first && !pen_mesh_comes_near(prims, f->others, m, i - mesh->first))
+            continue;
+        for (uint8_t part = 0; part <= last_part(pen_prim_kind(prims, i)); part++, count++)
+            if (f->surface)
+                add_surface(f, i, part);
+    }
+    return count;
+}
+
 static bool alloc_finder(struct finder *f)
 {
-    size_t count = 0;
     f->first = malloc(((size_t)f->prims->count + 1) * sizeof *f->first);
-    if (!f->first)
+    f->others = pen_layers_others(f->prims);
+    if (!f->first || !f->others)
         return false;
-    for (uint32_t i = 0; i < f->prims->count; i++) {
-        count += last_part(f->prims->ref[i].kind) + 1u;
-        f->first[i] = NO_PLACE;
-    }
-    f->surface = malloc((count + 1) * sizeof *f->surface);
+    memset(f->first, 0xff, f->prims->count * sizeof *f->first); /* NO_PLACE */
+    const size_t count = add_surfaces(f);
+    f->surface = malloc((count + 2) * sizeof *f->surface);
     f->list = malloc((count + 1) * sizeof *f->list);
     f->begin = malloc((count + 1) * sizeof *f->begin);
     return f->surface && f->list && f->begin;
 }
 
-static void find(struct finder *f)
+static bool find(struct finder *f)
 {
-    for (uint32_t i = 0; i < f->prims->count; i++)
-        for (uint8_t part = 0; part <= last_part(f->prims->ref[i].kind); part++)
-            add_surface(f, i, part);
+    for (uint32_t m = 0; m < f->prims->mesh_count; m++)
+        if (!pen_mesh_find_equal(&f->prims->mesh[m], mark_equal, f))
+            return false;
+    add_surfaces(f);
     find_in_runs(f);
+    return true;
 }
 
 /* The scene keeps the places only if there are any. */
@@ -454,13 +492,10 @@ bool pen_freeze_layers(struct pen_freezer *f)
 {
     struct finder finder = {.prims = &f->scene->prims, .most = places_most(f)};
     bool ok = alloc_finder(&finder);
-    if (ok)
-        find(&finder);
-    ok = ok && !finder.no_memory && keep(f, &finder);
-    free(finder.surface);
-    free(finder.list);
-    free(finder.begin);
-    free(finder.first);
-    free(finder.place);
+    ok = ok && find(&finder) && !finder.no_memory && keep(f, &finder);
+    void *own[] = {finder.surface, finder.list, finder.begin, finder.first, finder.place};
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++)
+        free(own[i]);
+    free(finder.others);
     return ok || pen_freeze_no_memory(f);
 }

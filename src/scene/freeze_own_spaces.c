@@ -8,10 +8,10 @@
 #include "scene/internal/freeze.h"
 
 struct spaces {
-    uint32_t *of_prim;
+    uint32_t *of_slot;
     struct pen_own_space *space; /* NULL while they are counted */
     struct pen_transform last;   /* the transform of the last space */
-    uint32_t prim, count;
+    uint32_t slot, count;
 };
 
 static struct pen_vec3 column_of(const struct pen_transform *f, int j)
@@ -50,17 +50,16 @@ static struct pen_own_space space_of(const struct pen_freezer *f, const struct p
     return s;
 }
 
-static bool add_primitive(struct pen_freezer *f, const struct pen_scene_prim *scene_prim,
-                          void *user)
+static void add_slot(struct pen_freezer *f, const struct pen_scene_prim *scene_prim,
+                     struct spaces *a)
 {
-    struct spaces *a = user;
     const struct pen_transform identity = pen_transform_identity();
     const struct pen_transform *moved = scene_prim->moved_by ? scene_prim->moved_by : &identity;
-    const uint32_t prim = a->prim++;
+    const uint32_t slot = a->slot++;
     const struct pen_patterns *patterns =
-        f->scene->materials[f->scene->prim_material[prim]].patterns;
+        f->scene->materials[f->scene->prim_material[slot]].patterns;
     if (!patterns)
-        return true;
+        return;
     f->scene->patterned_glass = f->scene->patterned_glass || patterns->of[PEN_COLOUR_KT];
     if (a->count == 0 || memcmp(moved, &a->last, sizeof *moved) != 0) {
         a->last = *moved;
@@ -69,13 +68,21 @@ static bool add_primitive(struct pen_freezer *f, const struct pen_scene_prim *sc
             a->space[a->count - 1] = space_of(f, moved);
     }
     if (a->space)
-        a->of_prim[prim] = a->count - 1;
+        a->of_slot[slot] = a->count - 1;
+}
+
+static bool add_primitive(struct pen_freezer *f, const struct pen_scene_prim *scene_prim,
+                          void *user)
+{
+    const uint32_t slots = scene_prim->mesh ? scene_prim->mesh->material_count : 1;
+    for (uint32_t i = 0; i < slots; i++)
+        add_slot(f, scene_prim, user);
     return true;
 }
 
 static bool has_patterns(const struct pen_scene *scene)
 {
-    for (uint32_t i = 0; i < scene->prims.count; i++)
+    for (uint32_t i = 0; i < pen_prim_slots(&scene->prims); i++)
         if (scene->materials[scene->prim_material[i]].patterns)
             return true;
     return false;
@@ -89,13 +96,13 @@ bool pen_freeze_own_spaces(struct pen_freezer *f)
         return true;
     if (!pen_freeze_each(f, add_primitive, &counted))
         return false;
-    a.of_prim = pen_arena_alloc(scene->arena, scene->prims.count, sizeof *a.of_prim);
+    a.of_slot = pen_arena_alloc(scene->arena, pen_prim_slots(&scene->prims), sizeof *a.of_slot);
     a.space = pen_arena_alloc(scene->arena, counted.count, sizeof *a.space);
-    if (!a.of_prim || !a.space)
+    if (!a.of_slot || !a.space)
         return pen_freeze_no_memory(f);
     if (!pen_freeze_each(f, add_primitive, &a))
         return false;
-    scene->prim_space = a.of_prim;
+    scene->prim_space = a.of_slot;
     scene->own_spaces = a.space;
     return true;
 }

@@ -12,7 +12,10 @@ struct filler {
     struct pen_vec3 *passed; /* room for the vertices of one primitive that does not keep them */
     uint32_t *material;
     uint8_t *see_through;
+    struct pen_mesh *mesh;
     struct pen_prims prims; /* the counts so far */
+    uint32_t slots;
+    uint32_t mesh_triangles;
 };
 
 /* The most vertices of a kind that does not keep them: a triangle's. */
@@ -21,11 +24,12 @@ enum { PASSED_MAX = 3 };
 static bool alloc_arrays(struct pen_freezer *f, struct filler *a)
 {
     struct pen_arena *arena = f->scene->arena;
-    size_t total = f->summary.total;
-    a->ref = pen_arena_alloc(arena, total, sizeof *a->ref);
-    a->material = pen_arena_alloc(arena, total, sizeof *a->material);
-    a->see_through = pen_arena_alloc(arena, total, sizeof *a->see_through);
-    bool ok = a->ref && a->material && a->see_through;
+    size_t slots = f->summary.slots;
+    a->ref = pen_arena_alloc(arena, slots, sizeof *a->ref);
+    a->material = pen_arena_alloc(arena, slots, sizeof *a->material);
+    a->see_through = pen_arena_alloc(arena, slots, sizeof *a->see_through);
+    a->mesh = pen_arena_alloc(arena, f->mesh_count, sizeof *a->mesh);
+    bool ok = a->ref && a->material && a->see_through && a->mesh;
     for (int kind = 0; kind < PEN_PRIM_KIND_COUNT; kind++) {
         a->array[kind] = pen_arena_alloc(arena, f->summary.kind_count[kind], pen_kinds[kind].bytes);
         ok = ok && a->array[kind];
@@ -99,22 +103,53 @@ static bool cut_shape(struct pen_freezer *f, const struct filler *a, uint32_t ki
            pen_freeze_no_memory(f);
 }
 
+/* Fills a slot. material: index, -1: default. */
+static void fill_slot(struct pen_freezer *f, struct filler *a, struct pen_prim_ref ref,
+                      int material)
+{
+    const uint32_t slot = a->slots++;
+    a->ref[slot] = ref;
+    a->material[slot] = material >= 0 ? (uint32_t)material : f->desc->material_count;
+    a->see_through[slot] =
+        !f->desc->opaque_shadows && color_is_lit(f->scene->materials[a->material[slot]].kt);
+    f->scene->any_see_through = f->scene->any_see_through || a->see_through[slot];
+}
+
+static bool fail_range(struct pen_freezer *f)
+{
+    return pen_fail(f->st, PEN_INVALID,
+                    "is too large, too small or too far away beside the rest of the scene");
+}
+
+static bool fill_mesh(struct pen_freezer *f, const struct pen_scene_prim *scene_prim,
+                      struct filler *a)
+{
+    struct pen_mesh *mesh = &a->mesh[a->prims.mesh_count++];
+    *mesh = f->mesh[f->mesh_next++];
+    mesh->first = a->prims.count;
+    mesh->slot = a->slots;
+    mesh->index = f->summary.kind_count[PEN_PRIM_TRIANGLE] + a->mesh_triangles;
+    a->prims.count += mesh->count;
+    a->mesh_triangles += mesh->count;
+    const struct pen_prim_ref ref = {.kind = PEN_PRIM_TRIANGLE};
+    for (uint32_t i = 0; i < mesh->slots; i++)
+        fill_slot(f, a, ref, scene_prim->mesh->material[i]);
+    return pen_freeze_mesh_end(f, mesh) || fail_range(f);
+}
+
 static bool fill_primitive(struct pen_freezer *f, const struct pen_scene_prim *scene_prim,
                            void *user)
 {
     struct filler *a = user;
-    uint32_t prim = a->prims.count++;
+    if (scene_prim->mesh)
+        return fill_mesh(f, scene_prim, a);
     uint32_t index = a->prims.kind_count[scene_prim->kind]++;
-    a->ref[prim] =
-        (struct pen_prim_ref){.kind = scene_prim->kind & 0xF, .index = index & 0xFFFFFFF};
-    a->material[prim] =
-        scene_prim->material >= 0 ? (uint32_t)scene_prim->material : f->desc->material_count;
-    a->see_through[prim] =
-        !f->desc->opaque_shadows && color_is_lit(f->scene->materials[a->material[prim]].kt);
-    f->scene->any_see_through = f->scene->any_see_through || a->see_through[prim];
+    a->prims.count++;
+    fill_slot(f, a,
+              (struct pen_prim_ref){.kind = scene_prim->kind & 0xF, .index = index & 0xFFFFFFF},
+              scene_prim->material);
     if (!fill_shape(f, a, scene_prim, index))
-        return pen_fail(f->st, PEN_INVALID,
-                        "is too large, too small or too far away beside the rest of the scene");
+        return fail_range(f);
     return cut_shape(f, a, scene_prim->kind, index);
 }
 
@@ -125,6 +160,7 @@ bool pen_freeze_prims(struct pen_freezer *f)
         return false;
     f->scene->prims = a.prims;
     f->scene->prims.ref = a.ref;
+    f->scene->prims.mesh = a.mesh;
     for (int kind = 0; kind < PEN_PRIM_KIND_COUNT; kind++)
         f->scene->prims.array[kind] = a.array[kind];
     f->scene->prim_material = a.material;

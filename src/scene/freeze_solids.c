@@ -24,8 +24,9 @@ struct finder {
     uint32_t *same; /* by material: the first material that is equal */
     struct solid_face *face;
     uint32_t faces;
-    struct pen_vec3 *left_out,
-        *vertex; /* vertices of faces that are left out of the scene; the next free one */
+    struct pen_vec3 *kept,
+        *vertex; /* vertices of faces that the scene leaves out or does not store; the next free one
+                  */
     struct found *found;
     uint32_t *found_of; /* by primitive: its place in `found`, or PEN_NO_SOLID */
     uint32_t *number;   /* by place in `found`: the solid's number */
@@ -103,7 +104,7 @@ static bool find_same(struct finder *f)
  * accepts 1, which makes no solid of them. */
 static bool is_open(const struct pen_prims *prims, uint32_t prim)
 {
-    const struct pen_prim_ref ref = prims->ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     return (ref.kind == PEN_PRIM_CYLINDER && !prims->cylinder[ref.index].caps) ||
            (ref.kind == PEN_PRIM_CONE && !prims->cone[ref.index].hull.caps);
 }
@@ -111,8 +112,8 @@ static bool is_open(const struct pen_prims *prims, uint32_t prim)
 /* Whether a primitive is a solid, or a side of one. */
 static bool is_solid(const struct pen_scene *scene, uint32_t prim)
 {
-    const struct pen_material *m = &scene->materials[scene->prim_material[prim]];
-    return pen_material_is_solid(m) && !pen_prim_infinite(scene->prims.ref[prim].kind) &&
+    const struct pen_material *m = pen_scene_material(scene, prim);
+    return pen_material_is_solid(m) && !pen_prim_infinite(pen_prim_kind(&scene->prims, prim)) &&
            (m->ior != 1 || !is_open(&scene->prims, prim));
 }
 
@@ -123,7 +124,7 @@ static void add_to_solid(struct finder *f, uint32_t prim, uint32_t place, bool c
     if (place == f->count) {
         f->count++;
         *to = (struct found){.first = prim};
-        to->solid.ior = f->scene->materials[f->scene->prim_material[prim]].ior;
+        to->solid.ior = pen_scene_material(f->scene, prim)->ior;
         to->solid.box = pen_box_empty();
         to->solid.closed = closed;
     }
@@ -155,21 +156,27 @@ static bool find_solids(struct pen_freezer *freezer, struct finder *f)
     const struct pen_scene *scene = f->scene;
     const struct pen_prims *prims = &scene->prims;
     uint32_t next = 0;
+    f->vertex = f->kept;
     for (uint32_t i = 0; i < prims->count; i++) {
         f->found_of[i] = PEN_NO_SOLID;
-        if (is_solid(scene, i) && pen_prim_outlined(prims->ref[i].kind))
-            f->face[f->faces++] = (struct solid_face){.line = pen_prim_outline(prims, i),
-                                                      .prim = i,
-                                                      .material = f->same[scene->prim_material[i]]};
+        if (!is_solid(scene, i) || !pen_prim_outlined(pen_prim_kind(prims, i)))
+            continue;
+        struct pen_triangle room;
+        struct pen_outline line = pen_prim_outline(prims, i, &room);
+        if (line.v == room.v) { /* of a mesh */
+            line.v = memcpy(f->vertex, room.v, sizeof room.v);
+            f->vertex += 3;
+        }
+        f->face[f->faces++] = (struct solid_face){
+            .line = line, .prim = i, .material = f->same[pen_scene_material_of(scene, i)]};
     }
-    f->vertex = f->left_out;
     if (!pen_freeze_each_left_out(freezer, add_left_out, f) ||
         !pen_solid_faces_join(f->face, f->faces))
         return false;
     for (uint32_t i = 0; i < prims->count; i++) {
         if (!is_solid(scene, i))
             continue;
-        if (!pen_prim_outlined(prims->ref[i].kind)) {
+        if (!pen_prim_outlined(pen_prim_kind(prims, i))) {
             add_to_solid(f, i, f->count, true);
             continue;
         }
@@ -299,9 +306,33 @@ static bool drop_ones(struct finder *f)
     return true;
 }
 
+/* The same for all triangles of a mesh. */
+static void add_mesh_volume(struct finder *f, const struct pen_scene_prim *mesh)
+{
+    for (uint32_t i = 0; i < mesh->mesh->triangle_count; i++) {
+        const uint32_t number = f->prim++, place = f->found_of[number];
+        struct pen_vec3 own[3], moved[3];
+        struct pen_scene_prim prim = *mesh;
+        if (place == PEN_NO_SOLID)
+            continue;
+        pen_mesh_desc_triangle(mesh->mesh, i, own);
+        const bool mirrored = prim.moved_by && pen_transform_orientation(prim.moved_by) < 0;
+        for (int k = 0; k < 3; k++)
+            moved[mirrored ? 2 - k : k] =
+                prim.moved_by ? pen_transform_point(prim.moved_by, own[k]) : own[k];
+        prim.own = own;
+        prim.from = (struct pen_prim_source){.count = 3, .vertices = moved};
+        pen_solid_volume_add(&f->found[place].volume, &prim, f->turned[number]);
+    }
+}
+
 static bool add_volume(struct pen_freezer *freezer, const struct pen_scene_prim *prim, void *user)
 {
     struct finder *f = user;
+    if (prim->mesh) {
+        add_mesh_volume(f, prim);
+        return true;
+    }
     const uint32_t number = f->prim++, place = f->found_of[number];
     (void)freezer;
     if (place != PEN_NO_SOLID)
@@ -380,12 +411,15 @@ static bool find_all(struct pen_freezer *freezer, struct finder *f)
 {
     const size_t prims = freezer->scene->prims.count;
     f->face = malloc((prims + freezer->desc->left_out_count) * sizeof *f->face);
-    f->left_out = malloc((freezer->desc->left_out_vertices + 1) * sizeof *f->left_out);
+    uint64_t kept = freezer->desc->left_out_vertices + 1;
+    for (uint32_t i = 0; i < freezer->scene->prims.mesh_count; i++)
+        kept += 3 * (uint64_t)freezer->scene->prims.mesh[i].count;
+    f->kept = malloc(kept * sizeof *f->kept);
     f->found = malloc(prims * sizeof *f->found);
     f->found_of = malloc(prims * sizeof *f->found_of);
     f->number = malloc(prims * sizeof *f->number);
     f->turned = pen_arena_alloc(freezer->scene->arena, prims, sizeof *f->turned);
-    return f->face && f->left_out && f->found && f->found_of && f->number && f->turned &&
+    return f->face && f->kept && f->found && f->found_of && f->number && f->turned &&
            find_same(f) && find_solids(freezer, f) && drop_ones(f) && number_solids(freezer, f) &&
            pen_freeze_eyes(freezer);
 }
@@ -393,7 +427,7 @@ static bool find_all(struct pen_freezer *freezer, struct finder *f)
 /* Whether light is refracted somewhere. If all solids have an index of 1, it is not. */
 static bool scene_refracts(const struct pen_scene *scene)
 {
-    for (uint32_t i = 0; i < scene->prims.count; i++) {
+    for (uint32_t i = 0; i < pen_prim_slots(&scene->prims); i++) {
         const struct pen_material *m = &scene->materials[scene->prim_material[i]];
         if (m->ior != 1 && color_is_lit(m->kt))
             return true;
@@ -409,7 +443,7 @@ bool pen_freeze_solids(struct pen_freezer *freezer)
     const bool ok = find_all(freezer, &f) || pen_freeze_no_memory(freezer);
     free(f.same);
     free(f.face);
-    free(f.left_out);
+    free(f.kept);
     free(f.found);
     free(f.found_of);
     free(f.number);

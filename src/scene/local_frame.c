@@ -17,6 +17,7 @@ void pen_prim_summary_add(struct pen_prim_summary *summary, const struct pen_sce
     const struct pen_prim_source *from = &scene_prim->from;
     summary->kind_count[scene_prim->kind]++;
     summary->total++;
+    summary->slots++;
     if (pen_kinds[scene_prim->kind].fn->keeps_vertices)
         summary->kept_vertices += from->count;
     double reach = pen_larger(from->length[PEN_RADIUS], from->length[PEN_TOP_RADIUS]) +

@@ -26,7 +26,8 @@ static double box_distance(struct pen_box box, struct pen_vec3 p)
  * margin of pen_prim_bounds for the rounding of rays. */
 static struct pen_box box_of(const struct pen_prims *prims, uint32_t prim)
 {
-    const struct pen_outline line = pen_prim_outline(prims, prim);
+    struct pen_triangle room;
+    const struct pen_outline line = pen_prim_outline(prims, prim, &room);
     if (line.count == 0)
         return pen_prim_bounds(prims, prim);
     struct pen_box box = pen_box_empty();
@@ -38,8 +39,9 @@ static struct pen_box box_of(const struct pen_prims *prims, uint32_t prim)
 /* A lower bound of the distance of a primitive's surface. */
 static double distance_of(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p)
 {
+    struct pen_triangle room;
     const struct pen_kind_functions *fn = pen_prim_row(prims, prim)->fn;
-    return fn->distance ? fn->distance(pen_prim_self(prims, prim), p)
+    return fn->distance ? fn->distance(pen_prim_self(prims, prim, &room), p)
                         : box_distance(box_of(prims, prim), p);
 }
 
@@ -52,7 +54,7 @@ static struct pen_box all_bounds(const struct pen_prims *prims)
 {
     struct pen_box all = pen_box_empty();
     for (uint32_t i = 0; i < prims->count; i++) {
-        if (!pen_prim_infinite(prims->ref[i].kind))
+        if (!pen_prim_infinite(pen_prim_kind(prims, i)))
             all = pen_box_union(all, box_of(prims, i));
     }
     return all;
@@ -64,7 +66,7 @@ static double nearest(const struct pen_prims *prims, double extent, struct pen_v
     double least = INFINITY;
     for (uint32_t i = 0; i < prims->count; i++) {
         double distance = distance_of(prims, i, eye);
-        double size = pen_prim_infinite(prims->ref[i].kind) ? extent : side(box_of(prims, i));
+        double size = pen_prim_infinite(pen_prim_kind(prims, i)) ? extent : side(box_of(prims, i));
         distance = pen_larger(distance, NEAREST_PART * size);
         least = distance < least ? distance : least;
     }
@@ -107,17 +109,18 @@ static void order(double a, double b, double *width, double *length)
  * distance between far corners, and that distance. Other kinds are as wide as long. */
 static void measure(const struct pen_prims *prims, uint32_t prim, double *width, double *length)
 {
-    const struct pen_outline line = pen_prim_outline(prims, prim);
-    const void *self = pen_prim_self(prims, prim);
+    struct pen_triangle room;
+    const struct pen_outline line = pen_prim_outline(prims, prim, &room);
+    const void *self = pen_prim_self(prims, prim, &room);
     *width = *length = 1;
     if (line.count > 0) {
         struct pen_vec3 end = farthest(line, line.v[0]);
         *length = pen_length(pen_sub(farthest(line, end), end));
         *width = double_area(line) / *length * (line.count == 3 ? 1 : 0.5);
-    } else if (prims->ref[prim].kind == PEN_PRIM_CYLINDER) {
+    } else if (pen_prim_kind(prims, prim) == PEN_PRIM_CYLINDER) {
         const struct pen_cylinder *c = self;
         order(2 * c->round.r, c->h, width, length);
-    } else if (prims->ref[prim].kind == PEN_PRIM_CONE) {
+    } else if (pen_prim_kind(prims, prim) == PEN_PRIM_CONE) {
         const struct pen_cone *c = self;
         order(2 * c->hull.round.r, c->hull.h, width, length);
     }

@@ -120,8 +120,8 @@ struct pen_scene {
     struct pen_sky sky;
     struct pen_vec3 ambient;
     struct pen_prims prims;
-    const uint32_t *prim_material; /* by primitive number, index into materials */
-    const uint8_t *see_through;    /* by primitive number: kt > 0 in some channel */
+    const uint32_t *prim_material; /* by slot, index into materials: see pen_scene_material */
+    const uint8_t *see_through;    /* by slot: kt > 0 in some channel */
     bool any_see_through;
     /* The places where primitives may coincide. Those of primitive i are first[i] to first[i + 1] -
      * 1. NULL if there are none. */
@@ -130,7 +130,7 @@ struct pen_scene {
     const struct pen_material *materials;
     uint32_t material_count;
     const struct pen_blur *blurs; /* by material */
-    const uint32_t *prim_space; /* by primitive number, index into own_spaces; NULL: no patterns */
+    const uint32_t *prim_space;   /* by slot, index into own_spaces; NULL: no patterns */
     const struct pen_own_space *own_spaces;
     bool patterned_glass;           /* the kt of some primitive is a pattern */
     struct pen_solids solids;       /* the refracting ones */
@@ -156,6 +156,25 @@ struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
                                    struct pen_status *st);
 
 void pen_scene_free(struct pen_scene *scene);
+
+/* The number of a primitive's material. */
+static inline uint32_t pen_scene_material_of(const struct pen_scene *scene, uint32_t prim)
+{
+    return scene->prim_material[pen_prim_slot(&scene->prims, prim)];
+}
+
+/* The material of a primitive. */
+static inline const struct pen_material *pen_scene_material(const struct pen_scene *scene,
+                                                            uint32_t prim)
+{
+    return &scene->materials[pen_scene_material_of(scene, prim)];
+}
+
+/* Whether a primitive transmits light. */
+static inline bool pen_scene_see_through(const struct pen_scene *scene, uint32_t prim)
+{
+    return pen_see_through(&scene->prims, scene->see_through, prim);
+}
 
 /* The number of the view with this name, or -1. */
 int pen_scene_find_view(const struct pen_scene *scene, const char *name);

@@ -38,6 +38,7 @@ static struct pen_prim_source source_of(const struct pen_object_desc *o)
     case PEN_OBJECT_POLYGON:
         return (struct pen_prim_source){.count = o->u.polygon.count,
                                         .vertices = o->u.polygon.vertices};
+    case PEN_OBJECT_MESH:
     case PEN_OBJECT_GROUP: /* never: the iterator returns primitives only */
         break;
     }
@@ -89,6 +90,11 @@ bool pen_scene_prim_make(const struct pen_desc_iter_item *item, struct pen_vec3 
                                           .material = object->material,
                                           .moved_by = item->moved ? item->transform : NULL,
                                           .from = source_of(object)};
+    if (object->kind == PEN_OBJECT_MESH) {
+        scene_prim->kind = PEN_PRIM_TRIANGLE;
+        scene_prim->mesh = object->u.mesh;
+        return true;
+    }
     scene_prim->own = from->vertices;
     if (!item->moved)
         return true;

@@ -10,7 +10,7 @@ static int times_left(const struct pen_prims *prims, uint32_t prim, const struct
     struct pen_intersections met = {.count = 0};
     int left = 0;
     pen_prim_intersect_line(prims, prim, ray, &met);
-    const bool flat = pen_prim_flat(prims->ref[prim].kind);
+    const bool flat = pen_prim_flat(pen_prim_kind(prims, prim));
     for (int i = 0; i < met.count; i++) {
         if (!(met.t[i] > 0))
             continue;
@@ -74,9 +74,10 @@ static void add_triangle(struct angle_sum *sum, struct pen_vec3 a, struct pen_ve
 static bool surrounds(const struct pen_prims *prims, const struct pen_solids *solids,
                       const struct pen_solid *s, struct pen_vec3 p)
 {
+    struct pen_triangle room;
     struct angle_sum half = {1, 0, 0};
     for (uint32_t i = 0; i < s->count; i++) {
-        const struct pen_outline line = pen_prim_outline(prims, solids->prim[s->first + i]);
+        const struct pen_outline line = pen_prim_outline(prims, solids->prim[s->first + i], &room);
         const struct pen_vec3 a = pen_sub(line.v[0], p);
         for (uint32_t k = 1; k + 1 < line.count; k++)
             add_triangle(&half, a, pen_sub(line.v[k], p), pen_sub(line.v[k + 1], p));

@@ -53,10 +53,11 @@ static struct pen_vec3 colour_at(const struct pen_pattern *pattern, const struct
 struct pen_material pen_material_at(const struct pen_scene *scene, uint32_t prim, struct pen_vec3 p,
                                     double bound)
 {
-    struct pen_material m = scene->materials[scene->prim_material[prim]];
+    struct pen_material m = *pen_scene_material(scene, prim);
     if (!m.patterns)
         return m;
-    const struct own_point own = own_point(&scene->own_spaces[scene->prim_space[prim]], p, bound);
+    const struct own_point own = own_point(
+        &scene->own_spaces[scene->prim_space[pen_prim_slot(&scene->prims, prim)]], p, bound);
     for (int i = 0; i < PEN_MATERIAL_COLOURS; i++)
         if (m.patterns->of[i])
             *pen_material_colour(&m, i) = colour_at(m.patterns->of[i], &own);
@@ -66,7 +67,7 @@ struct pen_material pen_material_at(const struct pen_scene *scene, uint32_t prim
 struct pen_vec3 pen_filter_at(const struct pen_scene *scene, const struct pen_ray *ray,
                               const struct pen_origin_surface *origin, struct pen_hit hit)
 {
-    const struct pen_material *m = &scene->materials[scene->prim_material[hit.prim]];
+    const struct pen_material *m = pen_scene_material(scene, hit.prim);
     if (!m->patterns || !m->patterns->of[PEN_COLOUR_KT])
         return m->kt;
     const struct pen_vec3 p = pen_prim_point(&scene->prims, hit, ray);

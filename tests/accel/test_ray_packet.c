@@ -175,7 +175,8 @@ static void follow(struct random *r, const struct pen_accel *accel, const struct
 static struct pen_vec3 aim(struct random *r)
 {
     const uint32_t prim = random_below(r, world.prims.count);
-    const struct pen_outline line = pen_prim_outline(&world.prims, prim);
+    struct pen_triangle room;
+    const struct pen_outline line = pen_prim_outline(&world.prims, prim, &room);
     if (line.count > 0) {
         const uint32_t i = random_below(r, line.count);
         const struct pen_vec3 a = line.v[i], b = line.v[i + 1 < line.count ? i + 1 : 0];
@@ -343,8 +344,9 @@ static void each_isa_follows(struct random *r, const struct pen_accel *accel,
 /* Rays through points near one edge of a primitive, from the eye or from near it. */
 static void look_along_edge(struct random *r, struct pen_vec3 eye, double width, struct rays *out)
 {
+    struct pen_triangle room;
     const struct pen_outline line =
-        pen_prim_outline(&world.prims, random_below(r, world.prims.count));
+        pen_prim_outline(&world.prims, random_below(r, world.prims.count), &room);
     const uint32_t k = random_below(r, line.count);
     const struct pen_vec3 a = line.v[k], e = pen_sub(line.v[k + 1 < line.count ? k + 1 : 0], a);
     const double apart = random_below(r, 2) ? .01 : 0;

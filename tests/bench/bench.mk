@@ -11,6 +11,14 @@ $(BUILD)/tests/bench/%: tests/bench/%.c $(BUILD)/libservice.a $(BUILD)/librender
 	$(Q)$(COMPILE) -Itests $(PKG_CFLAGS) -pthread $(LDFLAGS) -o $@ $< $(BENCH_OBJ) $(BUILD)/libservice.a \
 	    $(BUILD)/librender.a $(PKG_LIBS)
 
+# Single rays against meshes, beside Embree where its headers are installed.
+.PHONY: bench-trace
+EMBREE := $(wildcard /usr/include/embree3/rtcore.h)
+$(BUILD)/tests/bench/bench_trace: BENCH_OBJ := $(if $(EMBREE),-DPEN_EMBREE -lembree3)
+bench-trace: $(BUILD)/tests/bench/bench_trace
+	@mkdir -p $(BUILD)/trace
+	@$(BUILD)/tests/bench/bench_trace $(BUILD)/trace/trace.json $(BUILD)/trace/trace.md
+
 # Whole programs by the clock, against POV-Ray where it is installed: tests/bench/README.md has the
 # variables. SCENES="NAME…" takes only these.
 .PHONY: bench-frames bench-compare bench-growth bench-auto

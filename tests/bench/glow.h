@@ -20,8 +20,8 @@ static inline bool bench_glow_only(const struct pen_scene *scene)
                 pen_norm1(pen_sub(sky->zenith, scene->background)) == 0 &&
                 pen_norm1(pen_sub(sky->nadir, scene->background)) == 0;
     for (uint32_t i = 0; only && i < scene->prims.count; i++) {
-        const struct pen_material *m = &scene->materials[scene->prim_material[i]];
-        only = scene->prims.ref[i].kind == PEN_PRIM_SPHERE && !m->patterns &&
+        const struct pen_material *m = pen_scene_material(scene, i);
+        only = pen_prim_kind(&scene->prims, i) == PEN_PRIM_SPHERE && !m->patterns &&
                pen_norm1(m->kr) + pen_norm1(m->kt) + pen_norm1(m->ka) == 0;
     }
     return only;
@@ -86,7 +86,7 @@ static inline void bench_glow_ray(struct bench_glow *g, uint32_t sphere, struct 
         return;
     const double slope = forward / sqrt(mm);
     const double share = tau * part * mm / (sqrt(xx * yy) * slope * slope * slope * rays);
-    const struct pen_vec3 light = g->scene->materials[g->scene->prim_material[sphere]].emission;
+    const struct pen_vec3 light = pen_scene_material(g->scene, sphere)->emission;
     double *sum = &g->sum[4 * ((size_t)y * (size_t)g->width + (size_t)x)];
     sum[0] += share;
     sum[1] += share * light.x;

@@ -159,6 +159,7 @@ static void put_primitive(const struct pen_object_desc *o, const struct pen_tran
         printf(", %.17g %s", o->u.cone.top_radius * scale, o->u.cone.caps ? "" : "open ");
         break;
     case PEN_OBJECT_GROUP:
+    case PEN_OBJECT_MESH:
         break;
     }
 }

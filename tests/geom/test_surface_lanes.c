@@ -66,9 +66,10 @@ static bool same(vec3 a, vec3 b)
 /* Returns whether the group has been computed in lanes. */
 static bool compare(const struct lanes_test *test, struct random *r)
 {
+    struct pen_triangle room;
     const uint32_t prim = some_primitive(r);
     const struct pen_kind_functions *fn = pen_prim_row(&world.prims, prim)->fn;
-    const void *self = pen_prim_self(&world.prims, prim);
+    const void *self = pen_prim_self(&world.prims, prim, &room);
     const bool capped = world.ref[prim].kind == PEN_PRIM_CYLINDER;
     const uint8_t part = (uint8_t)(capped ? random_below(r, 3) : PEN_PART_SIDE);
     struct lanes_hits at;

@@ -116,11 +116,12 @@ static void check(uint32_t solids, uint32_t closed)
 /* All faces of a closed convex solid look outward, once those that are turned are turned. */
 static void assert_outward(const struct pen_scene *scene, uint32_t solid)
 {
+    struct pen_triangle room;
     const struct pen_solid *s = &scene->solids.at[solid];
     const vec3 middle = pen_box_center(s->box);
     for (uint32_t i = 0; i < s->count; i++) {
         const uint32_t prim = scene->solids.prim[s->first + i];
-        const vec3 v = pen_prim_outline(&scene->prims, prim).v[0];
+        const vec3 v = pen_prim_outline(&scene->prims, prim, &room).v[0];
         const vec3 n = pen_prim_normal(&scene->prims, (struct pen_hit){0, prim, 0}, v);
         ck_assert_uint_eq(scene->solids.of_prim[prim], solid);
         ck_assert((pen_dot(n, pen_sub(v, middle)) > 0) != (scene->solids.turned[prim] != 0));

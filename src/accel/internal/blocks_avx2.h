@@ -262,7 +262,7 @@ static inline bool offer_triangles(struct trace *trace, const uint32_t prim[PEN_
     const struct pen_prims *prims = trace->accel->prims;
     for (; lanes; lanes &= lanes - 1) {
         uint32_t number = prim[__builtin_ctz(lanes)];
-        const struct pen_triangle *tri = &prims->triangle[prims->ref[number].index];
+        const struct pen_triangle *tri = &prims->triangle[pen_prim_ref(prims, number).index];
         if (offer_outline(trace, number, &tri->facet, tri->v, 3, any))
             return true;
     }
@@ -321,7 +321,7 @@ static inline uint32_t most_corners(const struct trace *trace, const struct pen_
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t prim = block->prim[__builtin_ctz(lanes)];
         const uint32_t count =
-            prim != PEN_NO_PRIM ? prims->polygon[prims->ref[prim].index].count : 0;
+            prim != PEN_NO_PRIM ? prims->polygon[pen_prim_ref(prims, prim).index].count : 0;
         most = count > most ? count : most;
     }
     return most;
@@ -396,7 +396,7 @@ static inline bool offer_polygons(struct trace *trace, const struct pen_polygons
     const struct pen_prims *prims = trace->accel->prims;
     for (unsigned sure = in.lanes & lanes; sure; sure &= sure - 1) {
         uint32_t number = block->prim[__builtin_ctz(sure)];
-        const struct pen_polygon *p = &prims->polygon[prims->ref[number].index];
+        const struct pen_polygon *p = &prims->polygon[pen_prim_ref(prims, number).index];
         if (offer_outline(trace, number, &p->facet, p->v, p->count, any))
             return true;
     }
@@ -726,6 +726,7 @@ static inline bool test_item(struct trace *trace, uint32_t item, bool any)
         return test_planes4(trace, &trace->accel->planes[index], any);
     case PEN_BLOCK_GENERIC:
     case PEN_BLOCK_INFINITE_CYLINDERS:
+    case PEN_BLOCK_MESH:
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:

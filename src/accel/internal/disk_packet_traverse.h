@@ -114,7 +114,8 @@ static inline bool disk_packet_add_leaf(const struct pen_accel *accel,
                                         struct pen_disk_packet *packet, uint32_t first,
                                         enum pen_disk_visibility *visibility)
 {
-    for (const uint32_t *item = &accel->items[first];; item++) {
+    uint32_t items[PEN_LEAF_BLOCKS_MAX];
+    for (const uint32_t *item = leaf_items(accel, first, items);; item++) {
         bool generic = PEN_ITEM_KIND(*item) == PEN_BLOCK_GENERIC;
         const uint32_t *prim = block_prims(accel, *item);
         for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {

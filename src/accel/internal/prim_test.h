@@ -32,6 +32,8 @@
 
 struct box_ray; /* defined by the instruction set */
 
+struct mesh_query; /* mesh_query.h */
+
 /* One query in progress. */
 struct trace {
     const struct pen_accel *accel;
@@ -43,6 +45,7 @@ struct trace {
     double grow;         /* the reach of the self-intersection rule */
     double near_sq;      /* squared t at distance grow */
     const struct box_ray *box;  /* the ray for boxes; NULL before it is made */
+    struct mesh_query *meshes;  /* in trees with blocks of meshes */
     struct pen_hit after, best; /* nearest: the intersection is sought between these */
     struct pen_shadow *shadow;
     double light_bound; /* shadow: the distance by which the light may miss a surface that contains
@@ -50,21 +53,23 @@ struct trace {
     struct pen_vec3 light; /* shadow to a point: the end of the ray */
 };
 
-/* The unit normal of a plane, triangle or polygon; NULL for other kinds and for a cut polygon. */
+/* The unit normal of a plane, triangle or polygon; NULL for other kinds and for a cut polygon.
+ * `room` as in pen_prim_self. */
 static inline const struct pen_vec3 *flat_normal(const struct pen_prims *prims,
-                                                 struct pen_prim_ref ref)
+                                                 struct pen_prim_ref ref, struct pen_triangle *room)
 {
     switch (pen_block_of(ref.kind)) {
     case PEN_BLOCK_PLANES:
         return &prims->plane[ref.index].n;
     case PEN_BLOCK_TRIANGLES:
-        return &prims->triangle[ref.index].facet.n;
+        return &pen_prim_triangle(prims, ref.index, room)->facet.n;
     case PEN_BLOCK_POLYGONS:
         return prims->polygon[ref.index].piece ? NULL : &prims->polygon[ref.index].facet.n;
     case PEN_BLOCK_GENERIC:
     case PEN_BLOCK_SPHERES:
     case PEN_BLOCK_CYLINDERS:
     case PEN_BLOCK_INFINITE_CYLINDERS:
+    case PEN_BLOCK_MESH:
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:
@@ -86,9 +91,10 @@ static inline double flat_scale(const struct trace *trace, struct pen_prim_ref r
  * is not on the surface. */
 static inline bool may_end_ray(const struct trace *trace, struct pen_hit h)
 {
+    struct pen_triangle room;
     const struct pen_prims *prims = trace->accel->prims;
-    const struct pen_prim_ref ref = prims->ref[h.prim];
-    const struct pen_vec3 *n = flat_normal(prims, ref);
+    const struct pen_prim_ref ref = pen_prim_ref(prims, h.prim);
+    const struct pen_vec3 *n = flat_normal(prims, ref, &room);
     if (n)
         return fabs((trace->shadow->tmax - h.t) * pen_dot(trace->ray->d, *n)) <=
                trace->light_bound + 8 * PEN_U * flat_scale(trace, ref, trace->light);
@@ -127,7 +133,7 @@ static inline bool offer(struct trace *trace, uint32_t prim, double t, uint8_t p
     if (query->to_point && may_end_ray(trace, h) &&
         pen_prim_ends_ray(trace->accel->prims, h, trace->ray, query->tmax, trace->light_bound))
         return false;
-    if (query->see_through && query->see_through[prim]) {
+    if (pen_see_through(trace->accel->prims, query->see_through, prim)) {
         keep_intersection(query, h);
         return false;
     }
@@ -238,17 +244,18 @@ static inline bool starts_on_plane(const struct trace *trace, struct pen_prim_re
  * self-intersection rule decides otherwise. */
 static inline bool offer_flat(struct trace *trace, uint32_t prim, double t, bool any)
 {
+    struct pen_triangle room;
     bool late = t > (any ? trace->shadow->tmax : trace->best.t);
     if (!trace->from_surface)
         return t > 0 && !late && offer(trace, prim, t, PEN_PART_SIDE, any);
     if (prim == trace->origin->prim)
         return false;
-    const struct pen_prim_ref ref = trace->accel->prims->ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(trace->accel->prims, prim);
     if (t * t <= trace->near_sq || starts_on_plane(trace, ref))
         return test_reference(trace, prim, any);
     if (late && !trace->reaches_origin)
         return false;
-    struct pen_vec3 n = *flat_normal(trace->accel->prims, ref);
+    struct pen_vec3 n = *flat_normal(trace->accel->prims, ref, &room);
     if (fabs(t * pen_dot(trace->ray->d, n)) <=
             trace->origin->bound + 8 * PEN_U * flat_scale(trace, ref, trace->ray->o) &&
         (trace->reaches_origin ||
@@ -291,7 +298,8 @@ static __attribute__((noinline)) bool offer_near_plane(struct trace *trace, uint
 static inline bool surely_blocks(const struct trace *trace, uint32_t prim, double t, double dn)
 {
     const struct pen_shadow *query = trace->shadow;
-    if ((query->see_through && query->see_through[prim]) || prim == trace->origin->prim)
+    if (pen_see_through(trace->accel->prims, query->see_through, prim) ||
+        prim == trace->origin->prim)
         return false;
     double rounding = 16 * PEN_U * trace->accel->scale + 0x1p-28 * fabs(t * dn);
     return t > 0 && t * t > 1.0000001 * trace->near_sq && 1.0000001 * t < query->tmax &&
@@ -340,8 +348,9 @@ static inline bool test_polygon(struct trace *trace, uint32_t prim, const struct
 /* Tests one primitive of any kind, by the functions of its header or by the reference. */
 static inline bool test_prim(struct trace *trace, uint32_t prim, bool any)
 {
+    struct pen_triangle room;
     const struct pen_prims *prims = trace->accel->prims;
-    const struct pen_prim_ref ref = prims->ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     double t;
     switch (pen_block_of(ref.kind)) {
     case PEN_BLOCK_SPHERES:
@@ -354,10 +363,11 @@ static inline bool test_prim(struct trace *trace, uint32_t prim, bool any)
         return pen_plane_root(&prims->plane[ref.index], trace->ray, &t) &&
                offer_flat(trace, prim, t, any);
     case PEN_BLOCK_TRIANGLES:
-        return test_triangle(trace, prim, &prims->triangle[ref.index], any);
+        return test_triangle(trace, prim, pen_prim_triangle(prims, ref.index, &room), any);
     case PEN_BLOCK_POLYGONS:
         return test_polygon(trace, prim, &prims->polygon[ref.index], any);
     case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_MESH:
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:
@@ -385,6 +395,8 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
         return accel->infinite_cylinders[index].prim;
     case PEN_BLOCK_GENERIC:
         return accel->generic[index].prim;
+    case PEN_BLOCK_MESH:
+        return accel->mesh_blocks[index].prim;
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:
@@ -393,11 +405,27 @@ static inline const uint32_t *block_prims(const struct pen_accel *accel, uint32_
     return NULL;
 }
 
+/* The items of a leaf, from the number in its child. Those of a leaf without items are made in
+ * `room`.
+ */
+static inline const uint32_t *leaf_items(const struct pen_accel *accel, uint32_t leaf,
+                                         uint32_t room[PEN_LEAF_BLOCKS_MAX])
+{
+    if (!(leaf & PEN_LEAF_BLOCKS))
+        return &accel->items[leaf];
+    const uint32_t first = (leaf & ~PEN_LEAF_BLOCKS) / PEN_LEAF_BLOCKS_MAX;
+    const uint32_t others = leaf % PEN_LEAF_BLOCKS_MAX;
+    for (uint32_t i = 0; i <= others; i++)
+        room[i] = PEN_ITEM(PEN_BLOCK_MESH, first + i);
+    room[others] |= PEN_ITEM_LAST;
+    return room;
+}
+
 /* Tests one primitive of a leaf. A flat primitive with the ray's origin on its border may count as
  * hit although the ray's line misses its inside. So near the origin the reference decides. */
 static inline bool test_one(struct trace *trace, uint32_t prim, bool any)
 {
-    uint32_t kind = trace->accel->prims->ref[prim].kind;
+    uint32_t kind = pen_prim_kind(trace->accel->prims, prim);
     if (trace->reaches_origin && (kind == PEN_PRIM_TRIANGLE || kind == PEN_PRIM_POLYGON))
         return prim != trace->origin->prim && test_reference(trace, prim, any);
     return test_prim(trace, prim, any);

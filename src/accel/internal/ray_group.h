@@ -174,7 +174,7 @@ static __attribute__((noinline)) void group_fall_back(struct ray_group *g, int i
     struct pen_ray_packet *packet = g->packet;
     const struct pen_prims *prims = g->accel->prims;
     const bool generic =
-        pen_block_of(prims->ref[prim].kind) == PEN_BLOCK_GENERIC || pen_prim_cut(prims, prim);
+        pen_block_of(pen_prim_kind(prims, prim)) == PEN_BLOCK_GENERIC || pen_prim_cut(prims, prim);
     struct pen_ray ray;
     pen_ray_array_get(g->rays, i, &ray);
     struct trace trace = trace_begin(g->accel, &ray, packet->origin[i]);

@@ -52,8 +52,9 @@ static inline void group_test_one_by_one(struct ray_group *g, const struct group
 /* Tests a primitive against all live rays. */
 static inline void group_test(struct ray_group *g, const struct group_prim *q)
 {
+    struct pen_triangle room;
     const struct pen_prims *prims = g->accel->prims;
-    const struct pen_prim_ref ref = prims->ref[q->prim];
+    const struct pen_prim_ref ref = pen_prim_ref(prims, q->prim);
     switch (pen_block_of(ref.kind)) {
     case PEN_BLOCK_SPHERES:
         group_test_sphere(g, &prims->sphere[ref.index], q);
@@ -65,15 +66,15 @@ static inline void group_test(struct ray_group *g, const struct group_prim *q)
         group_test_plane(g, &prims->plane[ref.index], q);
         break;
     case PEN_BLOCK_TRIANGLES: {
-        const struct pen_triangle *t = &prims->triangle[ref.index];
+        const struct pen_triangle *t = pen_prim_triangle(prims, ref.index, &room);
         const struct group_outline outline = {t->v, 3, &t->facet, true, 0};
         group_test_outline(g, &outline, q);
         break;
     }
     case PEN_BLOCK_POLYGONS: {
         const struct pen_polygon *p = &prims->polygon[ref.index];
-        const struct group_outline outline = {p->v, p->count, &p->facet, g->accel->convex[q->prim],
-                                              p->extent};
+        const struct group_outline outline = {
+            p->v, p->count, &p->facet, g->accel->convex[pen_prim_slot(prims, q->prim)], p->extent};
         if (p->piece)
             group_test_one_by_one(g, q);
         else
@@ -82,6 +83,7 @@ static inline void group_test(struct ray_group *g, const struct group_prim *q)
     }
     case PEN_BLOCK_INFINITE_CYLINDERS:
     case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_MESH:
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:

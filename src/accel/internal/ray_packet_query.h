@@ -18,6 +18,19 @@ struct group_candidate {
     uint64_t rays; /* the other rays certainly miss it */
 };
 
+/* The box of a finite primitive. That of a triangle of a mesh is made in *room. */
+static inline const struct pen_float_box *accel_box(const struct pen_accel *accel, uint32_t prim,
+                                                    struct pen_float_box *room)
+{
+    if (!pen_prim_mesh(accel->prims, prim))
+        return &accel->prim_box[pen_prim_slot(accel->prims, prim)];
+    const struct pen_box box = pen_prim_bounds(accel->prims, prim);
+    *room = (struct pen_float_box){
+        {pen_float_down(box.lo.x), pen_float_down(box.lo.y), pen_float_down(box.lo.z)},
+        {pen_float_up(box.hi.x), pen_float_up(box.hi.y), pen_float_up(box.hi.z)}};
+    return room;
+}
+
 /* Whether the origin of some ray may be on a primitive in this box, or on its border. */
 static inline bool group_starts_in(const struct ray_group *g, const struct pen_float_box *box)
 {
@@ -44,13 +57,15 @@ static inline bool group_on_one_side(const struct ray_group *g, struct pen_vec3 
  * it. */
 static inline bool group_misses(const struct ray_group *g, uint32_t prim)
 {
+    struct pen_triangle room;
     const struct pen_prims *prims = g->accel->prims;
-    const struct pen_prim_ref ref = prims->ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     if (!g->to_point)
         return false;
-    if (ref.kind == PEN_PRIM_TRIANGLE)
-        return group_on_one_side(g, prims->triangle[ref.index].facet.n,
-                                 prims->triangle[ref.index].v[0]);
+    if (ref.kind == PEN_PRIM_TRIANGLE) {
+        const struct pen_triangle *t = pen_prim_triangle(prims, ref.index, &room);
+        return group_on_one_side(g, t->facet.n, t->v[0]);
+    }
     if (ref.kind == PEN_PRIM_POLYGON)
         return prims->polygon[ref.index].flat &&
                group_on_one_side(g, prims->polygon[ref.index].facet.n,
@@ -72,8 +87,9 @@ static inline uint64_t group_rays_in(const struct ray_group *g, const struct pen
 /* The rays that may meet a primitive. */
 static inline uint64_t group_rays_at(const struct ray_group *g, uint32_t prim)
 {
-    const bool infinite = pen_prim_infinite(g->accel->prims->ref[prim].kind);
-    return infinite ? UINT64_MAX : group_rays_in(g, &g->accel->prim_box[prim]);
+    struct pen_float_box room;
+    const bool infinite = pen_prim_infinite(pen_prim_kind(g->accel->prims, prim));
+    return infinite ? UINT64_MAX : group_rays_in(g, accel_box(g->accel, prim, &room));
 }
 
 /* Whether a primitive is tested in lanes. A primitive without such a test needs the scalar test for
@@ -81,7 +97,7 @@ static inline uint64_t group_rays_at(const struct ray_group *g, uint32_t prim)
  * by ray. */
 static inline bool group_has_test(const struct ray_group *g, uint32_t prim)
 {
-    switch (pen_block_of(g->accel->prims->ref[prim].kind)) {
+    switch (pen_block_of(pen_prim_kind(g->accel->prims, prim))) {
     case PEN_BLOCK_POLYGONS:
         return !pen_prim_cut(g->accel->prims, prim);
     case PEN_BLOCK_TRIANGLES:
@@ -91,6 +107,7 @@ static inline bool group_has_test(const struct ray_group *g, uint32_t prim)
         return true;
     case PEN_BLOCK_INFINITE_CYLINDERS:
     case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_MESH:
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:
@@ -104,12 +121,14 @@ static inline bool group_has_test(const struct ray_group *g, uint32_t prim)
 static inline bool group_collect_leaf(const struct ray_group *g, uint32_t first, bool boxes,
                                       struct group_candidate *out, int *count)
 {
-    for (const uint32_t *item = &g->accel->items[first];; item++) {
+    struct pen_float_box room;
+    uint32_t items[PEN_LEAF_BLOCKS_MAX];
+    for (const uint32_t *item = leaf_items(g->accel, first, items);; item++) {
         const uint32_t *prim = block_prims(g->accel, *item);
         for (int lane = 0; prim && lane < PEN_LANES && prim[lane] != PEN_NO_PRIM; lane++) {
             struct group_candidate c = {0, prim[lane], UINT64_MAX};
             if (boxes) {
-                const struct pen_float_box *box = &g->accel->prim_box[c.prim];
+                const struct pen_float_box *box = accel_box(g->accel, c.prim, &room);
                 c.rays = group_rays_in(g, box);
                 c.near = beam_near(&g->beam, box);
             }
@@ -169,9 +188,10 @@ static inline bool group_collect(const struct ray_group *g, struct group_candida
 static inline struct group_prim group_prim_of(const struct ray_group *g, uint32_t prim,
                                               uint64_t rays, bool see_through)
 {
-    const bool infinite = pen_prim_infinite(g->accel->prims->ref[prim].kind);
+    struct pen_float_box room;
+    const bool infinite = pen_prim_infinite(pen_prim_kind(g->accel->prims, prim));
     const bool near =
-        g->from_surface && (infinite || group_starts_in(g, &g->accel->prim_box[prim]));
+        g->from_surface && (infinite || group_starts_in(g, accel_box(g->accel, prim, &room)));
     return (struct group_prim){
         .prim = prim,
         .rays = rays,
@@ -237,12 +257,13 @@ static inline bool may_be_on_facet(const struct pen_facet *facet, struct pen_vec
  * of t and of the primitive are below 2^-40 of the coordinates. */
 static inline bool group_light_on(const struct ray_group *g, uint32_t prim)
 {
+    struct pen_triangle room;
     const struct pen_prims *prims = g->accel->prims;
-    const struct pen_prim_ref ref = prims->ref[prim];
+    const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     const double b = g->light_bound;
     switch (pen_block_of(ref.kind)) {
     case PEN_BLOCK_TRIANGLES:
-        return may_be_on_facet(&prims->triangle[ref.index].facet, g->light, b);
+        return may_be_on_facet(&pen_prim_triangle(prims, ref.index, &room)->facet, g->light, b);
     case PEN_BLOCK_POLYGONS:
         return prims->polygon[ref.index].piece ||
                may_be_on_facet(&prims->polygon[ref.index].facet, g->light,
@@ -261,6 +282,7 @@ static inline bool group_light_on(const struct ray_group *g, uint32_t prim)
     }
     case PEN_BLOCK_INFINITE_CYLINDERS:
     case PEN_BLOCK_GENERIC:
+    case PEN_BLOCK_MESH:
     case PEN_BLOCK_NOTHING:
     case PEN_BLOCK_SINGLE:
     case PEN_BLOCK_KIND_COUNT:
@@ -293,7 +315,7 @@ static inline bool group_shadow(struct ray_group *g)
     uint32_t last = packet->last_occluder;
     if (!group_begin(g))
         return false;
-    if (last < g->accel->prims->count && !(see_through && see_through[last]))
+    if (last < g->accel->prims->count && !pen_see_through(g->accel->prims, see_through, last))
         group_test_shadow(g, last, group_rays_at(g, last), false);
     else
         last = PEN_NO_PRIM;
@@ -303,7 +325,7 @@ static inline bool group_shadow(struct ray_group *g)
         return false;
     for (int pass = 0; pass < (see_through ? 2 : 1); pass++) {
         for (int k = 0; k < count && g->live; k++) {
-            const bool transmits = see_through && see_through[c[k].prim];
+            const bool transmits = pen_see_through(g->accel->prims, see_through, c[k].prim);
             const uint64_t live = g->live;
             if (c[k].prim == last || transmits != (pass == 1))
                 continue;

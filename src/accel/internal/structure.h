@@ -31,6 +31,11 @@ enum { PEN_CONVEX_CORNERS = 8 };
 
 /* A child is the number of a node. With this bit set, it is the number of a leaf's first item. */
 #define PEN_CHILD_LEAF 0x80000000u
+/* In wide trees, a leaf of one to four blocks of meshes, and nothing else, has no items. Then this
+ * bit is set with PEN_CHILD_LEAF; the rest is the number of its first block times four, plus the
+ * number of its other blocks. */
+#define PEN_LEAF_BLOCKS 0x40000000u
+enum { PEN_LEAF_BLOCKS_MAX = 4 };
 /* In lists, the first child of a node also has this bit set if the next node continues the list. */
 #define PEN_CHILD_MORE 0x40000000u
 
@@ -45,6 +50,7 @@ enum pen_block_kind {
     PEN_BLOCK_CYLINDERS,
     PEN_BLOCK_PLANES,
     PEN_BLOCK_INFINITE_CYLINDERS,
+    PEN_BLOCK_MESH,
     PEN_BLOCK_NOTHING, /* in the empty leaf */
     PEN_BLOCK_SINGLE,  /* the index is the primitive's number */
     PEN_BLOCK_KIND_COUNT
@@ -142,6 +148,24 @@ struct pen_cylinders4 {
     uint32_t open; /* bit per lane: no caps */
 };
 
+/* Triangles of one mesh, each from its distinguished corner on. Their numbers are those of the mesh
+ * times a power of two, such that the mesh is about as large as 1: see struct pen_mesh_frame. A
+ * lane without a triangle has NaN. */
+struct pen_mesh4 {
+    float v[3][3][PEN_LANES]; /* vertex, axis, lane */
+    uint32_t prim[PEN_LANES];
+};
+
+/* What the test of a mesh's blocks needs of the mesh. A number f of a block is at shift + unit f.
+ * Lengths are in these numbers. */
+struct pen_mesh_frame {
+    double unit, inv_unit;
+    float factor;    /* numbers of the block per number of the mesh */
+    double extent;   /* the largest size of a coordinate, in [1/2, 1] or 0 */
+    double rounding; /* what a vertex is off by that the local frame has rounded */
+    float longest;   /* the longest edge, as the sum of its parts along the axes */
+};
+
 struct pen_float_box {
     float lo[3], hi[3];
 };
@@ -162,11 +186,14 @@ struct pen_accel {
     const struct pen_planes4 *planes;
     const struct pen_generic4 *infinite_cylinders;
     const struct pen_generic4 *generic;
-    double scale;  /* the largest pen_prim_scale of a finite primitive */
-    double extent; /* the largest size of a coordinate of their boxes */
-    /* By primitive, wide trees only; zero for infinite ones. */
+    const struct pen_mesh4 *mesh_blocks;
+    const struct pen_mesh_frame *mesh_frames; /* by mesh; NULL: no mesh has blocks */
+    double scale;                             /* the largest pen_prim_scale of a finite primitive */
+    double extent;                            /* the largest size of a coordinate of their boxes */
+    /* By slot, wide trees only; zero for infinite primitives and for meshes: see pen_accel_box. */
     const struct pen_float_box *prim_box;
-    const bool *convex; /* by primitive, wide trees only: see pack_boxes.c */
+    const bool *convex; /* by slot, wide trees only: see pack_boxes.c */
+    bool mixed;         /* some block is none of a mesh */
     bool packets;       /* rays of a packet are traced in groups */
     struct pen_accel_stats stats;
     struct pen_test_counts *counts; /* for a view that counts; else NULL */

@@ -6,6 +6,7 @@
 #define PEN_ACCEL_INTERNAL_TRAVERSE_QUERY_H
 
 #include "accel/internal/traverse_lists.h"
+#include "accel/internal/traverse_mesh.h"
 #include "accel/internal/traverse_pairs.h"
 #include "accel/internal/traverse_wide.h"
 
@@ -20,11 +21,15 @@ static __attribute__((noinline)) bool traverse_other(struct trace *trace, const 
 static inline bool search(struct trace *trace, double tmin, bool any)
 {
     const struct pen_accel *accel = trace->accel;
-    if (test_leaf(trace, accel->infinite, true, any) ||
+    const uint32_t infinite = accel->infinite;
+    if ((PEN_ITEM_KIND(accel->items[infinite]) != PEN_BLOCK_NOTHING &&
+         test_leaf(trace, infinite, true, any)) ||
         (accel->list && test_leaf(trace, accel->list, true, any)))
         return true;
     if (accel->shape == PEN_SHAPE_NONE)
         return false;
+    if (accel->mesh_frames)
+        return mesh_search(trace, tmin, any);
     struct box_ray box;
     box_ray_make(&box, trace->ray, tmin, trace->grow);
     trace->box = &box;
@@ -84,7 +89,7 @@ static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
     uint32_t last = query->last_occluder;
     /* Counts must not depend on earlier rays, so the hint is not tried. */
     if (!COUNTING && last < accel->prims->count &&
-        !(query->see_through && query->see_through[last]) && test_prim(&trace, last, true))
+        !pen_see_through(accel->prims, query->see_through, last) && test_prim(&trace, last, true))
         return true;
     query->last_occluder = PEN_NO_PRIM;
     return search(&trace, 0, true);

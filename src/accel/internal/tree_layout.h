@@ -37,6 +37,7 @@ struct pen_tree_layout {
     const struct pen_prims *prims;
     unsigned generic_kinds; /* bit 1 << enum pen_prim_kind: packed in generic blocks although the
                                kind has its own block; 0 except in tests */
+    const struct pen_mesh_frame *frames; /* by mesh; NULL: meshes have no blocks of their own */
     struct pen_ref *ref; /* the finite primitives, which builders reorder, then the infinite ones */
     uint32_t count;      /* of finite primitives */
     uint32_t infinite;   /* count of infinite primitives */
@@ -51,7 +52,7 @@ struct pen_tree_layout {
 /* Begins a layout with the primitives in document order; finite ones get boxes rounded outward.
  * Fails: returns false when out of memory. */
 bool pen_tree_layout_init(struct pen_tree_layout *layout, const struct pen_prims *prims,
-                          unsigned generic_kinds);
+                          unsigned generic_kinds, const struct pen_mesh_frame *frames);
 void pen_tree_layout_release(struct pen_tree_layout *layout);
 
 /* Adds a leaf, a range of ref[]. Returns it as a child, or PEN_NO_CHILD when out of memory. */
@@ -146,6 +147,10 @@ enum pen_auto_choice pen_auto_choose(const double expected[PEN_AUTO_COUNT]);
  * Fails: returns false when out of memory. */
 bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *arena,
                     struct pen_accel *accel);
+
+/* Fills in the frames of all meshes. Returns false if there are no meshes, or if some mesh cannot
+ * have blocks because its numbers are too far apart. */
+bool pen_mesh_frames_make(const struct pen_prims *prims, struct pen_mesh_frame *frame);
 
 /* Fills in the members of wide trees for ray packets: extent, prim_box, convex.
  * Owns: the arena owns everything.

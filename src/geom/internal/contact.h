@@ -31,14 +31,15 @@ static inline struct pen_surface pen_surface_of_piece(const struct pen_triangle 
     return (struct pen_surface){&pen_triangle_functions, piece};
 }
 
-/* The surface of the primitive; if it is a cut polygon, its triangle at p. */
+/* The surface of the primitive; if it is a cut polygon, its triangle at p. `room` as in
+ * pen_prim_self. */
 static inline struct pen_surface pen_surface_at(const struct pen_prims *prims, uint32_t prim,
-                                                struct pen_vec3 p)
+                                                struct pen_vec3 p, struct pen_triangle *room)
 {
     const struct pen_polygon *polygon = pen_prim_cut(prims, prim);
     if (polygon)
         return pen_surface_of_piece(pen_polygon_piece(polygon, p));
-    return (struct pen_surface){pen_prim_row(prims, prim)->fn, pen_prim_self(prims, prim)};
+    return (struct pen_surface){pen_prim_row(prims, prim)->fn, pen_prim_self(prims, prim, room)};
 }
 
 static inline struct pen_outline pen_surface_outline(struct pen_surface s)

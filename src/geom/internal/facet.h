@@ -28,21 +28,44 @@ static inline struct dd dd_scale2(struct dd a, int e)
     return (struct dd){pen_scale2(a.hi, e), pen_scale2(a.lo, e)};
 }
 
-/* The facet through q with this normal, which is finite and not zero. A normal along an axis gets
- * length 1: then facets in one plane across an axis meet a ray at the same t, with any outlines.
- * All others are scaled by powers of two, which is exact. */
-static inline struct pen_facet pen_facet_of(struct pen_vec3 q, struct dd3 normal)
+/* The facet through q with this normal, which is finite and not zero, without its unit normal. A
+ * normal along an axis gets length 1: then facets in one plane across an axis meet a ray at the
+ * same t, with any outlines. All others are scaled by powers of two, which is exact. */
+static inline struct pen_facet pen_facet_plane(struct pen_vec3 q, struct dd3 normal)
 {
-    struct pen_vec3 high = dd_round3(normal);
+    const struct pen_vec3 high = dd_round3(normal), none = {0, 0, 0};
     int e = -pen_exponent(pen_largest3(high));
     struct dd3 g = {dd_scale2(normal.x, e), dd_scale2(normal.y, e), dd_scale2(normal.z, e)};
     if ((high.x != 0) + (high.y != 0) + (high.z != 0) == 1)
         g = dd_of3(pen_vec3((high.x > 0) - (high.x < 0), (high.y > 0) - (high.y < 0),
                             (high.z > 0) - (high.z < 0)));
     struct dd c = dd_dot(g, dd_of3(q));
-    return (struct pen_facet){
-        dd_round3(g),     pen_vec3(g.x.lo, g.y.lo, g.z.lo), c.hi, c.lo, pen_unit_of(high),
-        PEN_FACET_GRAZING};
+    return (struct pen_facet){dd_round3(g),     pen_vec3(g.x.lo, g.y.lo, g.z.lo), c.hi, c.lo, none,
+                              PEN_FACET_GRAZING};
+}
+
+/* The same with its unit normal. */
+static inline struct pen_facet pen_facet_of(struct pen_vec3 q, struct dd3 normal)
+{
+    struct pen_facet facet = pen_facet_plane(q, normal);
+    facet.n = pen_unit_of(dd_round3(normal));
+    return facet;
+}
+
+/* The normal of a triangle, from its distinguished vertex on. `otherwise` is the normal if the
+ * vertices are on one line; zero: such a triangle is refused.
+ * Fails: returns false if the normal overflows, or if the triangle is refused. */
+static inline bool pen_triangle_normal(const struct pen_vec3 v[3], struct pen_vec3 otherwise,
+                                       struct dd3 *normal)
+{
+    const struct dd3 e = dd_sub3(v[1], v[0]), f = dd_sub3(v[2], v[0]);
+    *normal = dd_cross(e, f);
+    if (!is_finite3(dd_round3(*normal)))
+        return false;
+    /* The error of the normal is a few 2^-104 of the product of the edges; below this limit it
+     * would be visible. */
+    const double least = 0x1p-40 * pen_largest3(dd_round3(e)) * pen_largest3(dd_round3(f));
+    return pen_exact_enough(normal, least, v, 3, otherwise);
 }
 
 /* The bounds of a primitive with this outline whose surface is within `off` of its vertices' plane.

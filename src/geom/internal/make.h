@@ -47,6 +47,10 @@ struct pen_vec3 pen_scale_to_one(struct pen_vec3 v);
 /* The unit vector along v, which is finite and not zero. Each component is within 2 ulp. */
 struct pen_vec3 pen_unit_of(struct pen_vec3 v);
 
+/* A unit vector across the line on which points are; zero if they are one point, or too far apart.
+ */
+struct pen_vec3 pen_across_points(const struct pen_vec3 *v, uint32_t count);
+
 /* The bounds of points. */
 struct pen_box pen_box_of_points(const struct pen_vec3 *v, uint32_t count);
 

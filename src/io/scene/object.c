@@ -106,6 +106,8 @@ static const struct pen_field *fields_of(enum pen_object_kind kind)
         return pen_cone_fields;
     case PEN_OBJECT_GROUP:
         return pen_group_fields;
+    case PEN_OBJECT_MESH:
+        break;
     }
     return NULL;
 }
@@ -245,6 +247,7 @@ static const char *without_inside(const struct pen_object_desc *object)
     case PEN_OBJECT_TRIANGLE:
     case PEN_OBJECT_POLYGON:
     case PEN_OBJECT_GROUP:
+    case PEN_OBJECT_MESH:
         break;
     }
     return NULL;

@@ -24,6 +24,9 @@ struct pen_freezer {
     struct pen_scene_view *views;     /* those of the scene */
     struct pen_vec3 *buffer; /* malloced: the transformed vertices of the current primitive */
     uint32_t buffer_capacity;
+    /* malloced: the meshes, in document order, in the document's units until they have numbers */
+    struct pen_mesh *mesh;
+    uint32_t mesh_count, mesh_next;
 };
 
 static inline bool pen_freeze_no_memory(struct pen_freezer *f)
@@ -52,6 +55,12 @@ static inline struct pen_vec3 pen_freeze_vertex(const struct pen_freezer *f, str
 {
     return pen_without_less(pen_local_point(&f->frame, v), PEN_LEAST);
 }
+
+/* Makes a mesh in the document's units and adds it to the summary. */
+bool pen_freeze_mesh_begin(struct pen_freezer *f, const struct pen_scene_prim *prim);
+
+/* Moves a mesh to the local frame. Returns false if it leaves its range. */
+bool pen_freeze_mesh_end(const struct pen_freezer *f, struct pen_mesh *mesh);
 
 /* Fills the typed arrays of the primitives; needs f->summary and f->frame. */
 bool pen_freeze_prims(struct pen_freezer *f);

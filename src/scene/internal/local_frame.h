@@ -14,7 +14,7 @@ struct pen_prim_summary {
     double infinite_reach;
     uint32_t kind_count[PEN_PRIM_KIND_COUNT];
     uint64_t kept_vertices; /* vertices of kinds whose primitives refer to them */
-    uint64_t total;
+    uint64_t total, slots;  /* of primitives; of pen_prim_slot */
 };
 
 struct pen_prim_summary pen_prim_summary_empty(void);

@@ -10,7 +10,9 @@ struct pen_scene_prim {
     enum pen_prim_kind kind;
     int material;                         /* index, -1: default */
     const struct pen_transform *moved_by; /* to scene units; NULL: not moved */
-    const struct pen_vec3 *own;  /* its vertices before the transforms, in the description */
+    const struct pen_vec3 *own;       /* its vertices before the transforms, in the description */
+    const struct pen_mesh_desc *mesh; /* NULL: one primitive. Else all triangles of a mesh: `kind`
+                                         is that of triangles; `material` and `from` are not used */
     struct pen_prim_source from; /* its vertices are in the caller's buffer or in the description */
 };
 

@@ -218,8 +218,8 @@ static ALWAYS_INLINE void look_for_corner(const struct pen_prims *prims, struct 
         corner->bound = lanes_at(s->bound, 0);
     if (path->depth > 0 && lane_mask_bits(s->corner) && corner->moves < CORNER_MOVES)
         corner->met = (corner->moves == 0 || lanes_at(s->unsure, 0) > 1) &&
-                      pen_prim_flat(prims->ref[s->hit[0].prim].kind) && left != PEN_NO_PRIM &&
-                      pen_prim_flat(prims->ref[left].kind);
+                      pen_prim_flat(pen_prim_kind(prims, s->hit[0].prim)) && left != PEN_NO_PRIM &&
+                      pen_prim_flat(pen_prim_kind(prims, left));
 }
 
 /* The radiance that arrives along the camera ray through a point of the image; if the ray has been

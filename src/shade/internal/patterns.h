@@ -11,7 +11,7 @@ struct pen_material pen_material_at(const struct pen_scene *scene, uint32_t prim
 
 static inline bool prim_is_patterned(const struct pen_scene *scene, uint32_t prim)
 {
-    return scene->materials[scene->prim_material[prim]].patterns != NULL;
+    return pen_scene_material(scene, prim)->patterns != NULL;
 }
 
 /* Its kt at the hit of a ray. */

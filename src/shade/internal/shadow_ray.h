@@ -19,7 +19,7 @@ struct shadow_ray {
 static ALWAYS_INLINE struct pen_vec3 shadow_filter(const struct pen_scene *scene, uint32_t prim,
                                                    struct pen_vec3 t)
 {
-    return pen_mul(t, scene->materials[scene->prim_material[prim]].kt);
+    return pen_mul(t, pen_scene_material(scene, prim)->kt);
 }
 
 /* The same at the hit of a ray on the primitive, whose kt may be a pattern. */

@@ -125,7 +125,7 @@ static ALWAYS_INLINE void surface_materials(struct surface *s, const struct pen_
     const struct pen_material *first = scene->materials;
 #pragma GCC unroll 8
     for (int i = 0; i < LANES; i++)
-        s->material[i] = i < count ? scene->prim_material[s->hit[i].prim] : 0;
+        s->material[i] = i < count ? pen_scene_material_of(scene, s->hit[i].prim) : 0;
     s->patterned = false;
     for (int i = 0; (fx & PEN_FX_PATTERNS) && i < count; i++)
         s->patterned |= first[s->material[i]].patterns != NULL;
@@ -169,7 +169,7 @@ static ALWAYS_INLINE void surface_keep_in_outlines(struct surface *s, const stru
     struct pen_vec3 p[LANES];
     lanes3_store(p, s->p);
     for (int i = 0; i < count; i++) {
-        if (bits >> i & 1 && pen_prim_flat(prims->ref[s->hit[i].prim].kind))
+        if (bits >> i & 1 && pen_prim_flat(pen_prim_kind(prims, s->hit[i].prim)))
             p[i] = pen_prim_point_in_outline(prims, s->hit[i], path[i]->ray.o, p[i],
                                              lanes_at(s->nv, i));
     }
@@ -182,7 +182,7 @@ static ALWAYS_INLINE struct pen_vec3 surface_normal(const struct pen_scene *scen
                                                     struct pen_hit hit, struct pen_vec3 p,
                                                     struct pen_vec3 d)
 {
-    if (scene->see_through[hit.prim] && scene->materials[scene->prim_material[hit.prim]].ior != 1)
+    if (pen_scene_see_through(scene, hit.prim) && pen_scene_material(scene, hit.prim)->ior != 1)
         return pen_prim_normal(&scene->prims, hit, p);
     return pen_prim_normal_seen(&scene->prims, hit, p, d);
 }

@@ -19,7 +19,7 @@ static ALWAYS_INLINE void point_materials(struct surface *s, const struct pen_sc
 {
 #pragma GCC unroll 8
     for (int i = 0; i < LANES; i++)
-        s->material[i] = i < count ? scene->prim_material[s->hit[i].prim] : 0;
+        s->material[i] = i < count ? pen_scene_material_of(scene, s->hit[i].prim) : 0;
     s->kd = point_colours(s, scene, offsetof(struct pen_material, kd));
     s->ks = point_colours(s, scene, offsetof(struct pen_material, ks));
     s->shininess = lanes_rows(&scene->materials->shininess, MATERIAL_DOUBLES, s->material);
