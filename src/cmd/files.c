@@ -105,28 +105,50 @@ bool pen_source_read(struct pen_source *source, const char *name, size_t max_byt
     return true;
 }
 
-bool pen_source_scene(const struct pen_source *source, const struct pen_limits *limits,
+bool pen_source_read_scene(struct pen_source *source, const char *name,
+                           const struct pen_model_options *options, struct pen_status *st)
+{
+    const struct pen_limits limits = pen_limits_default();
+    const bool is_file = strcmp(name, "-") != 0 && strncmp(name, "builtin:", 8) != 0;
+    const bool is_model = is_file && pen_model_kind_of_name(name) != PEN_MODEL_NONE;
+    struct pen_models models;
+    *source = (struct pen_source){.label = name};
+    if (!is_model && !pen_source_read(source, name, limits.body_bytes, st))
+        return false;
+    if (!pen_model_files_open(is_file ? name : NULL, options, &models, st))
+        return false;
+    source->models = models;
+    const char *slash = strrchr(name, '/');
+    return !is_model || pen_models_scene(&source->models, slash ? slash + 1 : name,
+                                         pen_model_up(options), &source->text, st);
+}
+
+bool pen_source_scene(struct pen_source *source, const struct pen_limits *limits,
                       struct pen_arena *arena, struct pen_scene_desc *desc,
                       struct pen_errors *errors)
 {
+    struct pen_limits allowed = *limits;
     const char *text = source->text.data ? (const char *)source->text.data : "";
-    return pen_document_load(text, source->text.bytes, source->xml, limits, arena, desc, errors);
+    allowed.models = source->models.fetch ? &source->models : NULL;
+    return pen_document_load(text, source->text.bytes, source->xml, &allowed, arena, desc, errors);
 }
 
-json_t *pen_source_json(const struct pen_source *source, const struct pen_limits *limits,
+json_t *pen_source_json(struct pen_source *source, const struct pen_limits *limits,
                         struct pen_errors *errors)
 {
+    struct pen_limits allowed = *limits;
     struct pen_document document = {0};
     struct pen_scene_desc desc;
     struct pen_status st;
     struct pen_arena *arena = pen_arena_new(0);
     const char *text = source->text.data ? (const char *)source->text.data : "";
+    allowed.models = source->models.fetch ? &source->models : NULL;
     bool parsed = arena != NULL || pen_fail(&st, PEN_NO_MEMORY, "out of memory");
     parsed =
         parsed && pen_document_parse(text, source->text.bytes, source->xml, limits, &document, &st);
     if (!parsed)
         pen_errors_add(errors, &st);
-    bool ok = parsed && pen_document_read(&document, limits, arena, &desc, errors);
+    bool ok = parsed && pen_document_read(&document, &allowed, arena, &desc, errors);
     json_t *json = ok ? json_incref(document.json) : NULL;
     pen_document_release(&document);
     pen_arena_free(arena);
@@ -142,6 +164,7 @@ void pen_source_locate(const struct pen_source *source, struct pen_status *st)
 
 void pen_source_release(struct pen_source *source)
 {
+    pen_model_files_release(&source->models);
     pen_buf_release(&source->text);
 }
 

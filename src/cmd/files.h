@@ -10,6 +10,7 @@
 
 #include "base/buf.h"
 #include "base/status.h"
+#include "cmd/model_files.h"
 #include "io/document.h"
 
 /* A document and its name in messages. */
@@ -18,6 +19,7 @@ struct pen_source {
     const char *label; /* the file's path, "standard input", "builtin:NAME" */
     /* The name ends in .xml. If it ends neither in .xml nor in .json, the text begins like XML. */
     bool xml;
+    struct pen_models models; /* the model files that the scene may name */
 };
 
 /* Reads `name`: a path, `-`, or `builtin:NAME`; at most max_bytes (0: any size).
@@ -26,16 +28,22 @@ struct pen_source {
 bool pen_source_read(struct pen_source *source, const char *name, size_t max_bytes,
                      struct pen_status *st);
 
+/* As pen_source_read, for a scene, which may name model files. A path that ends in .ply, .obj or
+ * .stl is a scene that shows that model; the text is its JSON. `options` may be NULL.
+ * Fails: also as pen_models_scene. */
+bool pen_source_read_scene(struct pen_source *source, const char *name,
+                           const struct pen_model_options *options, struct pen_status *st);
+
 /* Makes the description of a bare scene (not a job) in JSON or XML.
  * Fails: as pen_scene_load. */
-bool pen_source_scene(const struct pen_source *source, const struct pen_limits *limits,
+bool pen_source_scene(struct pen_source *source, const struct pen_limits *limits,
                       struct pen_arena *arena, struct pen_scene_desc *desc,
                       struct pen_errors *errors);
 
 /* Returns a bare scene as JSON, after checking all of it.
  * Owns: the caller calls json_decref().
  * Fails: NULL with errors->count > 0. */
-json_t *pen_source_json(const struct pen_source *source, const struct pen_limits *limits,
+json_t *pen_source_json(struct pen_source *source, const struct pen_limits *limits,
                         struct pen_errors *errors);
 
 /* If the document is XML, replaces the JSON Pointer of *st by its line and column. */

@@ -22,6 +22,8 @@
 #include "io/message.h"
 #include "scene/desc.h"
 
+struct pen_models;
+
 /* Limits of api/scene-format.md; pen_limits_default gives the defaults. */
 struct pen_limits {
     size_t body_bytes;
@@ -38,6 +40,7 @@ struct pen_limits {
     int address_queue;   /* the same for one client's address; 0: half of `queue` */
     /* The longest expected time of all rays together, at this rate per second; 0: no limit. */
     double seconds, rays_per_second;
+    struct pen_models *models; /* for the model files that scenes name; NULL: none may be named */
 };
 
 struct pen_limits pen_limits_default(void);

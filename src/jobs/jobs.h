@@ -46,6 +46,7 @@ struct pen_submission {
     bool client_is_shared;       /* the address may stand for many clients */
     const char *traceparent;     /* the trace that the job belongs to; NULL: none */
     const char *idempotency_key; /* of the client; NULL: none */
+    struct pen_models *models;   /* that the scene may name; NULL in a daemon */
 };
 
 struct pen_submitted {

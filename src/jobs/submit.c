@@ -340,6 +340,7 @@ bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, j
     struct pen_limits limits = jobs ? jobs->limits : pen_limits_default();
     struct pen_request request;
     struct pen_errors warnings = {0};
+    limits.models = in->models;
     bool ok = pen_request_read(in, &limits, &request, errors);
     *answer = NULL;
     if (ok) {

@@ -8,7 +8,7 @@
 
 struct pen_bench_remote {
     struct pen_client *client;
-    const struct pen_source *source; /* a scene, checked */
+    struct pen_source *source; /* a scene, checked */
     const json_t *members;           /* of the job, without the scene */
     bool quiet, json;                /* values of these options */
 };

@@ -165,7 +165,7 @@ static int accuracy(struct study *s, const char *name)
     struct pen_status st;
     if (!pen_report_output_check(&output, &st))
         return pen_report_json(NULL, json, &st);
-    if (!pen_scene_input_read(&s->input, name, &errors))
+    if (!pen_scene_input_read(&s->input, name, NULL, &errors))
         return pen_report_errors_json(s->input.source.label, json, &errors);
     if (!prepare(s, &errors))
         return pen_report_errors_json(NULL, json, &errors);

@@ -143,7 +143,7 @@ static int report(struct audit *a, char **args)
     const bool json = a->values->json;
     struct pen_errors errors = {0};
     struct pen_status st;
-    if (!pen_scene_input_read(&a->input, args[0], &errors))
+    if (!pen_scene_input_read(&a->input, args[0], NULL, &errors))
         return pen_report_errors_json(a->input.source.label, json, &errors);
     if (audit(a, args[1], &st))
         return 0;

@@ -314,7 +314,7 @@ static int benchmark(struct benchmark *b, const char *name)
         code = read_earlier(b);
     if (code != 0)
         return code;
-    if (!pen_scene_input_read(&b->input, name, &errors))
+    if (!pen_scene_input_read(&b->input, name, NULL, &errors))
         return pen_report_errors_json(b->input.source.label, json, &errors);
     if (!prepare(b, &errors))
         return pen_report_errors_json(NULL, json, &errors);

@@ -9,11 +9,13 @@
 
 struct values {
     const char *output;
+    struct pen_model_options model;
     bool json;
 };
 
 static const struct pen_option options[] = {
     PEN_OUTPUT_OPTION(struct values, "OUT", "the same as the argument OUT"),
+    PEN_MODEL_OPTIONS(struct values),
     PEN_JSON_OPTION(struct values, "print errors as a problem document too"),
     {0}};
 
@@ -28,7 +30,7 @@ static bool check_output(const char *output, struct pen_status *st)
     return pen_file_check(output, st);
 }
 
-static bool convert(const struct pen_source *source, struct pen_buf *out, struct pen_errors *errors)
+static bool convert(struct pen_source *source, struct pen_buf *out, struct pen_errors *errors)
 {
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
@@ -42,9 +44,9 @@ static bool convert(const struct pen_source *source, struct pen_buf *out, struct
     return ok;
 }
 
-static int convert_file(const char *name, const char *output, bool json)
+static int convert_file(const char *name, const char *output, const struct values *values)
 {
-    struct pen_limits limits = pen_limits_default();
+    const bool json = values->json;
     struct pen_source source = {0};
     struct pen_buf out = {0};
     struct pen_errors errors = {0};
@@ -52,7 +54,7 @@ static int convert_file(const char *name, const char *output, bool json)
     int code = 0;
     if (!check_output(output, &st))
         code = pen_report_json(NULL, json, &st);
-    else if (!pen_source_read(&source, name, limits.body_bytes, &st))
+    else if (!pen_source_read_scene(&source, name, &values->model, &st))
         code = pen_report_json(name, json, &st);
     else if (!convert(&source, &out, &errors))
         code = pen_report_errors_json(source.label, json, &errors);
@@ -80,7 +82,7 @@ static int run(int argc, char **argv)
         pen_fail(&st, PEN_USAGE, "missing OUT: a name for the JSON, or - for standard output");
         return pen_report_json(NULL, values.json, &st);
     }
-    return convert_file(parsed.args[0], output, values.json);
+    return convert_file(parsed.args[0], output, &values);
 }
 
 const struct pen_command pen_command_convert = {

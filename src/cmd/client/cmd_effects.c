@@ -113,7 +113,7 @@ static int effects(struct effects *e, const char *name)
     struct pen_status st;
     if (!pen_report_output_check(&output, &st))
         return pen_report_json(NULL, json, &st);
-    if (!pen_scene_input_read(&e->input, name, &errors))
+    if (!pen_scene_input_read(&e->input, name, NULL, &errors))
         return pen_report_errors_json(e->input.source.label, json, &errors);
     if (!make_bill(e, &st) || !write_report(e, &st)) {
         pen_source_locate(&e->input.source, &st);

@@ -102,7 +102,7 @@ static int explain(struct explain *e, const char *name)
     const bool json = e->values->json;
     struct pen_errors errors = {0};
     struct pen_status st;
-    if (!pen_scene_input_read(&e->input, name, &errors))
+    if (!pen_scene_input_read(&e->input, name, NULL, &errors))
         return pen_report_errors_json(e->input.source.label, json, &errors);
     if (!prepare(e, &st) || !forecast(e, &st) || !analyze(e, &st)) {
         pen_source_locate(&e->input.source, &st);

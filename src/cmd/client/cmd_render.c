@@ -34,6 +34,7 @@ struct values {
     const char *repeat;
     double audit, budget;
     int audit_pixels, threads;
+    struct pen_model_options model;
     bool quiet, json;
 };
 
@@ -43,6 +44,7 @@ static const struct pen_option options[] = {
     PEN_FORMAT_OPTION(struct values, "png|png16|pfm", pen_output_formats),
     PEN_SET_OPTION(struct values),
     PEN_VIEW_OPTION(struct values),
+    PEN_MODEL_OPTIONS(struct values),
     {.name = "layer",
      .kind = PEN_OPTION_CHOICE,
      .offset = offsetof(struct values, layer),
@@ -496,7 +498,7 @@ static int render(struct render *r, const char *name)
     struct pen_status st;
     if (!check_values(r, &st))
         return pen_report_json(NULL, json, &st);
-    if (!pen_scene_input_read(&r->input, name, &errors))
+    if (!pen_scene_input_read(&r->input, name, &r->values->model, &errors))
         return pen_report_errors_json(r->input.source.label, json, &errors);
     if (apply_options(r, &st) && check_files(r, &st) && freeze(r, &st) &&
         make_results(r, start, &st))

@@ -183,7 +183,11 @@ static json_t *read_document(const char *scene, struct pen_source *source,
     source->label = scene;
     if (strncmp(scene, "builtin:", 8) == 0)
         return json_pack("{s:s}", "scene", scene); /* the daemon has them too */
-    bool read = pen_source_read(source, scene, limits.body_bytes, &st);
+    bool read = pen_model_kind_of_name(scene) == PEN_MODEL_NONE
+                    ? pen_source_read(source, scene, limits.body_bytes, &st)
+                    : pen_fail(&st, PEN_UNSUPPORTED,
+                               "known, not supported yet: a model on a daemon; `penumbra render` "
+                               "renders it here");
     if (read && source->xml)
         return pen_source_json(source, &limits, errors);
     json_t *document =

@@ -10,6 +10,7 @@
 #include "jobs/jobs.h"
 
 struct values {
+    struct pen_model_options model;
     bool json, quiet;
 };
 
@@ -17,6 +18,7 @@ static const struct pen_option options[] = {
     PEN_JSON_OPTION(struct values,
                     "print {\"valid\": true, \"warnings\": […]} or a problem document, "
                     "one line for each file"),
+    PEN_MODEL_OPTIONS(struct values),
     PEN_QUIET_OPTION(struct values, "print errors only"),
     {0}};
 
@@ -42,15 +44,16 @@ static void print_warnings(const char *file, const json_t *answer)
 
 static int validate(const char *name, const struct values *values)
 {
-    struct pen_limits limits = pen_limits_default();
     struct pen_source source;
     struct pen_status st;
-    if (!pen_source_read(&source, name, limits.body_bytes, &st)) {
+    if (!pen_source_read_scene(&source, name, &values->model, &st)) {
         pen_source_release(&source);
         return pen_report_json(name, values->json, &st);
     }
-    struct pen_submission submission = {
-        .body = (const char *)source.text.data, .bytes = source.text.bytes, .xml = source.xml};
+    struct pen_submission submission = {.body = (const char *)source.text.data,
+                                        .bytes = source.text.bytes,
+                                        .xml = source.xml,
+                                        .models = &source.models};
     struct pen_errors errors = {0};
     json_t *answer = NULL;
     int code = 0;

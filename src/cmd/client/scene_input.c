@@ -23,12 +23,12 @@ static void explain_job(const struct pen_source *source, struct pen_errors *erro
 }
 
 bool pen_scene_input_read(struct pen_scene_input *input, const char *name,
-                          struct pen_errors *errors)
+                          const struct pen_model_options *options, struct pen_errors *errors)
 {
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
     *input = (struct pen_scene_input){0};
-    bool ok = pen_source_read(&input->source, name, limits.body_bytes, &st);
+    bool ok = pen_source_read_scene(&input->source, name, options, &st);
     if (ok && !(input->arena = pen_arena_new(0)))
         ok = pen_fail(&st, PEN_NO_MEMORY, "out of memory");
     if (!ok) {

@@ -12,11 +12,12 @@ struct pen_scene_input {
     double parse_ms; /* of making the description from the text, without reading the file */
 };
 
-/* Reads the scene `name`: a path, `-`, or `builtin:NAME`.
+/* Reads the scene `name`: the path of a scene or a model, `-`, or `builtin:NAME`. `options` may be
+ * NULL.
  * Owns: release *input in any case.
  * Fails: false with errors->count > 0; input->source.label names the document. */
 bool pen_scene_input_read(struct pen_scene_input *input, const char *name,
-                          struct pen_errors *errors);
+                          const struct pen_model_options *options, struct pen_errors *errors);
 
 /* Returns the index of the view of that name.
  * Fails: -1 and PEN_NOT_FOUND, with the nearest name. */

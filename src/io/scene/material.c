@@ -106,6 +106,15 @@ static bool reserve_material(struct pen_reader *r)
     return true;
 }
 
+bool pen_material_add(struct pen_reader *r, const struct pen_material *material, int *index)
+{
+    if (!reserve_material(r))
+        return false;
+    *index = (int)r->material_count++;
+    r->materials[*index] = *material;
+    return true;
+}
+
 bool pen_material_ref_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                            int *index)
 {

@@ -117,6 +117,17 @@ static bool note_first(struct pen_reader *r, const struct pen_object_desc *objec
     return false;
 }
 
+/* Notes what the readers of model files have found, and meshes' own triangles without area. */
+static void note_meshes(struct pen_reader *r)
+{
+    const struct pen_place root = {0}, at = pen_place_key(&root, "objects");
+    for (size_t i = 0; i < r->model_notes->count; i++)
+        pen_errors_add(r->errors, &r->model_notes->item[i]);
+    if (r->mesh_flat_count > 0)
+        pen_reader_fail(r, &at, PEN_OK, "%u triangles of meshes without area are left out",
+                        (unsigned)r->mesh_flat_count);
+}
+
 static void note_up(struct pen_reader *r, const json_t *document, const struct pen_scene_desc *desc)
 {
     const struct pen_place root = {0}, views = pen_place_key(&root, "views");
@@ -154,6 +165,7 @@ void pen_notes_read(struct pen_reader *r, const json_t *document, struct pen_sce
     r->errors = &found;
     note_colours(r, desc);
     note_up(r, document, desc);
+    note_meshes(r);
     if (r->left_out_count > 0)
         note_first(r, desc->objects, desc->object_count, &root, true);
     if (r->repeat_count > 0)

@@ -21,7 +21,7 @@ static const struct pen_word kinds[] = {
     {"cylinder", PEN_OBJECT_CYLINDER, NULL},
     {"cone", PEN_OBJECT_CONE, NULL},
     {"group", PEN_OBJECT_GROUP, NULL},
-    {"mesh", KIND_UNSUPPORTED, "the object type \"mesh\""},
+    {"mesh", PEN_OBJECT_MESH, NULL},
     {"instance", KIND_UNSUPPORTED, "the object type \"instance\""},
     {0}};
 
@@ -304,6 +304,17 @@ static bool read_group(struct pen_reader *r, const struct pen_place *at, const j
     return ok;
 }
 
+static bool read_mesh(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                      struct pen_object_desc *object)
+{
+    const json_t *material = json_object_get(json, "material");
+    const struct pen_place material_at = pen_place_key(at, "material");
+    bool ok = !material || pen_material_ref_read(r, &material_at, material, &object->material);
+    ok &= pen_mesh_read(r, at, json, object);
+    r->primitive_count += object->u.mesh ? object->u.mesh->triangle_count : 0;
+    return ok;
+}
+
 static bool read_object(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                         const struct pen_transform_chain *chain, struct pen_object_desc *object)
 {
@@ -316,6 +327,8 @@ static bool read_object(struct pen_reader *r, const struct pen_place *at, const 
         object->u.cylinder.caps = true;
     if (kind == PEN_OBJECT_CONE)
         object->u.cone.caps = true;
+    if (kind == PEN_OBJECT_MESH)
+        return read_mesh(r, at, json, object);
     const struct pen_field *fields = fields_of(object->kind);
     bool ok = pen_fields_read_whole(r, at, json, fields, object);
     if (kind == PEN_OBJECT_GROUP)

@@ -33,6 +33,11 @@ bool pen_transform_chain_add(struct pen_reader *r, const struct pen_place *at,
 bool pen_transform_chain_check_quadric(struct pen_reader *r, const struct pen_place *at,
                                        const char *what, const struct pen_transform_chain *chain);
 
+/* Reads a mesh, whose material has been read into *object.
+ * Fails: also as pen_models_read. */
+bool pen_mesh_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                   struct pen_object_desc *object);
+
 /* Whether three points are not on one line, decided exactly. */
 bool pen_points_have_area(const struct pen_vec3 v[3]);
 

@@ -64,6 +64,8 @@ struct pen_reader {
     uint32_t left_out_count,
         repeat_count; /* objects without area; objects that repeat their last vertex */
     uint64_t left_out_vertices;
+    uint32_t mesh_flat_count;       /* triangles of meshes in the document, without area */
+    struct pen_errors *model_notes; /* about model files */
 };
 
 /* Adds an error at a place. Does not add an error in a value that the source map has already
@@ -231,6 +233,9 @@ bool pen_materials_read(struct pen_reader *r, const struct pen_place *at, const 
 /* Reads an object's `material`: a name, or an inline material, which is added to the materials. */
 bool pen_material_ref_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                            int *index);
+/* Adds a material to the scene's.
+ * Fails: PEN_NO_MEMORY. */
+bool pen_material_add(struct pen_reader *r, const struct pen_material *material, int *index);
 bool pen_lights_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                      struct pen_scene_desc *desc);
 bool pen_objects_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,

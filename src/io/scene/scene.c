@@ -150,8 +150,13 @@ bool pen_scene_read_from(const json_t *document, const struct pen_source_map *so
                          struct pen_scene_desc *desc, struct pen_errors *errors)
 {
     const struct pen_place root = {0};
-    struct pen_reader r = {
-        .errors = errors, .prefix = at, .source = source, .arena = arena, .limits = limits};
+    struct pen_errors model_notes = {0};
+    struct pen_reader r = {.errors = errors,
+                           .prefix = at,
+                           .source = source,
+                           .arena = arena,
+                           .limits = limits,
+                           .model_notes = &model_notes};
     struct target target = {.name = ""};
     size_t before = errors->total;
     *desc = (struct pen_scene_desc){.settings = pen_settings_default()};

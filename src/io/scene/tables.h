@@ -19,6 +19,7 @@ extern const struct pen_field pen_sphere_fields[], pen_plane_fields[];
 extern const struct pen_field pen_polygon_fields[]; /* for triangles, too */
 extern const struct pen_field pen_infinite_cylinder_fields[], pen_cylinder_fields[];
 extern const struct pen_field pen_cone_fields[], pen_group_fields[];
+extern const struct pen_field pen_mesh_fields[];
 extern const struct pen_field pen_transform_fields[], pen_transform_rotate_fields[];
 
 #endif

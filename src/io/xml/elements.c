@@ -46,6 +46,10 @@ static const struct pen_xml_attribute triangle_own[] = {{"material", PEN_XML_TEX
                                                         {"p1", PEN_XML_TRIPLE, "vertices/1"},
                                                         {"p2", PEN_XML_TRIPLE, "vertices/2"},
                                                         {0}};
+static const struct pen_xml_attribute mesh_own[] = {{"material", PEN_XML_TEXT, "material"},
+                                                    {"positions", PEN_XML_POINTS, "positions"},
+                                                    {"faces", PEN_XML_POINTS, "faces"},
+                                                    {0}};
 static const struct pen_xml_attribute polygon_own[] = {
     {"material", PEN_XML_TEXT, "material"}, {"points", PEN_XML_POINTS, "vertices"}, {0}};
 static const struct pen_xml_attribute tube_own[] = {
@@ -142,8 +146,7 @@ OBJECT_ELEMENT(plane, plane_own, pen_plane_fields, PEN_XML_PLANE)
 OBJECT_ELEMENT(tube, tube_own, pen_infinite_cylinder_fields, PEN_XML_FINISH_NONE)
 OBJECT_ELEMENT(cylinder, cylinder_own, pen_cylinder_fields, PEN_XML_FINISH_NONE)
 OBJECT_ELEMENT(cone, cylinder_own, pen_cone_fields, PEN_XML_FINISH_NONE)
-static const struct pen_xml_element mesh = {
-    .name = "mesh", .build = PEN_XML_UNSUPPORTED, .key = "the object type \"mesh\""};
+OBJECT_ELEMENT(mesh, mesh_own, pen_mesh_fields, PEN_XML_FINISH_NONE)
 static const struct pen_xml_element instance = {
     .name = "instance", .build = PEN_XML_UNSUPPORTED, .key = "the object type \"instance\""};
 static const struct pen_xml_element group;
