@@ -96,6 +96,7 @@ static const uint32_t *block_prims(const struct pen_accel *a, uint32_t item)
         return a->cylinders[index].prim;
     case PEN_BLOCK_GENERIC:
         return a->generic[index].prim;
+    case PEN_BLOCK_MESH: /* the rows' scenes have none */
     case PEN_BLOCK_PLANES:
     case PEN_BLOCK_INFINITE_CYLINDERS:
     case PEN_BLOCK_SINGLE:
