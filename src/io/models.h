@@ -30,9 +30,9 @@ struct pen_models {
 bool pen_models_read(struct pen_models *models, const char *name, struct pen_model *model,
                      struct pen_errors *notes, struct pen_status *st);
 
-/* Appends a scene that shows the model, as JSON: a camera from the front right above, in whose
- * field of view of 40 degrees the model's bounding sphere just fits; a key light with shadows, a
- * fill light without; grey material, unless the model has materials.
+/* Appends a scene that shows the model, as JSON. The camera looks from the front right above. The
+ * model's bounding sphere just fits its field of view of 40 degrees. A key light casts shadows, and
+ * a fill light does not. The material is grey, unless the model has materials.
  * Fails: as pen_models_read. */
 bool pen_models_scene(struct pen_models *models, const char *name, enum pen_up up,
                       struct pen_buf *out, struct pen_status *st);

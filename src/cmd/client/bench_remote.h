@@ -9,8 +9,8 @@
 struct pen_bench_remote {
     struct pen_client *client;
     struct pen_source *source; /* a scene, checked */
-    const json_t *members;           /* of the job, without the scene */
-    bool quiet, json;                /* values of these options */
+    const json_t *members;     /* of the job, without the scene */
+    bool quiet, json;          /* values of these options */
 };
 
 /* Runs the benchmark. Prints errors and, unless quiet, the job's id on standard error. If the job
