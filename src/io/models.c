@@ -105,7 +105,7 @@ static struct sphere sphere_around(const struct pen_model *model)
 /* A direction given by right, up and towards the viewer, in the model's axes. */
 static json_t *axes(bool z_up, double right, double up, double front)
 {
-    return z_up ? json_pack("[f, f, f]", right, -front, up)
+    return z_up ? json_pack("[f, f, f]", right, 0 - front, up)
                 : json_pack("[f, f, f]", right, up, front);
 }
 

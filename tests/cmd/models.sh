@@ -1,0 +1,84 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Model files as scenes and in scenes: rendered, converted, refused.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+mkdir -p models/sub other
+cat >models/tetra.ply <<'END'
+ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+element face 4
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+0 0 1
+3 0 2 1
+3 0 1 3
+3 0 3 2
+3 1 2 3
+END
+cp models/tetra.ply models/sub/inner.ply
+cp models/tetra.ply other/outside.ply
+ln -s ../other/outside.ply models/link.ply
+ln -s tetra.ply models/inside.ply
+small="--set width=40 --set height=30"
+
+# A model is a scene.
+# shellcheck disable=SC2086
+exits "render a model" 0 "$penumbra" render models/tetra.ply $small -o model.pfm -q
+exits "convert it" 0 "$penumbra" convert models/tetra.ply models/scene.json
+expect "the scene names the file" "$(jq -r '.objects[0].file' models/scene.json)" tetra.ply
+# shellcheck disable=SC2086
+exits "render the scene" 0 "$penumbra" render models/scene.json $small -o scene.pfm -q
+check "to the same bytes" cmp model.pfm scene.pfm
+check "the picture is not empty" test "$(tail -c +15 model.pfm | od -An -v -tx4 -w12 | sort -u | wc -l)" -gt 2
+exits "validate it" 0 "$penumbra" validate models/tetra.ply
+prints "is valid" stdout "models/tetra.ply: valid"
+
+# The same triangles in the document are the same picture.
+jq '.objects[0] = {type: "mesh", material: .objects[0].material,
+    positions: [[0,0,0],[1,0,0],[0,1,0],[0,0,1]], faces: [[0,2,1],[0,1,3],[0,3,2],[1,2,3]]}' models/scene.json >inline.json
+jq '.objects = [.objects[0] as $m | $m.faces[] | {type: "triangle", material: $m.material, vertices: map($m.positions[.])}]' \
+    inline.json >triangles.json
+for form in inline triangles; do
+    # shellcheck disable=SC2086
+    exits "render $form" 0 "$penumbra" render $form.json $small -o $form.pfm -q
+    check "$form has the same bytes" cmp model.pfm $form.pfm
+done
+for accelerator in none cbr manual median; do
+    # shellcheck disable=SC2086
+    exits "render with $accelerator" 0 "$penumbra" render models/tetra.ply $small --set accelerator=$accelerator -o a.pfm -q
+    check "$accelerator has the same bytes" cmp model.pfm a.pfm
+done
+# The up axis.
+exits "up is z" 0 "$penumbra" convert models/tetra.ply up.json --up z
+expect "of the camera" "$(jq -c .camera.up up.json) $(jq -c .camera.up models/scene.json)" "[0,0,1] [0,1,0]"
+
+# Where a file may be.
+refuses() { # NAME FILE CODE WORDS
+    jq --arg file "$2" '.objects[0].file = $file' models/scene.json >models/bad.json
+    exits "$1" "$3" "$penumbra" render models/bad.json -o x.png -q
+    prints "$1 says why" stderr "$4"
+}
+exits "a folder below" 0 sh -c 'jq ".objects[0].file = \"sub/inner.ply\"" models/scene.json >models/below.json &&
+    "$1" render models/below.json --set width=8 --set height=8 -o x.png -q' sh "$penumbra"
+exits "a link inside" 0 "$penumbra" render models/inside.ply --set width=8 --set height=8 -o x.png -q
+refuses "a folder above" ../other/outside.ply 11 "leads out of the scene's folder"
+refuses "an absolute path" "$work/other/outside.ply" 11 "leads out of the scene's folder"
+refuses "a link outside" link.ply 11 "is a link that leads out of the folder"
+refuses "no such file" none.ply 4 'cannot open "none.ply"'
+refuses "no model" scene.json 3 "its name must end in .ply, .obj or .stl"
+printf 'ply\nformat ascii 1.0\nelement vertex 1\n' >models/broken.ply
+exits "a broken model" 3 "$penumbra" render models/broken.ply -o x.png -q
+prints "names the file" stderr "models/broken.ply"
+exits "too many triangles" 3 "$penumbra" render models/tetra.ply --max-triangles 3 -o x.png -q
+prints "says how many" stderr "3"
+exits "a model for a daemon" 3 "$penumbra" submit models/tetra.ply
+prints "is not supported yet" stderr "not supported yet: a model on a daemon"
+finish
