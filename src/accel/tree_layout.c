@@ -53,8 +53,10 @@ static void set_cost(struct pen_ref *ref, enum pen_block_kind block, uint32_t pr
     ref->lanes = 1;
     switch (block) {
     case PEN_BLOCK_TRIANGLES:
-    case PEN_BLOCK_MESH:
         ref->cost_class = PEN_COST_TRIANGLES;
+        return;
+    case PEN_BLOCK_MESH:
+        ref->cost_class = PEN_COST_MESHES;
         return;
     case PEN_BLOCK_POLYGONS:
         ref->cost_class = PEN_COST_POLYGONS;
@@ -255,6 +257,7 @@ float pen_leaf_cost(const uint32_t lanes[PEN_COST_CLASS_COUNT])
         [PEN_COST_POLYGONS] = pen_kinds[PEN_PRIM_POLYGON].cost,
         [PEN_COST_SPHERES] = pen_kinds[PEN_PRIM_SPHERE].cost,
         [PEN_COST_CYLINDERS] = pen_kinds[PEN_PRIM_CYLINDER].cost,
+        [PEN_COST_MESHES] = 0.3f, /* a test of one or two blocks takes about the time of a node */
     };
     float sum = 0;
     for (int k = 0; k < PEN_COST_CLASS_COUNT; k++)
