@@ -80,6 +80,13 @@ static struct bounds ref_bounds(const struct pen_ref *ref)
     return (struct bounds){v[0], v[1]};
 }
 
+/* The coordinates, with 0 in the last lane. There a primitive has other numbers, which are not
+ * coordinates, and slow as floats. */
+static float4 first_three(float4 v)
+{
+    return (float4)((mask4)v & (mask4){-1, -1, -1, 0});
+}
+
 static float half_area(const struct bounds *b)
 {
     float4 d = b->hi - b->lo;
@@ -89,7 +96,7 @@ static float half_area(const struct bounds *b)
 static void add_ref(struct range *r, const struct pen_ref *ref)
 {
     struct bounds box = ref_bounds(ref);
-    float4 c = box.lo + box.hi;
+    float4 c = first_three(box.lo) + first_three(box.hi);
     add_bounds(&r->box, box);
     add_bounds(&r->centroid, (struct bounds){c, c});
     r->lanes[ref->cost_class] += ref->lanes;
@@ -121,16 +128,21 @@ static float bin_scale(const struct range *r, int axis)
 static void fill_bins(const struct pen_ref *ref, const struct range *r, const float scale[3],
                       struct bins bins[3])
 {
+    const float4 start = first_three(r->centroid.lo);
+    const float4 by = {scale[0], scale[1], scale[2], 0};
     for (uint32_t i = r->begin; i < r->end; i++) {
+        const struct bounds box = ref_bounds(&ref[i]);
+        const float4 sum = first_three(box.lo) + first_three(box.hi);
+        const mask4 at = __builtin_convertvector((sum - start) * by, mask4); /* as bin_of */
         for (int axis = 0; axis < 3; axis++) {
             if (scale[axis] == 0)
                 continue;
-            int number = bin_of(&ref[i], axis, r->centroid.lo[axis], scale[axis]);
+            const int number = at[axis] < BINS ? at[axis] : BINS - 1;
             struct bin *bin = &bins[axis].bin[number];
             if (!(bins[axis].filled >> number & 1))
                 *bin = (struct bin){empty(), {0}};
             bins[axis].filled |= 1u << number;
-            add_bounds(&bin->box, ref_bounds(&ref[i]));
+            add_bounds(&bin->box, box);
             bin->lanes[ref[i].cost_class] += ref[i].lanes;
         }
     }

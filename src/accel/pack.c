@@ -218,14 +218,15 @@ static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
         for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++) {
             if (p->ref[i].kind != kind)
                 continue;
-            if (kind == PEN_BLOCK_MESH && in.count > 0 &&
+            if (kind == PEN_BLOCK_MESH && in.count > 0 && p->prims->mesh_count > 1 &&
                 pen_prim_mesh(p->prims, p->ref[i].prim) != pen_prim_mesh(p->prims, in.prim[0])) {
                 pack_block(p, &in, (enum pen_block_kind)kind);
                 in = none;
             }
             in.prim[in.count] = p->ref[i].prim;
             in.ref[in.count] = &p->ref[i];
-            in.index[in.count++] = pen_prim_ref(p->prims, p->ref[i].prim).index;
+            in.index[in.count++] =
+                kind == PEN_BLOCK_MESH ? 0 : pen_prim_ref(p->prims, p->ref[i].prim).index;
             if (in.count == PEN_LANES) {
                 pack_block(p, &in, (enum pen_block_kind)kind);
                 in = none;
@@ -326,6 +327,8 @@ static double largest_scale(const struct pen_tree_layout *layout)
 {
     double largest = 0;
     for (uint32_t i = 0; i < layout->count; i++) {
+        if (layout->ref[i].kind == PEN_BLOCK_MESH)
+            continue;
         double scale = pen_prim_scale(layout->prims, layout->ref[i].prim, pen_vec3(0, 0, 0));
         largest = scale > largest ? scale : largest;
     }

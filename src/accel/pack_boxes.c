@@ -46,8 +46,9 @@ bool pen_accel_pack_boxes(const struct pen_tree_layout *layout, struct pen_arena
         return false;
     for (uint32_t i = 0; i < layout->count; i++) {
         const struct pen_ref *ref = &layout->ref[i];
-        const bool in_mesh = pen_prim_mesh(layout->prims, ref->prim) != NULL;
-        const uint32_t slot = pen_prim_slot(layout->prims, ref->prim);
+        const bool in_mesh =
+            ref->kind == PEN_BLOCK_MESH || pen_prim_mesh(layout->prims, ref->prim) != NULL;
+        const uint32_t slot = in_mesh ? 0 : pen_prim_slot(layout->prims, ref->prim);
         for (int axis = 0; axis < 3; axis++) {
             if (!in_mesh) {
                 box[slot].lo[axis] = ref->lo[axis];

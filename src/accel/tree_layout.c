@@ -53,8 +53,10 @@ static void set_cost(struct pen_ref *ref, enum pen_block_kind block, uint32_t pr
     ref->lanes = 1;
     switch (block) {
     case PEN_BLOCK_TRIANGLES:
-    case PEN_BLOCK_MESH:
         ref->cost_class = PEN_COST_TRIANGLES;
+        return;
+    case PEN_BLOCK_MESH:
+        ref->cost_class = PEN_COST_MESHES;
         return;
     case PEN_BLOCK_POLYGONS:
         ref->cost_class = PEN_COST_POLYGONS;
@@ -77,18 +79,58 @@ static void set_cost(struct pen_ref *ref, enum pen_block_kind block, uint32_t pr
     ref->lanes = (uint8_t)(PEN_LANES * (int)ceilf(pen_kinds[prim_kind].cost));
 }
 
-static struct pen_ref finite_ref(const struct pen_tree_layout *layout, uint32_t prim)
+/* A finite primitive. `block` is that of block_kind. */
+static struct pen_ref finite_ref(uint32_t prim, uint32_t prim_kind, enum pen_block_kind block,
+                                 struct pen_box box)
 {
-    struct pen_box box = pen_prim_bounds(layout->prims, prim);
     struct pen_ref ref = {
         {pen_float_down(box.lo.x), pen_float_down(box.lo.y), pen_float_down(box.lo.z)},
         prim,
         {pen_float_up(box.hi.x), pen_float_up(box.hi.y), pen_float_up(box.hi.z)},
-        (uint16_t)block_kind(layout, prim),
+        (uint16_t)block,
         0,
         0};
-    set_cost(&ref, block_kind(layout, prim), pen_prim_kind(layout->prims, prim));
+    set_cost(&ref, block, prim_kind);
     return ref;
+}
+
+/* Adds the triangles of a mesh. */
+static void add_mesh(struct pen_tree_layout *layout, const struct pen_mesh *mesh)
+{
+    const enum pen_block_kind block = block_kind(layout, mesh->first);
+    for (uint32_t i = 0; i < mesh->count; i++)
+        layout->ref[layout->count++] =
+            finite_ref(mesh->first + i, PEN_PRIM_TRIANGLE, block, pen_mesh_bounds(mesh, i));
+}
+
+/* Adds the finite primitives, in document order. */
+static void add_finite(struct pen_tree_layout *layout)
+{
+    const struct pen_prims *prims = layout->prims;
+    for (uint32_t prim = 0, mesh = 0; prim < prims->count; prim++) {
+        if (mesh < prims->mesh_count && prim == prims->mesh[mesh].first) {
+            add_mesh(layout, &prims->mesh[mesh]);
+            prim += prims->mesh[mesh++].count - 1;
+            continue;
+        }
+        const uint32_t kind = pen_prim_kind(prims, prim);
+        if (!pen_prim_infinite(kind))
+            layout->ref[layout->count++] =
+                finite_ref(prim, kind, block_kind(layout, prim), pen_prim_bounds(prims, prim));
+    }
+}
+
+/* Adds the infinite primitives after the finite ones. */
+static void add_infinite(struct pen_tree_layout *layout)
+{
+    const struct pen_prims *prims = layout->prims;
+    for (uint32_t prim = 0, mesh = 0; prim < prims->count; prim++) {
+        if (mesh < prims->mesh_count && prim == prims->mesh[mesh].first)
+            prim += prims->mesh[mesh++].count - 1;
+        else if (pen_prim_infinite(pen_prim_kind(prims, prim)))
+            layout->ref[layout->count + layout->infinite++] =
+                (struct pen_ref){.prim = prim, .kind = (uint16_t)block_kind(layout, prim)};
+    }
 }
 
 bool pen_tree_layout_init(struct pen_tree_layout *layout, const struct pen_prims *prims,
@@ -102,15 +144,8 @@ bool pen_tree_layout_init(struct pen_tree_layout *layout, const struct pen_prims
     layout->ref = malloc(((size_t)prims->count + 1) * sizeof *layout->ref);
     if (!layout->ref)
         return false;
-    for (uint32_t prim = 0; prim < prims->count; prim++) {
-        if (!pen_prim_infinite(pen_prim_kind(prims, prim)))
-            layout->ref[layout->count++] = finite_ref(layout, prim);
-    }
-    for (uint32_t prim = 0; prim < prims->count; prim++) {
-        if (pen_prim_infinite(pen_prim_kind(prims, prim)))
-            layout->ref[layout->count + layout->infinite++] =
-                (struct pen_ref){.prim = prim, .kind = (uint16_t)block_kind(layout, prim)};
-    }
+    add_finite(layout);
+    add_infinite(layout);
     return true;
 }
 
@@ -222,6 +257,7 @@ float pen_leaf_cost(const uint32_t lanes[PEN_COST_CLASS_COUNT])
         [PEN_COST_POLYGONS] = pen_kinds[PEN_PRIM_POLYGON].cost,
         [PEN_COST_SPHERES] = pen_kinds[PEN_PRIM_SPHERE].cost,
         [PEN_COST_CYLINDERS] = pen_kinds[PEN_PRIM_CYLINDER].cost,
+        [PEN_COST_MESHES] = 0.3f, /* a test of one or two blocks takes about the time of a node */
     };
     float sum = 0;
     for (int k = 0; k < PEN_COST_CLASS_COUNT; k++)

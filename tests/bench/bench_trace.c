@@ -142,12 +142,12 @@ static bool trace_own(const struct bench *b, const struct own_ray *from, struct 
 
 static void run_own(const struct bench *b, int kind)
 {
+    struct pen_shadow query = {.tmax = 1, .to_point = true};
     for (uint32_t i = 0; i < b->count[kind]; i++) {
         const struct own_ray *from = &b->own_ray[kind][i];
         struct pen_ray ray;
         struct pen_hit hit;
         if (kind == SHADOW) {
-            struct pen_shadow query = {.tmax = 1, .to_point = true};
             query.last_occluder = PEN_NO_PRIM;
             b->answer[OURS][i] = pen_ray_make(&ray, from->o, from->d) &&
                                  b->ops->shadow(b->accel, &ray, &from->origin, &query);

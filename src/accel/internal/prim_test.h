@@ -345,10 +345,23 @@ static inline bool test_polygon(struct trace *trace, uint32_t prim, const struct
            offer_outline(trace, prim, &p->facet, p->v, p->count, any);
 }
 
+/* Tests a triangle. One of a mesh is made only if the line enters its outline. */
+static inline bool test_any_triangle(struct trace *trace, uint32_t prim, uint32_t index, bool any)
+{
+    const struct pen_prims *prims = trace->accel->prims;
+    const struct pen_mesh *mesh = pen_prim_mesh(prims, prim);
+    struct pen_triangle room;
+    if (mesh) {
+        pen_mesh_outline(mesh, prim - mesh->first, &room);
+        if (!pen_triangle_entered(&room, trace->ray))
+            return false;
+    }
+    return test_triangle(trace, prim, pen_prim_triangle(prims, index, &room), any);
+}
+
 /* Tests one primitive of any kind, by the functions of its header or by the reference. */
 static inline bool test_prim(struct trace *trace, uint32_t prim, bool any)
 {
-    struct pen_triangle room;
     const struct pen_prims *prims = trace->accel->prims;
     const struct pen_prim_ref ref = pen_prim_ref(prims, prim);
     double t;
@@ -363,7 +376,7 @@ static inline bool test_prim(struct trace *trace, uint32_t prim, bool any)
         return pen_plane_root(&prims->plane[ref.index], trace->ray, &t) &&
                offer_flat(trace, prim, t, any);
     case PEN_BLOCK_TRIANGLES:
-        return test_triangle(trace, prim, pen_prim_triangle(prims, ref.index, &room), any);
+        return test_any_triangle(trace, prim, ref.index, any);
     case PEN_BLOCK_POLYGONS:
         return test_polygon(trace, prim, &prims->polygon[ref.index], any);
     case PEN_BLOCK_GENERIC:

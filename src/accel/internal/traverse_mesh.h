@@ -164,21 +164,17 @@ static inline int mesh_push(struct pending *stack, int top, const struct pen_nod
     return top;
 }
 
-/* Visits the boxes that the ray enters, nearest first. Returns true if an intersection ended the
- * query. */
-static inline __attribute__((always_inline)) bool
-mesh_traverse(struct trace *trace, const struct mesh_box *box, const bool any)
+/* As traverse_nearest. */
+static inline void mesh_traverse_nearest(struct trace *trace, const struct mesh_box *box)
 {
     struct pending stack[STACK], at = {box->start, 0};
     int top = 0;
-    float limit = mesh_limit(trace, box, any);
+    float limit = mesh_limit(trace, box, false);
     for (;;) {
         if (at.child & PEN_CHILD_LEAF) {
             const bool inside = at.near <= box->start || box->blind;
-            if (mesh_test_leaf(trace, at.child & ~PEN_CHILD_LEAF, inside, any))
-                return true;
-            if (!any)
-                limit = mesh_limit(trace, box, any);
+            mesh_test_leaf(trace, at.child & ~PEN_CHILD_LEAF, inside, false);
+            limit = mesh_limit(trace, box, false);
         } else {
             const struct pen_node *node = &trace->accel->nodes[at.child];
             float near[PEN_WIDE];
@@ -193,11 +189,38 @@ mesh_traverse(struct trace *trace, const struct mesh_box *box, const bool any)
         }
         do {
             if (top == 0)
-                return false;
+                return;
             top--;
         } while (stack[top].near > limit);
         at = stack[top];
     }
+}
+
+/* As traverse_any. */
+static inline bool mesh_traverse_any(struct trace *trace, const struct mesh_box *box)
+{
+    uint32_t stack[STACK];
+    int top = 0;
+    const float limit = mesh_limit(trace, box, true);
+    stack[top++] = 0;
+    while (top > 0) {
+        const struct pen_node *node = &trace->accel->nodes[stack[--top]];
+        float near[PEN_WIDE];
+        if (COUNTING)
+            count_boxes(trace, node->child, PEN_WIDE);
+        for (unsigned mask = mesh_enter_node(node, box, limit, near); mask; mask &= mask - 1) {
+            const int lane = __builtin_ctz(mask);
+            const uint32_t child = node->child[lane];
+            const bool inside = near[lane] <= box->start || box->blind;
+            if (!(child & PEN_CHILD_LEAF)) {
+                mesh_prefetch(trace, child);
+                stack[top++] = child;
+            } else if (mesh_test_leaf(trace, child & ~PEN_CHILD_LEAF, inside, true)) {
+                return true;
+            }
+        }
+    }
+    return false;
 }
 
 /* Searches a tree with blocks of meshes from t = `start` on. */
@@ -214,8 +237,8 @@ static __attribute__((noinline)) bool mesh_search(struct trace *trace, double st
         trace->box = &other;
     }
     if (any)
-        return mesh_traverse(trace, &box, true);
-    mesh_traverse(trace, &box, false);
+        return mesh_traverse_any(trace, &box);
+    mesh_traverse_nearest(trace, &box);
     mesh_query_finish(trace);
     return false;
 }

@@ -101,6 +101,7 @@ enum pen_cost_class {
     PEN_COST_POLYGONS,
     PEN_COST_SPHERES,
     PEN_COST_CYLINDERS,
+    PEN_COST_MESHES,
     PEN_COST_CLASS_COUNT
 };
 
