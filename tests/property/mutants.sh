@@ -273,7 +273,7 @@ edit src/geom/ray.h 1 's/^#define PEN_LEAST 0x1p-300/#define PEN_LEAST 0x1p-1074
 judge
 
 mutant corner_order h078_mirrored_triangle 20000 "a triangle's corners stay in the order they come in"
-edit src/geom/triangle.c 1 's/^    int first = first_corner\(v\);$/    int first = 0 * first_corner(v);/'
+edit src/geom/triangle.c 1 's/^    int first = pen_triangle_first_corner\(v\);$/    int first = 0 * pen_triangle_first_corner(v);/'
 judge
 
 mutant rounded_normal h043_needle_thin 20000 "normals of needles stay as double-double gives them"
@@ -617,7 +617,7 @@ edit src/render/beams.c 1 's/if \(i != prim && share_a_corner/if (share_a_corner
 judge_test
 
 mutant beam_glass render/test_beams 0 "glass hides what is behind it"
-edit src/render/beam_hidden.c 1 's/if \(scene->see_through\[prim\]\)/if (scene->see_through[prim] > 1)/'
+edit src/render/beam_hidden.c 1 's/if \(pen_scene_see_through\(scene, prim\)\)/if (pen_scene_see_through(scene, prim) \&\& prim > 1u << 30)/'
 judge_test
 
 mutant beam_highlights render/test_beams 0 "highlights are nowhere looked for"

@@ -118,7 +118,7 @@ START_TEST(test_mesh_pictures__are_those_of_triangles)
         for (int accel = 0; accel < PEN_ACCEL_COUNT; accel++) {
             float *film[2];
             for (int i = 0; i < 2; i++) {
-                kit[i].settings.accelerator = (enum pen_accelerator)accel;
+                kit[i].settings.accelerator = accel;
                 struct pen_scene *frozen = kit_freeze(&kit[i]);
                 film[i] = kit_film(frozen, &kit[i].settings, 1 + i);
                 pen_scene_free(frozen);
