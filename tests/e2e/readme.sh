@@ -34,7 +34,7 @@ expect pixels-are-pfm "$(head -c 12 room.pfm | tr '\n' ' ')" "PF 1000 1400"
 
 # The first own scene, with the programs of this build; then its second sphere is misspelt as the page has it.
 awk '/^<!-- first:/ { found = 1 } found && /^```sh$/ { on = 1; next } on && /^```$/ { exit } on' "$root/README.md" |
-    sed "s|^make\$||; s|^build/penumbra|'$build/penumbra' |" >first.sh
+    sed "s|^make .*||; s|^build/penumbra|'$build/penumbra' |" >first.sh
 sh -eu first.sh >/dev/null 2>first.err
 expect first-scene "$? $(head -c 8 scene.png | od -An -tx1 | tr -d ' ')" "0 89504e470d0a1a0a"
 jq '.objects |= [.[1], (.[2] | .radios = .radius | del(.radius))]' scene.json >wrong.json
