@@ -152,12 +152,14 @@ export async function show(main, query, signal, [id]) {
         job = await get(`v1/jobs/${id}`, signal);
         running.abort();
         drawHead();
-        if (job.state === "succeeded" && job.kind === "render")
+        if (job.state !== "succeeded")
+            return;
+        if (job.kind === "render") {
             showResults();
-        else if (job.state === "succeeded" && job.kind !== "explain")
-            put(below, await reportBox(job, signal));
-        if (job.state === "succeeded" && job.kind === "render")
             put(below, statisticsBox(await get(`v1/jobs/${id}/stats`, signal)));
+        } else if (job.kind !== "explain") {
+            put(below, await reportBox(job, signal));
+        }
     } catch (error) {
         running.abort();
         if (!signal.aborted)

@@ -40,8 +40,8 @@ static bool add(struct static_files *files, const char *name, const char *type, 
     file->type = type;
     file->blob = blob;
     pen_http_etag(&blob->content, file->etag);
-    if (strcmp(type, "image/png") !=
-        0) /* compressed now, since later a thread of connections would do it */
+    /* Compressed now, since later a thread of connections would do it. */
+    if (strcmp(type, "image/png") != 0)
         blob->gzip = pen_http_blob_gzip(blob);
     return true;
 }

@@ -140,16 +140,9 @@ static bool measure(struct study *s, struct pen_status *st)
     return s->report || pen_fail(st, PEN_NO_MEMORY, "out of memory");
 }
 
-/* Where the report goes. */
-static struct pen_report_output output_of(const struct values *v)
-{
-    return (struct pen_report_output){
-        .files = &v->output, .format = v->format, .json = v->json, .quiet = v->quiet};
-}
-
 static bool write_report(const struct study *s, struct pen_status *st)
 {
-    const struct pen_report_output output = output_of(s->values);
+    const struct pen_report_output output = PEN_REPORT_OUTPUT_OF(s->values);
     struct pen_buf figures = {0};
     const bool ok = pen_accuracy_figures(&s->accuracy, s->report, &figures, st) &&
                     pen_report_output_write(&output, s->report, &figures, st);
@@ -160,7 +153,7 @@ static bool write_report(const struct study *s, struct pen_status *st)
 static int accuracy(struct study *s, const char *name)
 {
     const bool json = s->values->json;
-    const struct pen_report_output output = output_of(s->values);
+    const struct pen_report_output output = PEN_REPORT_OUTPUT_OF(s->values);
     struct pen_errors errors = {0};
     struct pen_status st;
     if (!pen_report_output_check(&output, &st))

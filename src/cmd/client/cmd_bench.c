@@ -95,16 +95,9 @@ struct benchmark {
     struct pen_progress progress;
 };
 
-/* Where the report goes. */
-static struct pen_report_output output_of(const struct values *v)
-{
-    return (struct pen_report_output){
-        .files = &v->output, .format = v->format, .json = v->json, .quiet = v->quiet};
-}
-
 static bool check_values(const struct values *v, struct pen_status *st)
 {
-    const struct pen_report_output output = output_of(v);
+    const struct pen_report_output output = PEN_REPORT_OUTPUT_OF(v);
     if (v->on_daemon && v->threads >= 0)
         return pen_fail(st, PEN_USAGE,
                         "--threads: a daemon has its own pool; --set threads=N uses a part of it");
@@ -285,7 +278,7 @@ static bool judge(const struct benchmark *b, struct pen_status *st)
 
 static bool write_report(const struct benchmark *b, struct pen_status *st)
 {
-    const struct pen_report_output output = output_of(b->values);
+    const struct pen_report_output output = PEN_REPORT_OUTPUT_OF(b->values);
     const char *csv = b->values->csv;
     return (!csv || pen_report_output_file(csv, "csv", b->report, NULL, st)) &&
            pen_report_output_write(&output, b->report, NULL, st);
@@ -338,7 +331,7 @@ static int run(int argc, char **argv)
         return pen_bench_history(&(struct pen_bench_history){
             .folder = values.history,
             .scene = parsed.count > 0 ? parsed.args[0] : NULL,
-            .output = output_of(&values),
+            .output = PEN_REPORT_OUTPUT_OF(&values),
             .least_effect = values.bench.least_effect >= 0 ? values.bench.least_effect : 0.02});
     if (parsed.count == 0) {
         struct pen_status st;

@@ -84,16 +84,9 @@ static bool make_bill(struct effects *e, struct pen_status *st)
     return ok;
 }
 
-/* Where the report goes. */
-static struct pen_report_output output_of(const struct values *v)
-{
-    return (struct pen_report_output){
-        .files = &v->output, .format = v->format, .json = v->json, .quiet = v->quiet};
-}
-
 static bool write_report(const struct effects *e, struct pen_status *st)
 {
-    const struct pen_report_output output = output_of(e->values);
+    const struct pen_report_output output = PEN_REPORT_OUTPUT_OF(e->values);
     struct pen_buf figures = {0};
     json_t *report = pen_bill_json(&e->bill, scene_name(e));
     pen_bill_figures(&e->bill, &figures);
@@ -108,7 +101,7 @@ static bool write_report(const struct effects *e, struct pen_status *st)
 static int effects(struct effects *e, const char *name)
 {
     const bool json = e->values->json;
-    const struct pen_report_output output = output_of(e->values);
+    const struct pen_report_output output = PEN_REPORT_OUTPUT_OF(e->values);
     struct pen_errors errors = {0};
     struct pen_status st;
     if (!pen_report_output_check(&output, &st))

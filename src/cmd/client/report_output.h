@@ -15,6 +15,13 @@ struct pen_report_output {
     bool json, quiet;
 };
 
+/* The output that a command's values say: members output, format, json and quiet. */
+#define PEN_REPORT_OUTPUT_OF(values)                                                               \
+    ((struct pen_report_output){.files = &(values)->output,                                        \
+                                .format = (values)->format,                                        \
+                                .json = (values)->json,                                            \
+                                .quiet = (values)->quiet})
+
 /* Checks the options, and that the files can be written. Fails: PEN_USAGE; as pen_file_check. */
 bool pen_report_output_check(const struct pen_report_output *output, struct pen_status *st);
 

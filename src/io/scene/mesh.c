@@ -7,7 +7,7 @@
 #include "io/scene/object.h"
 #include "io/scene/tables.h"
 
-/* The target of pen_mesh_fields, whose first member is the object. */
+/* The target of pen_mesh_fields. */
 struct mesh_target {
     const char *name, *file;
 };
