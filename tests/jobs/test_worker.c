@@ -126,7 +126,8 @@ START_TEST(test_worker__long_batches_are_divided)
         jobs_submit(&bed, jobs_scene(settings[i]), id);
         ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
         count_batches(kinds);
-        ck_assert_int_gt(kinds[PEN_BATCH_RENDER], 3);
+        /* How many depends on the number of threads and their speed. */
+        ck_assert_int_gt(kinds[PEN_BATCH_RENDER], 1);
         ck_assert_int_eq(kinds[PEN_BATCH_ASSEMBLE], 1);
         struct pen_film *film = render_directly(jobs_scene(settings[i]));
         compare_with_film(film);
