@@ -29,6 +29,61 @@ struct pen_box pen_mesh_bounds(const struct pen_mesh *mesh, uint32_t triangle)
     return pen_outline_bounds(v, 3, 0);
 }
 
+/* The unit normal of a corner; 0 if it has none. */
+static struct pen_vec3 corner_normal(const struct pen_mesh *mesh, uint32_t triangle, int i)
+{
+    const uint32_t *of = mesh->corner_normal ? mesh->corner_normal : mesh->corner;
+    const uint32_t number = of[3 * (size_t)triangle + (size_t)i];
+    const struct pen_vec3 none = {0, 0, 0};
+    if (number == PEN_NO_NORMAL)
+        return none;
+    const float *f = mesh->normal + 3 * (size_t)number;
+    const struct pen_vec3 n = pen_vec3((double)f[0], (double)f[1], (double)f[2]);
+    const double length = pen_length(n); /* of floats: a double holds its square */
+    return length > 0 ? pen_scale(n, 1 / length) : none;
+}
+
+/* The areas of the triangles of p and two of the corners v, opposite to each corner, projected
+ * along an axis. Where rounding puts p outside, they are 0. */
+static void opposite_areas(const struct pen_vec3 v[3], struct pen_vec3 p, int axis, double area[3])
+{
+    const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+    double x[3], y[3];
+    for (int i = 0; i < 3; i++) {
+        const struct pen_vec3 q = pen_sub(v[i], p);
+        x[i] = pen_component(q, a);
+        y[i] = pen_component(q, b);
+    }
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        area[i] = pen_dop(x[j], y[k], x[k], y[j]);
+    }
+    const double sign = area[0] + area[1] + area[2] < 0 ? -1 : 1;
+    for (int i = 0; i < 3; i++)
+        area[i] = sign * area[i] > 0 ? sign * area[i] : 0;
+}
+
+static struct pen_vec3 shading_normal(const struct pen_mesh *mesh, uint32_t triangle,
+                                      struct pen_vec3 p, struct pen_vec3 n)
+{
+    const double x = fabs(n.x), y = fabs(n.y), z = fabs(n.z);
+    struct pen_vec3 v[3], mix = {0, 0, 0};
+    double area[3];
+    pen_mesh_corners(mesh, triangle, v);
+    opposite_areas(v, p, x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2), area);
+    const double all = area[0] + area[1] + area[2];
+    for (int i = 0; i < 3; i++) {
+        const struct pen_vec3 corner = corner_normal(mesh, triangle, i);
+        if (!(pen_norm1(corner) > 0))
+            return n;
+        mix = pen_along(mix, corner, area[i] / all);
+    }
+    const double side = pen_dot(mix, n);
+    if (!(side * side > 0)) /* or NaN */
+        return n;
+    return pen_scale(mix, (side < 0 ? -1 : 1) / pen_length(mix));
+}
+
 void pen_mesh_measure(struct pen_mesh *mesh)
 {
     mesh->box = pen_box_empty();
@@ -50,6 +105,16 @@ const struct pen_mesh *pen_mesh_before(const struct pen_prims *prims, uint32_t p
             high = middle;
     }
     return low > 0 ? &prims->mesh[low - 1] : NULL;
+}
+
+bool pen_prim_shading_normal(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p,
+                             struct pen_vec3 *n)
+{
+    const struct pen_mesh *mesh = pen_prim_mesh(prims, prim);
+    if (!mesh || !mesh->normal)
+        return false;
+    *n = shading_normal(mesh, prim - mesh->first, p, *n);
+    return true;
 }
 
 uint32_t pen_mesh_slot_of_prim(const struct pen_prims *prims, uint32_t prim)

@@ -9,11 +9,19 @@
 
 #include "geom/triangle.h"
 
+/* In corner_normal: the corner has no normal. */
+#define PEN_NO_NORMAL UINT32_MAX
+
 /* Triangles with the numbers first to first + count - 1.
  * Owns: nothing; it borrows the arrays. */
 struct pen_mesh {
     const float *vertex;    /* three for each vertex; not NaN, not infinite */
     const uint32_t *corner; /* three for each triangle: the numbers of its vertices */
+    /* Normals for shading, three floats each, finite, of any length; NULL: it has none. */
+    const float *normal;
+    /* Three for each triangle: the numbers of its corners' normals. NULL: a corner's normal has the
+     * number of its vertex. */
+    const uint32_t *corner_normal;
     /* By triangle: which of the mesh's materials it has. NULL: all have the first. */
     const uint16_t *material_of;
     /* A vertex f is at shift + unit f in the local frame, rounded once. unit is a power of two. */

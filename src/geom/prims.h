@@ -63,6 +63,13 @@ PEN_KINDS(KIND)
 /* The last mesh whose numbers begin at `prim` or before it; NULL if there is none. */
 const struct pen_mesh *pen_mesh_before(const struct pen_prims *prims, uint32_t prim);
 
+/* Sets *n, the unit normal at p towards the viewer, to the shading normal there: the unit vector
+ * along the mix of the unit normals of the triangle's corners, by p's barycentric coordinates, on
+ * the side of *n. *n stays if a corner has no normal or one of length 0, and if the mix is zero or
+ * perpendicular to *n. Returns false if the primitive is in no mesh with normals. */
+bool pen_prim_shading_normal(const struct pen_prims *prims, uint32_t prim, struct pen_vec3 p,
+                             struct pen_vec3 *n);
+
 /* The functions below, for scenes with meshes. */
 uint32_t pen_mesh_slot_of_prim(const struct pen_prims *prims, uint32_t prim);
 struct pen_prim_ref pen_mesh_ref_of_prim(const struct pen_prims *prims, uint32_t prim);

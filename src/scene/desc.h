@@ -149,6 +149,10 @@ struct pen_mesh_desc {
     uint32_t vertex_count, triangle_count; /* at least one triangle */
     const float *vertex;                   /* three for each vertex, all finite */
     const uint32_t *corner;                /* three for each triangle: numbers of vertices */
+    /* Normals, as struct pen_mesh (geom/mesh.h) has them. */
+    const float *normal;
+    const uint32_t *corner_normal;
+    uint32_t normal_count;
     double shift[3];
     int exponent;
     const uint16_t *material_of; /* by triangle, index into `material`; NULL: 0 */

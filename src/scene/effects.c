@@ -8,7 +8,8 @@
 
 #include "scene/internal/vec.h"
 
-_Static_assert(PEN_FX_FROSTED == 1 << (PEN_FX_COUNT - 1), "the last effect has the last bit");
+_Static_assert(PEN_FX_SMOOTH_NORMALS == 1 << (PEN_FX_COUNT - 1),
+               "the last effect has the last bit");
 
 const char *pen_effect_name(int bit)
 {
@@ -43,6 +44,8 @@ const char *pen_effect_name(int bit)
         return "glossy";
     case PEN_FX_FROSTED:
         return "frosted";
+    case PEN_FX_SMOOTH_NORMALS:
+        return "smooth_normals";
     }
     return "unknown";
 }
@@ -149,6 +152,13 @@ static void add_material(struct survey *survey, const struct pen_material *m, bo
     survey->forks = survey->forks || (color_is_lit(m->kt) && (color_is_lit(m->kr) || solid));
 }
 
+/* Adds the effect of a mesh's normals, if this material of the mesh reflects light. */
+static void add_normals(struct survey *survey, const struct pen_material *m)
+{
+    if (survey->lights && (color_is_lit(m->kd) || color_is_lit(m->ks)))
+        survey->effects |= PEN_FX_SMOOTH_NORMALS;
+}
+
 /* The factors. If a weight may grow along its path, no single factor bounds it. */
 static struct pen_secondary_factors survey_factors(const struct survey *survey)
 {
@@ -178,6 +188,11 @@ void pen_effects_find(struct pen_scene *scene)
         const bool in_solid = scene->solids.count > 0 && scene->solids.of_prim[i] != PEN_NO_SOLID;
         add_material(&survey, m, m->ior != 1 || in_solid);
     }
+    for (uint32_t i = 0; i < scene->prims.mesh_count; i++) {
+        const struct pen_mesh *mesh = &scene->prims.mesh[i];
+        for (uint32_t k = 0; mesh->normal && k < mesh->slots; k++)
+            add_normals(&survey, &scene->materials[scene->prim_material[mesh->slot + k]]);
+    }
     scene->effects = survey_end(&survey);
     scene->factors = survey_factors(&survey);
 }
@@ -197,6 +212,8 @@ static void survey_objects(struct survey *survey, const struct pen_scene_desc *d
             const int at = mesh ? o->u.mesh->material[k] : o->material;
             const struct pen_material *m = at < 0 ? &none : &desc->materials[at];
             add_material(survey, m, m->ior != 1 || (survey->ones_are_solids && m->ior_written));
+            if (mesh && o->u.mesh->normal)
+                add_normals(survey, m);
         }
     }
 }

@@ -50,8 +50,57 @@ static double coarse(double x, int exponent)
     return fabs(steps) < 0x1p52 ? pen_scale2(floor(steps + 0.5), exponent) : x;
 }
 
+/* Gives the mesh normals of its own: unit vectors along those of the description, moved by the
+ * inverse transpose. That is the matrix of cofactors, but for a factor, whose sign does not matter.
+ * A normal that becomes 0 or leaves the range of numbers is 0: its triangles are flat. */
+static bool move_normals(struct pen_freezer *f, const struct pen_scene_prim *prim,
+                         struct pen_mesh *mesh)
+{
+    const struct pen_mesh_desc *d = prim->mesh;
+    struct pen_vec3 row[3];
+    double largest = 0;
+    for (int i = 0; i < 3; i++) {
+        const double *m = prim->moved_by->m[i];
+        row[i] = pen_vec3(m[0], m[1], m[2]);
+        largest = pen_larger(largest, vec_max_abs(row[i]));
+    }
+    for (int i = 0; i < 3; i++)
+        row[i] = vec_scale2_down(row[i], pen_exponent(largest));
+    const struct pen_vec3 cofactors[3] = {pen_cross(row[1], row[2]), pen_cross(row[2], row[0]),
+                                          pen_cross(row[0], row[1])};
+    float *normal = pen_arena_alloc(f->scene->arena, 3 * (size_t)d->normal_count, sizeof *normal);
+    if (!normal)
+        return pen_freeze_no_memory(f);
+    for (size_t i = 0; i < 3 * (size_t)d->normal_count; i += 3) {
+        const struct pen_vec3 from =
+            pen_vec3((double)d->normal[i], (double)d->normal[i + 1], (double)d->normal[i + 2]);
+        const struct pen_vec3 n = vec_normalize(pen_vec3(
+            pen_dot(cofactors[0], from), pen_dot(cofactors[1], from), pen_dot(cofactors[2], from)));
+        const bool finite = isfinite(pen_norm1(n));
+        normal[i] = finite ? (float)n.x : 0;
+        normal[i + 1] = finite ? (float)n.y : 0;
+        normal[i + 2] = finite ? (float)n.z : 0;
+    }
+    mesh->normal = normal;
+    return true;
+}
+
+/* Numbers by corner of a mirrored mesh: in reverse, so that the outside stays outside. */
+static const uint32_t *mirror(struct pen_freezer *f, const struct pen_mesh_desc *d,
+                              const uint32_t *of)
+{
+    const size_t corners = 3 * (size_t)d->triangle_count;
+    uint32_t *to = pen_arena_alloc(f->scene->arena, corners, sizeof *to);
+    for (size_t i = 0; to && i < corners; i += 3) {
+        to[i] = of[i + 2];
+        to[i + 1] = of[i + 1];
+        to[i + 2] = of[i];
+    }
+    return to;
+}
+
 /* Gives the mesh vertices of its own: those of the description, moved and rounded to floats around
- * the middle of their box. A mirror reverses the corners, so that the outside stays outside. */
+ * the middle of their box. */
 static bool move(struct pen_freezer *f, const struct pen_scene_prim *prim, struct pen_mesh *mesh)
 {
     const struct pen_mesh_desc *d = prim->mesh;
@@ -77,19 +126,14 @@ static bool move(struct pen_freezer *f, const struct pen_scene_prim *prim, struc
         vertex[3 * (size_t)i + 2] = (float)p.z;
     }
     mesh->vertex = vertex;
+    if (d->normal && !move_normals(f, prim, mesh))
+        return false;
     if (pen_transform_orientation(prim->moved_by) > 0)
         return true;
-    const size_t corners = 3 * (size_t)d->triangle_count;
-    uint32_t *corner = pen_arena_alloc(f->scene->arena, corners, sizeof *corner);
-    if (!corner)
-        return pen_freeze_no_memory(f);
-    for (size_t i = 0; i < corners; i += 3) {
-        corner[i] = d->corner[i + 2];
-        corner[i + 1] = d->corner[i + 1];
-        corner[i + 2] = d->corner[i];
-    }
-    mesh->corner = corner;
-    return true;
+    mesh->corner = mirror(f, d, d->corner);
+    if (d->corner_normal)
+        mesh->corner_normal = mirror(f, d, d->corner_normal);
+    return (mesh->corner && (mesh->corner_normal || !d->corner_normal)) || pen_freeze_no_memory(f);
 }
 
 /* Makes a mesh in the document's units. */
@@ -99,6 +143,8 @@ static bool make(struct pen_freezer *f, const struct pen_scene_prim *prim, struc
     int exponent = 0;
     *mesh = (struct pen_mesh){.vertex = d->vertex,
                               .corner = d->corner,
+                              .normal = d->normal,
+                              .corner_normal = d->corner_normal,
                               .material_of = d->material_of,
                               .shift = pen_vec3(d->shift[0], d->shift[1], d->shift[2]),
                               .unit = pen_scale2(1, d->exponent),

@@ -34,9 +34,10 @@ enum pen_effect {
     PEN_FX_PATTERNS = 1 << 10,
     PEN_FX_REFRACTION = 1 << 11,
     PEN_FX_GLOSSY = 1 << 12,
-    PEN_FX_FROSTED = 1 << 13
+    PEN_FX_FROSTED = 1 << 13,
+    PEN_FX_SMOOTH_NORMALS = 1 << 14
 };
-enum { PEN_FX_COUNT = 14 };
+enum { PEN_FX_COUNT = 15 };
 
 /* The effect's name in the API ("hard_shadows") by bit number. */
 const char *pen_effect_name(int bit);

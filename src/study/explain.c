@@ -16,7 +16,7 @@ static bool is_lit(struct pen_vec3 c)
     return c.x > 0 || c.y > 0 || c.z > 0;
 }
 
-/* Whether a material shows an effect. */
+/* Whether a material shows an effect; smooth normals, on a mesh that has normals. */
 static bool shows(const struct pen_material *m, enum pen_effect effect)
 {
     const bool reflects = is_lit(m->kr), transmits = is_lit(m->kt),
@@ -27,7 +27,8 @@ static bool shows(const struct pen_material *m, enum pen_effect effect)
            (effect == PEN_FX_REFRACTION && refracts) ||
            (effect == PEN_FX_GLOSSY && m->reflection_blur > 0 && (reflects || refracts)) ||
            (effect == PEN_FX_FROSTED && m->transmission_blur > 0 && transmits) ||
-           (effect == PEN_FX_PATTERNS && pen_material_is_patterned(m));
+           (effect == PEN_FX_PATTERNS && pen_material_is_patterned(m)) ||
+           (effect == PEN_FX_SMOOTH_NORMALS && (is_lit(m->kd) || is_lit(m->ks)));
 }
 
 /* The property of a material that shows the effect; NULL if no material shows it. */
@@ -43,7 +44,8 @@ static const char *property(enum pen_effect effect)
                       {PEN_FX_REFRACTION, "kt > 0 and an ior other than 1"},
                       {PEN_FX_GLOSSY, "a reflection_blur above 0 where they reflect"},
                       {PEN_FX_FROSTED, "a transmission_blur above 0 and kt > 0"},
-                      {PEN_FX_PATTERNS, "patterns"}};
+                      {PEN_FX_PATTERNS, "patterns"},
+                      {PEN_FX_SMOOTH_NORMALS, "normals, and kd or ks > 0"}};
     for (size_t i = 0; i < sizeof properties / sizeof properties[0]; i++)
         if (properties[i].effects & effect)
             return properties[i].property;
@@ -89,10 +91,24 @@ static void add_object(struct objects *found, const char *kind, const char *name
     found->name[found->named++] = name;
 }
 
+/* Whether an object, which is no group, shows the effect with one of its materials. */
+static bool object_shows(const struct objects *found, const struct pen_object_desc *o)
+{
+    const struct pen_material none = pen_material_default();
+    const bool mesh = o->kind == PEN_OBJECT_MESH;
+    const int *material = mesh ? o->u.mesh->material : &o->material;
+    const uint32_t count = mesh ? o->u.mesh->material_count : 1;
+    if (found->effect == PEN_FX_SMOOTH_NORMALS && !(mesh && o->u.mesh->normal))
+        return false;
+    for (uint32_t i = 0; i < count; i++)
+        if (shows(material[i] < 0 ? &none : &found->desc->materials[material[i]], found->effect))
+            return true;
+    return false;
+}
+
 static void find_objects(struct objects *found, const struct pen_object_desc *list, uint32_t count,
                          const char *group)
 {
-    const struct pen_material none = pen_material_default();
     for (uint32_t i = 0; i < count; i++) {
         const struct pen_object_desc *o = &list[i];
         if (o->kind == PEN_OBJECT_GROUP) {
@@ -101,13 +117,17 @@ static void find_objects(struct objects *found, const struct pen_object_desc *li
         }
         if (o->left_out)
             continue;
-        const uint32_t number = found->primitive++;
-        const struct pen_material *m =
-            o->material < 0 ? &none : &found->desc->materials[o->material];
-        if (!shows(m, found->effect))
+        const bool mesh = o->kind == PEN_OBJECT_MESH;
+        const uint32_t number = found->primitive;
+        found->primitive += mesh ? o->u.mesh->triangle_count : 1;
+        if (!object_shows(found, o))
             continue;
-        found->seen_count += atomic_load_explicit(&found->seen[number], memory_order_relaxed);
-        add_object(found, pen_kinds[o->kind].name, o->name ? o->name : group, number);
+        bool seen = false;
+        for (uint32_t k = number; k < found->primitive && !seen; k++)
+            seen = atomic_load_explicit(&found->seen[k], memory_order_relaxed);
+        found->seen_count += seen;
+        add_object(found, mesh ? "mesh" : pen_kinds[o->kind].name, o->name ? o->name : group,
+                   number);
     }
 }
 

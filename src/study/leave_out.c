@@ -62,6 +62,7 @@ static void change_material(struct pen_arena *arena, struct pen_material *m, uns
     case PEN_FX_ANTI_ALIASING:
     case PEN_FX_SKY:
     case PEN_FX_DEPTH_OF_FIELD:
+    case PEN_FX_SMOOTH_NORMALS:
         break;
     }
 }
@@ -74,6 +75,28 @@ static void change_light(struct pen_light_desc *light, unsigned effect)
         light->radius = light->angular_radius = 0;
 }
 
+/* A copy of objects in which meshes have no normals; NULL if there is no memory. */
+static struct pen_object_desc *without_normals(struct pen_arena *arena,
+                                               const struct pen_object_desc *from, uint32_t count)
+{
+    struct pen_object_desc *to = copy_of(arena, from, count, sizeof *to);
+    bool ok = to != NULL;
+    for (uint32_t i = 0; ok && i < count; i++) {
+        if (to[i].kind == PEN_OBJECT_GROUP) {
+            to[i].u.group.objects =
+                without_normals(arena, from[i].u.group.objects, from[i].u.group.count);
+            ok = to[i].u.group.objects != NULL;
+        } else if (to[i].kind == PEN_OBJECT_MESH) {
+            struct pen_mesh_desc *mesh = copy_of(arena, from[i].u.mesh, 1, sizeof *mesh);
+            to[i].u.mesh = mesh;
+            ok = mesh != NULL;
+            if (ok)
+                mesh->normal = NULL;
+        }
+    }
+    return ok ? to : NULL;
+}
+
 bool pen_scene_leave_out(const struct pen_scene_desc *from, unsigned effect,
                          struct pen_arena *arena, struct pen_scene_desc *to,
                          struct pen_settings *settings)
@@ -82,7 +105,9 @@ bool pen_scene_leave_out(const struct pen_scene_desc *from, unsigned effect,
     to->materials = copy_of(arena, from->materials, from->material_count, sizeof *to->materials);
     to->lights = copy_of(arena, from->lights, from->light_count, sizeof *to->lights);
     to->views = copy_of(arena, from->views, from->view_count, sizeof *to->views);
-    if (!to->materials || !to->lights || !to->views)
+    if (effect == PEN_FX_SMOOTH_NORMALS)
+        to->objects = without_normals(arena, from->objects, from->object_count);
+    if (!to->materials || !to->lights || !to->views || !to->objects)
         return false;
     for (uint32_t i = 0; i < to->material_count; i++)
         change_material(arena, &to->materials[i], effect);

@@ -19,6 +19,7 @@
  *    patterns              the mean of the two colours
  *    refraction            ior 1
  *    glossy, frosted       no blur
+ *    smooth_normals        meshes have no normals
  * The settings are changed in place.
  * Owns: the arena gets the changed parts of *to; all others are shared with *from.
  * Fails: false when out of memory. */

@@ -60,6 +60,42 @@ done
 exits "up is z" 0 "$penumbra" convert models/tetra.ply up.json --up z
 expect "of the camera" "$(jq -c .camera.up up.json) $(jq -c .camera.up models/scene.json)" "[0,0,1] [0,1,0]"
 
+# Smooth normals: of a PLY, of an OBJ, in the document; none, and not wanted.
+sed -e 's/^property float z$/&\nproperty float nx\nproperty float ny\nproperty float nz/' -e 's/^0 0 0$/& -1 -1 -1/' \
+    -e 's/^1 0 0$/& 2 0 0/' -e 's/^0 1 0$/& 0 1 0/' -e 's/^0 0 1$/& 0 0 0.5/' models/tetra.ply >models/smooth.ply
+cat >models/smooth.obj <<'END'
+v 0 0 0
+v 1 0 0
+v 0 1 0
+v 0 0 1
+vn 0 0 .5
+vn 0 1 0
+vn 2 0 0
+vn -1 -1 -1
+f 1//4 3//2 2//3
+f 1//4 2//3 4//1
+f 1//4 4//1 3//2
+f 2//3 3//2 4//1
+END
+for model in smooth.ply smooth.obj; do
+    # shellcheck disable=SC2086
+    exits "render $model" 0 "$penumbra" render models/$model $small -o $model.pfm -q
+done
+check "a PLY and an OBJ have the same bytes" cmp smooth.ply.pfm smooth.obj.pfm
+check "which are not those of the flat model" sh -c '! cmp -s smooth.ply.pfm model.pfm'
+jq '.objects[0] += {file: "smooth.obj", smooth: false}' models/scene.json >models/not_smooth.json
+jq '.objects[0].normals = [[-1,-1,-1],[2,0,0],[0,1,0],[0,0,0.5]]' inline.json >inline_smooth.json
+jq '.objects[0].smooth = false' inline_smooth.json >inline_flat.json
+for scene in models/not_smooth inline_smooth inline_flat; do
+    # shellcheck disable=SC2086
+    exits "render $scene" 0 "$penumbra" render $scene.json $small -o ${scene#models/}.pfm -q
+done
+check "normals that are not wanted have no effect" cmp not_smooth.pfm model.pfm
+check "nor in the document" cmp inline_flat.pfm model.pfm
+check "normals in the document are those of the file" cmp inline_smooth.pfm smooth.ply.pfm
+exits "its effects" 0 "$penumbra" explain models/smooth.ply
+prints "name them" stdout "object mesh 0 has normals, and kd or ks > 0"
+
 # Where a file may be.
 refuses() { # NAME FILE CODE WORDS
     jq --arg file "$2" '.objects[0].file = $file' models/scene.json >models/bad.json

@@ -32,6 +32,9 @@ BLIND = (
     "must be unique",
     "must have the index of refraction (ior) 1",
     "must be another point",
+    "one for each position",
+    "must be the number of a position",
+    "has no triangle with an area",
     "which a camera with",  # a view has some of the keys, the camera others
 )
 

@@ -64,6 +64,8 @@ static void any_scene(struct random *random)
         int material = kit_material(&kit, any_material(random));
         kit_sphere(&kit, pen_vec3(3 * i, 0, 0), 1, random_below(random, 4) ? material : -1);
     }
+    if (random_below(random, 2))
+        kit_smooth(&kit, pen_vec3(0, 5, 0), kit_material(&kit, any_material(random)));
     /* A material that no primitive has must not count. */
     kit_material(&kit, any_material(random));
     struct pen_transform identity = pen_transform_identity();

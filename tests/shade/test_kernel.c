@@ -68,6 +68,7 @@ static void medley(void)
 {
     kit_medley(&kit);
     solids();
+    kit_smooth(&kit, pen_vec3(1.5, -0.25, 3), 1);
     kit.desc.has_sky = true;
     kit.desc.sky = (struct pen_sky){{0.1, 0.2, 0.6}, {0.05, 0.04, 0.03}, {0.125, 1, 0}};
     kit.view.camera.aperture_radius = 0.125;
@@ -129,6 +130,8 @@ static void leave_out(unsigned effects)
         kit.desc.has_sky = false;
     if (effects & PEN_FX_DEPTH_OF_FIELD)
         kit.view.camera.aperture_radius = 0;
+    if (effects & PEN_FX_SMOOTH_NORMALS)
+        kit.meshes[0].normal = NULL;
     for (uint32_t i = 0; i < kit.desc.light_count; i++)
         if ((effects & PEN_FX_HARD_SHADOWS) && !pen_light_desc_soft(&kit.lights[i]))
             kit.lights[i].shadows = false;
@@ -255,6 +258,7 @@ START_TEST(test_kernel__names_stay_as_statistics_show_them)
                                        "hard+refraction",
                                        "hard+mirror+lens+sky",
                                        "hard+refraction+blur",
+                                       "hard+smooth+normals",
                                        "soft",
                                        "soft+mirror",
                                        "soft+glass",
@@ -304,6 +308,8 @@ START_TEST(test_kernel__effects_follow_the_scene)
                       all & ~(unsigned)(PEN_FX_REFRACTION | PEN_FX_GLOSSY));
     ck_assert_uint_eq(effects_of_medley(PEN_FX_GLOSSY), all & ~(unsigned)PEN_FX_GLOSSY);
     ck_assert_uint_eq(effects_of_medley(PEN_FX_FROSTED), all & ~(unsigned)PEN_FX_FROSTED);
+    ck_assert_uint_eq(effects_of_medley(PEN_FX_SMOOTH_NORMALS),
+                      all & ~(unsigned)PEN_FX_SMOOTH_NORMALS);
     ck_assert_uint_eq(effects_of_medley(PEN_FX_TRANSMISSION),
                       all & ~(unsigned)(PEN_FX_TRANSMISSION | PEN_FX_SHADOW_TRANSMITTANCE |
                                         PEN_FX_REFRACTION | PEN_FX_GLOSSY | PEN_FX_FROSTED));

@@ -38,6 +38,9 @@ static void everything(void)
     m.reflection_blur = 10;
     m.transmission_blur = 5;
     kit_sphere(&kit, pen_vec3(-1, 2, 1), 0.75, kit_material(&kit, m));
+    const uint32_t first = kit.desc.object_count;
+    kit_smooth(&kit, pen_vec3(1.5, -0.25, 3), 1);
+    kit_group(&kit, first, NULL);
 }
 
 static struct pen_bill bill_of(const struct pen_bill_task *task)

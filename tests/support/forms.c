@@ -119,6 +119,38 @@ static void make_blur(struct pen_scene_desc *desc, bool idle)
         desc->materials[i].reflection_blur = desc->materials[i].transmission_blur = 10;
 }
 
+/* Adds a black tetrahedron, in the idle form with normals. */
+static void make_normals(struct pen_scene_desc *desc, bool idle)
+{
+    enum { MOST = 16 };
+    static struct pen_object_desc objects[MOST];
+    static struct pen_material materials[MOST];
+    static const float vertex[] = {1, 1, 3, 2, 1, 3, 1, 2, 3, 1, 1, 4};
+    static const uint32_t corner[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    static int material;
+    static struct pen_mesh_desc mesh;
+    const uint32_t count = desc->object_count < MOST ? desc->object_count : MOST - 1;
+    material = (int)(desc->material_count < MOST ? desc->material_count : MOST - 1);
+    memcpy(objects, desc->objects, count * sizeof *objects);
+    memcpy(materials, desc->materials, (size_t)material * sizeof *materials);
+    materials[material] = pen_material_default();
+    materials[material].ka = materials[material].kd = black;
+    mesh = (struct pen_mesh_desc){.vertex_count = 4,
+                                  .triangle_count = 4,
+                                  .vertex = vertex,
+                                  .corner = corner,
+                                  .normal = idle ? vertex : NULL,
+                                  .normal_count = 4,
+                                  .material = &material,
+                                  .material_count = 1};
+    objects[count] = (struct pen_object_desc){.kind = PEN_OBJECT_MESH, .u.mesh = &mesh};
+    desc->objects = objects;
+    desc->object_count = count + 1;
+    desc->materials = materials;
+    desc->material_count = (uint32_t)material + 1;
+    desc->primitive_count += mesh.triangle_count;
+}
+
 const struct form forms[] = {
     {"ambient-no-ka", PEN_FX_AMBIENT, make_ambient, false},
     {"shadows-of-a-dark-light", PEN_FX_HARD_SHADOWS, make_hard_shadows, false},
@@ -135,6 +167,7 @@ const struct form forms[] = {
     {"equal-gradients", PEN_FX_PATTERNS, make_gradients, false},
     {"ior-no-kt", PEN_FX_REFRACTION, make_ior, false},
     {"blur-no-rays", PEN_FX_GLOSSY | PEN_FX_FROSTED, make_blur, false},
+    {"normals-of-black", PEN_FX_SMOOTH_NORMALS, make_normals, false},
     {NULL, 0, NULL, false}};
 
 const struct form *form_find(const char *name)

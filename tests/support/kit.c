@@ -125,6 +125,36 @@ struct pen_object_desc *kit_cylinder(struct kit *kit, struct pen_vec3 base, stru
     return o;
 }
 
+struct pen_object_desc *kit_mesh(struct kit *kit, const struct pen_mesh_desc *mesh, int material)
+{
+    ck_assert_uint_lt(kit->mesh_count, KIT_MESHES);
+    struct pen_mesh_desc *own = &kit->meshes[kit->mesh_count];
+    int *own_material = &kit->mesh_material[kit->mesh_count++];
+    *own_material = material;
+    *own = *mesh;
+    own->material = own_material;
+    own->material_count = 1;
+    struct pen_object_desc *o = add(kit, PEN_OBJECT_MESH, -1);
+    o->u.mesh = own;
+    kit->desc.primitive_count += mesh->triangle_count - 1;
+    return o;
+}
+
+struct pen_object_desc *kit_smooth(struct kit *kit, struct pen_vec3 center, int material)
+{
+    static const float vertex[] = {.5f,  .5f, .5f,  -.5f, -.5f, .5f,
+                                   -.5f, .5f, -.5f, .5f,  -.5f, -.5f};
+    static const uint32_t corner[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    const struct pen_mesh_desc mesh = {.vertex_count = 4,
+                                       .triangle_count = 4,
+                                       .vertex = vertex,
+                                       .corner = corner,
+                                       .normal = vertex,
+                                       .normal_count = 4,
+                                       .shift = {center.x, center.y, center.z}};
+    return kit_mesh(kit, &mesh, material);
+}
+
 /* The group's objects move to the end of the array, behind those of the top level. */
 struct pen_object_desc *kit_group(struct kit *kit, uint32_t first,
                                   const struct pen_transform *transform)

@@ -6,7 +6,13 @@
 #include "render/render.h"
 #include "scene/scene.h"
 
-enum { KIT_OBJECTS = 256, KIT_MATERIALS = 64, KIT_LIGHTS = 16, KIT_VERTICES = 2048 };
+enum {
+    KIT_OBJECTS = 256,
+    KIT_MATERIALS = 64,
+    KIT_LIGHTS = 16,
+    KIT_VERTICES = 2048,
+    KIT_MESHES = 4
+};
 
 struct kit {
     struct pen_scene_desc desc; /* a test may change it before kit_freeze */
@@ -17,6 +23,9 @@ struct kit {
     struct pen_light_desc lights[KIT_LIGHTS];
     struct pen_vec3 vertices[KIT_VERTICES];
     uint32_t vertex_count;
+    struct pen_mesh_desc meshes[KIT_MESHES];
+    int mesh_material[KIT_MESHES];
+    uint32_t mesh_count;
     uint32_t parked; /* objects inside groups, at the end of the array */
 };
 
@@ -43,6 +52,12 @@ struct pen_object_desc *kit_tube(struct kit *kit, struct pen_vec3 origin, struct
                                  double radius, int material);
 struct pen_object_desc *kit_cylinder(struct kit *kit, struct pen_vec3 base, struct pen_vec3 axis,
                                      double radius, double height, int material);
+
+/* Adds a copy of a mesh, with this material. */
+struct pen_object_desc *kit_mesh(struct kit *kit, const struct pen_mesh_desc *mesh, int material);
+
+/* Adds a tetrahedron of edges of about 1 whose normals are those of the sphere around it. */
+struct pen_object_desc *kit_smooth(struct kit *kit, struct pen_vec3 center, int material);
 
 /* A square with sides of 2 `half`, perpendicular to the z axis and centred on it, facing +z. */
 struct pen_object_desc *kit_sheet(struct kit *kit, double z, double half, int material);

@@ -6,10 +6,12 @@
 #include "io/models.h"
 #include "io/scene/object.h"
 #include "io/scene/tables.h"
+#include "math/scale.h"
 
 /* The target of pen_mesh_fields. */
 struct mesh_target {
     const char *name, *file;
+    bool smooth;
 };
 
 const struct pen_field pen_mesh_fields[] = {
@@ -18,7 +20,9 @@ const struct pen_field pen_mesh_fields[] = {
     {"material", .type = PEN_FIELD_OTHER},
     {"file", PEN_FIELD_STRING, .offset = offsetof(struct mesh_target, file)},
     {"positions", .type = PEN_FIELD_OTHER},
+    {"normals", .type = PEN_FIELD_OTHER},
     {"faces", .type = PEN_FIELD_OTHER},
+    {"smooth", PEN_FIELD_BOOL, .offset = offsetof(struct mesh_target, smooth)},
     {0}};
 
 /* ---- in the document ---- */
@@ -102,6 +106,34 @@ static bool read_positions(struct pen_reader *r, const struct pen_place *at, con
     return ok;
 }
 
+/* Reads a normal for each position, and rounds it to floats. */
+static bool read_normals(struct pen_reader *r, const struct pen_place *at, const json_t *json,
+                         struct pen_mesh_desc *mesh)
+{
+    const size_t count = json_array_size(json);
+    if (count != mesh->vertex_count) {
+        struct pen_text found = pen_reader_found(r, at, json);
+        return pen_reader_fail(r, at, PEN_INVALID,
+                               "must be an array of %u normals, one for each position, found %s",
+                               mesh->vertex_count, found.text);
+    }
+    float *normal = pen_reader_alloc(r, 3 * count, sizeof *normal);
+    bool ok = normal != NULL;
+    for (size_t i = 0; normal && i < count; i++) {
+        const struct pen_place place = pen_place_index(at, i);
+        struct pen_vec3 n = {0};
+        ok &= pen_read_direction(r, &place, json_array_get(json, i), &n);
+        const int exponent = pen_exponent(pen_larger(fabs(n.x), pen_larger(fabs(n.y), fabs(n.z))));
+        const int down = exponent < -64 || exponent > 64 ? -exponent : 0;
+        normal[3 * i] = (float)pen_scale2(n.x, down);
+        normal[3 * i + 1] = (float)pen_scale2(n.y, down);
+        normal[3 * i + 2] = (float)pen_scale2(n.z, down);
+    }
+    mesh->normal = normal;
+    mesh->normal_count = (uint32_t)count;
+    return ok;
+}
+
 static bool read_triangles(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                            struct pen_mesh_desc *mesh)
 {
@@ -130,11 +162,14 @@ static bool read_inline(struct pen_reader *r, const struct pen_place *up, const 
                         struct pen_mesh_desc *mesh)
 {
     const struct pen_place positions_at = pen_place_key(up, "positions"),
+                           normals_at = pen_place_key(up, "normals"),
                            faces_at = pen_place_key(up, "faces");
-    const json_t *triangles = json_object_get(json, "faces");
+    const json_t *triangles = json_object_get(json, "faces"),
+                 *normals = json_object_get(json, "normals");
     if (!triangles)
         return pen_reader_missing(r, up, "faces", NULL);
     return read_positions(r, &positions_at, json_object_get(json, "positions"), mesh) &&
+           (!normals || read_normals(r, &normals_at, normals, mesh)) &&
            read_triangles(r, &faces_at, triangles, mesh);
 }
 
@@ -189,12 +224,26 @@ static const void *copy(struct pen_reader *r, const void *from, size_t count, si
     return to;
 }
 
-static bool take_model(struct pen_reader *r, const struct pen_model *model, int own,
+/* Takes the file's normals. Their numbers by corner are left out if they are those of vertices. */
+static bool take_normals(struct pen_reader *r, const struct pen_model *model,
+                         struct pen_mesh_desc *mesh)
+{
+    const size_t triangles = model->triangle_count, bytes = triangles * sizeof *model->corner;
+    bool ok = true;
+    mesh->normal = copy(r, model->normal, model->normal_count, sizeof *model->normal, &ok);
+    mesh->normal_count = model->normal_count;
+    if (model->corner_normal && memcmp(model->corner_normal, model->corner, bytes) != 0)
+        mesh->corner_normal =
+            copy(r, model->corner_normal, triangles, sizeof *model->corner_normal, &ok);
+    return ok;
+}
+
+static bool take_model(struct pen_reader *r, const struct pen_model *model, int own, bool smooth,
                        struct pen_mesh_desc *mesh)
 {
     if (!take_materials(r, model, own, mesh))
         return false;
-    bool ok = true;
+    bool ok = !smooth || !model->normal || take_normals(r, model, mesh);
     mesh->vertex = copy(r, model->vertex, model->vertex_count, sizeof *model->vertex, &ok);
     mesh->corner = copy(r, model->corner, model->triangle_count, sizeof *model->corner, &ok);
     mesh->material_of =
@@ -216,7 +265,7 @@ static void note(struct pen_reader *r, const struct pen_place *at, const char *f
 }
 
 static bool read_file(struct pen_reader *r, const struct pen_place *at, const char *file, int own,
-                      struct pen_mesh_desc *mesh)
+                      bool smooth, struct pen_mesh_desc *mesh)
 {
     struct pen_models *models = r->limits->models;
     struct pen_model model = {0};
@@ -228,7 +277,7 @@ static bool read_file(struct pen_reader *r, const struct pen_place *at, const ch
                                "read; a daemon opens no files. Write positions and faces");
     bool ok = pen_models_read(models, file, &model, &notes, &st);
     if (ok) {
-        ok = take_model(r, &model, own, mesh);
+        ok = take_model(r, &model, own, smooth, mesh);
         note(r, at, file, &notes);
     } else {
         char place[48] = "";
@@ -243,7 +292,7 @@ static bool read_file(struct pen_reader *r, const struct pen_place *at, const ch
 bool pen_mesh_read(struct pen_reader *r, const struct pen_place *at, const json_t *json,
                    struct pen_object_desc *object)
 {
-    struct mesh_target target = {0};
+    struct mesh_target target = {.smooth = true};
     struct pen_mesh_desc *mesh = pen_reader_alloc(r, 1, sizeof *mesh);
     int *material = pen_reader_alloc(r, 1, sizeof *material);
     if (!mesh || !material)
@@ -254,12 +303,19 @@ bool pen_mesh_read(struct pen_reader *r, const struct pen_place *at, const json_
     material[0] = object->material;
     mesh->material = material;
     mesh->material_count = 1;
-    const struct pen_place file_at = pen_place_key(at, "file");
+    const struct pen_place file_at = pen_place_key(at, "file"),
+                           normals_at = pen_place_key(at, "normals");
     if (target.file && json_object_get(json, "positions"))
         return pen_reader_fail(r, &file_at, PEN_INVALID, "must not stand beside positions");
+    if (target.file && json_object_get(json, "normals"))
+        return pen_reader_fail(r, &normals_at, PEN_INVALID,
+                               "must not stand beside file, whose own normals count");
     if (target.file)
-        return read_file(r, &file_at, target.file, object->material, mesh) && ok;
+        return read_file(r, &file_at, target.file, object->material, target.smooth, mesh) && ok;
     if (!json_object_get(json, "positions"))
         return pen_reader_missing(r, at, "file", "positions");
-    return read_inline(r, at, json, mesh) && ok;
+    ok &= read_inline(r, at, json, mesh);
+    if (!target.smooth)
+        mesh->normal = NULL;
+    return ok;
 }

@@ -48,6 +48,7 @@ static const struct pen_xml_attribute triangle_own[] = {{"material", PEN_XML_TEX
                                                         {0}};
 static const struct pen_xml_attribute mesh_own[] = {{"material", PEN_XML_TEXT, "material"},
                                                     {"positions", PEN_XML_POINTS, "positions"},
+                                                    {"normals", PEN_XML_POINTS, "normals"},
                                                     {"faces", PEN_XML_POINTS, "faces"},
                                                     {0}};
 static const struct pen_xml_attribute polygon_own[] = {

@@ -27,7 +27,8 @@ enum {
     FX_SMOOTH = PEN_FX_ANTI_ALIASING,
     FX_LENS = FX_SMOOTH | PEN_FX_DEPTH_OF_FIELD,
     FX_ALL = FX_SOFT | FX_GLASS | FX_MIRROR | FX_SMOOTH | PEN_FX_SKY | PEN_FX_DEPTH_OF_FIELD |
-             PEN_FX_PATTERNS | PEN_FX_REFRACTION | PEN_FX_GLOSSY | PEN_FX_FROSTED
+             PEN_FX_PATTERNS | PEN_FX_REFRACTION | PEN_FX_GLOSSY | PEN_FX_FROSTED |
+             PEN_FX_SMOOTH_NORMALS
 };
 _Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the last kernel");
 
@@ -57,6 +58,7 @@ _Static_assert(FX_ALL == (1 << PEN_FX_COUNT) - 1, "a new effect belongs to the l
     X(hard_blur, "hard+refraction+blur",                                                           \
       FX_HARD | FX_GLASS | FX_MIRROR | FX_SMOOTH | PEN_FX_REFRACTION | PEN_FX_GLOSSY |             \
           PEN_FX_FROSTED | PEN_FX_SKY | PEN_FX_PATTERNS)                                           \
+    X(hard_normals, "hard+smooth+normals", FX_HARD | FX_SMOOTH | PEN_FX_SMOOTH_NORMALS)            \
     X(soft, "soft", FX_SOFT)                                                                       \
     X(soft_mirror, "soft+mirror", FX_SOFT | FX_MIRROR)                                             \
     X(soft_glass, "soft+glass", FX_SOFT | FX_GLASS)                                                \

@@ -40,6 +40,10 @@ struct surface {
     lane_mask corner;   /* paths that have also met another surface (corners.h), or that graze */
     lane_mask finite;   /* the point exists, and it, its normal and its direction are finite */
     struct pen_origin_surface origin[LANES]; /* for rays that start at p on the viewer's side */
+    bool smooth; /* with smooth normals: some point is in a mesh that has them; then, and at other
+                    points n and nv: */
+    struct lanes3 shading; /* the shading normal: unit, on the side of n */
+    lanes shading_v;       /* shading.v, of any sign */
 };
 
 /* The sine below which directions graze. On a round surface, moving p by its bound turns the normal
@@ -143,6 +147,31 @@ static ALWAYS_INLINE void surface_patterns(struct surface *s, const struct pen_s
                                                 lanes_at(s->bound, i))
                               : scene->materials[0];
     surface_set_colours(s, scene, fx);
+}
+
+/* Whether points have shading normals. */
+static ALWAYS_INLINE bool surface_is_smooth(const struct surface *s, const unsigned fx)
+{
+    return (fx & PEN_FX_SMOOTH_NORMALS) && s->smooth;
+}
+
+/* Sets the shading normals of the points, which are set. */
+static ALWAYS_INLINE void surface_shading_normals(struct surface *s, const struct pen_scene *scene,
+                                                  int count)
+{
+    struct pen_vec3 n[LANES];
+    unsigned smooth = 0;
+    s->smooth = false;
+    if (!(scene->effects & PEN_FX_SMOOTH_NORMALS))
+        return;
+    lanes3_store(n, s->n);
+    for (int i = 0; i < count; i++)
+        smooth |= (unsigned)pen_prim_shading_normal(&scene->prims, s->hit[i].prim,
+                                                    lanes3_at(s->p, i), &n[i])
+                  << i;
+    s->smooth = smooth != 0;
+    s->shading = lanes3_load(n);
+    s->shading_v = lanes_select(lane_mask_of(smooth), lanes3_dot(s->shading, s->v), s->nv);
 }
 
 /* The points that are on the same part of a primitive as the first of `left`, out of `left`, a bit
@@ -375,6 +404,8 @@ static ALWAYS_INLINE void surface_at(struct surface *s, const struct pen_scene *
                 lanes_less(lanes_abs(s->nv - s->bound), lanes_splat(INFINITY));
     if (surface_is_patterned(s, fx))
         surface_patterns(s, scene, count, fx);
+    if (fx & PEN_FX_SMOOTH_NORMALS)
+        surface_shading_normals(s, scene, count);
 }
 
 /* Whether rounding decides on which side of the surface, or of one beside it, the viewer is. */

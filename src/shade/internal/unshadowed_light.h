@@ -31,9 +31,23 @@ struct arriving_light {
     uint32_t light; /* number in the frozen scene */
 };
 
+/* n.q for the shading normal; `nq` is that of the surface's own normal. From -q, light arrives only
+ * above the horizon of both. */
+static ALWAYS_INLINE lanes light_on_shading_normal(struct arriving_light *arriving,
+                                                   const struct surface *s, struct lanes3 q,
+                                                   lanes nq, lanes band, const unsigned fx)
+{
+    if (!surface_is_smooth(s, fx))
+        return nq;
+    const lanes shading_q = lanes3_dot(s->shading, q);
+    arriving->arrives &= horizon_sides(-shading_q, band).above;
+    return shading_q;
+}
+
 /* The share of the arriving light that the material reflects to the viewer: kd |n.l| + ks max(0,
- * -v.r)^shininess, with r = l - 2 (n.l) n, so that -v.r = 2 (n.l)(n.v) - v.l. Rounding may lift
- * -v.r above 1, which a large power would amplify, so it is limited to 1. */
+ * -v.r)^shininess, with r = l - 2 (n.l) n, so that -v.r = 2 (n.l)(n.v) - v.l. Here n is the shading
+ * normal. Rounding may lift -v.r above 1, which a large power would amplify, so it is limited to 1.
+ */
 static ALWAYS_INLINE struct lanes3 light_towards_viewer(const struct surface *s, struct lanes3 l,
                                                         lanes nl, lane_mask above,
                                                         const unsigned fx)
@@ -44,7 +58,8 @@ static ALWAYS_INLINE struct lanes3 light_towards_viewer(const struct surface *s,
     const lane_mask shines = above & lane_mask_not(lanes_black(s->ks));
     if (!lane_mask_bits(shines))
         return share;
-    const lanes mirror = 2 * nl * s->nv - lanes3_dot(s->v, l);
+    const lanes nv = surface_is_smooth(s, fx) ? s->shading_v : s->nv;
+    const lanes mirror = 2 * nl * nv - lanes3_dot(s->v, l);
     const lanes highlight = lanes_pow(lanes_min(mirror, lanes_splat(1)), s->shininess);
     return lanes3_select(shines, lanes3_add(share, lanes3_scale(s->ks, highlight)), share);
 }
@@ -54,9 +69,11 @@ static ALWAYS_INLINE void light_of_directional(struct arriving_light *arriving,
                                                const struct surface *s, const unsigned fx)
 {
     const struct lanes3 l = lanes3_splat(light->direction);
-    const lanes nl = lanes3_dot(s->n, l);
+    const lanes band = horizon_band(s, lanes_splat(1), false);
+    lanes nl = lanes3_dot(s->n, l);
     arriving->to_light = lanes3_neg(l);
-    arriving->arrives &= horizon_sides(-nl, horizon_band(s, lanes_splat(1), false)).above;
+    arriving->arrives &= horizon_sides(-nl, band).above;
+    nl = light_on_shading_normal(arriving, s, l, nl, band, fx);
     if (lane_mask_bits(arriving->arrives))
         arriving->term = lanes3_mul(lanes3_splat(light->intensity),
                                     light_towards_viewer(s, l, nl, arriving->arrives, fx));
@@ -67,13 +84,15 @@ static ALWAYS_INLINE void light_of_positional(struct arriving_light *arriving,
                                               const struct surface *s, const unsigned fx)
 {
     const struct lanes3 q = lanes3_sub(s->p, lanes3_splat(light->position));
-    const lanes nq = lanes3_dot(s->n, q);
+    lanes nq = lanes3_dot(s->n, q);
     arriving->to_light = lanes3_neg(q);
     arriving->arrives &= lanes_less(nq, -s->bound);
     if (!lane_mask_bits(arriving->arrives))
         return;
     const lanes d = lanes3_length(q);
-    arriving->arrives &= horizon_sides(-nq, horizon_band(s, d, true)).above;
+    const lanes band = horizon_band(s, d, true);
+    arriving->arrives &= horizon_sides(-nq, band).above;
+    nq = light_on_shading_normal(arriving, s, q, nq, band, fx);
     if (!lane_mask_bits(arriving->arrives))
         return;
     const struct lanes3 l = lanes3_scale(q, 1 / d);
