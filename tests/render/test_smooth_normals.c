@@ -162,15 +162,21 @@ static long double reflected(const struct seen *s, struct real3 d, double kd, do
     return kd * -nl + ks * (mirror > 0 ? powl(mirror, shininess) : 0);
 }
 
-START_TEST(test_smooth_normals__are_the_mix_at_the_point)
+/* Numbers of a picture: compared channels, lit and black ones, and lit ones with a highlight where
+ * the shading normal points away from the viewer. */
+struct tally {
+    int compared, lit, dark, away;
+};
+
+/* Compares the picture with the formula, and its diffuse part with that of the sphere itself. */
+static struct tally compare_ball(void)
 {
-    ball_scene();
     struct pen_scene *scene = kit_freeze(&kit);
     const struct pen_pinhole pinhole = pen_scene_pinhole(scene, 0, SIDE, SIDE);
     const struct pen_material *m = &kit.materials[0];
     const long double unit_length = ldexpl(1, scene->exponent);
     const struct real3 eye = along(real_of(scene->center), real_of(pinhole.eye), unit_length);
-    int compared = 0, lit = 0, dark = 0;
+    struct tally tally = {0};
     for (int i = 0; i < SIDE * SIDE; i++) {
         const struct real3 d = along(along(real_of(pinhole.middle), real_of(pinhole.dx),
                                            (i % SIDE + 0.5L) - pinhole.half_width),
@@ -184,28 +190,46 @@ START_TEST(test_smooth_normals__are_the_mix_at_the_point)
         struct pen_status st;
         ck_assert(pen_render_pixel(scene, 0, &kit.settings, i % SIDE, i / SIDE, rgb, &rays, &st));
         for (int k = 0; k < 3; k++) {
-            const long double want = reflected(&s, d, pen_component(m->kd, k),
-                                               pen_component(m->ks, k), m->shininess, &cosine);
+            const double kd = pen_component(m->kd, k), ks = pen_component(m->ks, k);
+            const long double want = reflected(&s, d, kd, ks, m->shininess, &cosine);
             if (fabsl(cosine) < 1e-6)
                 continue;
             ck_assert_msg(fabsl(rgb[k] - want) < 1e-11, "pixel %d: %.17g, not %.17Lg", i, rgb[k],
                           want);
-            compared++;
-            lit += want > 0.1;
-            dark += want == 0;
+            tally.compared++;
+            tally.lit += want > 0.1;
+            tally.dark += want == 0;
+            tally.away += dot(s.shading, d) > 0 && want > kd * cosine + 0.01;
         }
-        /* It is nearly the light on the sphere itself. */
         struct seen round = s;
         round.shading = round.geometric = unit(s.p);
         const long double sphere = reflected(&round, d, 1, 0, 1, &cosine);
-        const double kd = (rgb[0] / 0.3 - rgb[1] / 0.4) / (0.7 / 0.3 - 0.5 / 0.4);
+        const double diffuse = (rgb[0] / 0.3 - rgb[1] / 0.4) / (0.7 / 0.3 - 0.5 / 0.4);
         if (cosine > 0.2)
-            ck_assert_msg(fabsl(kd - sphere) < 0.005, "pixel %d: %g, not %Lg", i, kd, sphere);
+            ck_assert_msg(fabsl(diffuse - sphere) < 0.005, "pixel %d: %g, not %Lg", i, diffuse,
+                          sphere);
     }
-    ck_assert_int_gt(compared, 3000);
-    ck_assert_int_gt(lit, 1500);
-    ck_assert_int_gt(dark, 100);
     pen_scene_free(scene);
+    return tally;
+}
+
+START_TEST(test_smooth_normals__are_the_mix_at_the_point)
+{
+    ball_scene();
+    const struct tally whole = compare_ball();
+    ck_assert_int_gt(whole.compared, 3000);
+    ck_assert_int_gt(whole.lit, 1500);
+    ck_assert_int_gt(whole.dark, 100);
+    /* A part of the outline, with light from behind. */
+    ball_scene();
+    kit.view.camera.position = pen_vec3(1.564, 0, 9.877);
+    kit.view.camera.direction = pen_vec3(0.434, 0, -9.79);
+    kit.view.camera.fov_degrees = 2;
+    kit.lights[0].position = pen_vec3(5, 2, -4);
+    kit.materials[0].shininess = 2;
+    const struct tally outline = compare_ball();
+    ck_assert_int_gt(outline.compared, 1000);
+    ck_assert_int_gt(outline.away, 100);
 }
 END_TEST
 
