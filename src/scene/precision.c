@@ -50,14 +50,48 @@ static double side(struct pen_box box)
     return box.lo.x <= box.hi.x ? vec_max_abs(pen_sub(box.hi, box.lo)) : 0;
 }
 
+static struct pen_box box_of_triangle(const struct pen_vec3 v[3])
+{
+    return pen_box_add_point(pen_box_add_point((struct pen_box){v[0], v[0]}, v[1]), v[2]);
+}
+
+/* The box around a mesh. */
+static struct pen_box box_of_mesh(const struct pen_mesh *mesh)
+{
+    const struct pen_vec3 lo = mesh->box.lo, hi = mesh->box.hi;
+    const float corners[6] = {(float)lo.x, (float)lo.y, (float)lo.z,
+                              (float)hi.x, (float)hi.y, (float)hi.z};
+    struct pen_mesh two = *mesh;
+    two.vertex = corners;
+    return (struct pen_box){pen_mesh_vertex(&two, 0), pen_mesh_vertex(&two, 1)};
+}
+
 static struct pen_box all_bounds(const struct pen_prims *prims)
 {
     struct pen_box all = pen_box_empty();
     for (uint32_t i = 0; i < prims->count; i++) {
-        if (!pen_prim_infinite(pen_prim_kind(prims, i)))
+        const struct pen_mesh *mesh = pen_prim_mesh(prims, i);
+        if (mesh) {
+            all = pen_box_union(all, box_of_mesh(mesh));
+            i += mesh->count - 1;
+        } else if (!pen_prim_infinite(pen_prim_kind(prims, i)))
             all = pen_box_union(all, box_of(prims, i));
     }
     return all;
+}
+
+/* The same for the triangles of a mesh. */
+static double nearest_of_mesh(const struct pen_mesh *mesh, struct pen_vec3 eye)
+{
+    double least = INFINITY;
+    for (uint32_t i = 0; i < mesh->count; i++) {
+        struct pen_vec3 v[3];
+        pen_mesh_corners(mesh, i, v);
+        const struct pen_box box = box_of_triangle(v);
+        const double distance = pen_larger(box_distance(box, eye), NEAREST_PART * side(box));
+        least = distance < least ? distance : least;
+    }
+    return least;
 }
 
 /* The distance from the eye to the nearest primitive. */
@@ -65,6 +99,13 @@ static double nearest(const struct pen_prims *prims, double extent, struct pen_v
 {
     double least = INFINITY;
     for (uint32_t i = 0; i < prims->count; i++) {
+        const struct pen_mesh *mesh = pen_prim_mesh(prims, i);
+        if (mesh) {
+            const double of_mesh = nearest_of_mesh(mesh, eye);
+            least = of_mesh < least ? of_mesh : least;
+            i += mesh->count - 1;
+            continue;
+        }
         double distance = distance_of(prims, i, eye);
         double size = pen_prim_infinite(pen_prim_kind(prims, i)) ? extent : side(box_of(prims, i));
         distance = pen_larger(distance, NEAREST_PART * size);
@@ -126,13 +167,30 @@ static void measure(const struct pen_prims *prims, uint32_t prim, double *width,
     }
 }
 
+/* Whether a triangle may be thinner than `thinness`: its area is compared with the square of its
+ * longest edge. The rounding of both is below 2^-40 of that square. */
+static bool may_be_thinner(const struct pen_vec3 v[3], double thinness)
+{
+    const struct pen_vec3 e = pen_sub(v[1], v[0]), f = pen_sub(v[2], v[0]), g = pen_sub(v[2], v[1]);
+    const struct pen_vec3 n = pen_cross(e, f);
+    const double most =
+        (thinness + 0x1p-40) * pen_larger(pen_larger(pen_dot(e, e), pen_dot(f, f)), pen_dot(g, g));
+    return pen_dot(n, n) < most * most;
+}
+
 /* Finds the narrowest primitive, in local lengths. */
 static void find_narrowest(const struct pen_prims *prims, struct pen_scene_precision *out)
 {
     out->thinness = out->thin_width = out->thin_length = 1;
     out->thin_prim = 0;
     for (uint32_t i = 0; i < prims->count; i++) {
+        const struct pen_mesh *mesh = pen_prim_mesh(prims, i);
         double width, length;
+        struct pen_vec3 v[3];
+        if (mesh)
+            pen_mesh_corners(mesh, i - mesh->first, v);
+        if (mesh && !may_be_thinner(v, out->thinness))
+            continue;
         measure(prims, i, &width, &length);
         if (width < out->thinness * length) {
             out->thinness = width / length;
