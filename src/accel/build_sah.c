@@ -17,7 +17,10 @@
 #include "accel/internal/sah_split.h"
 #include "base/memory.h"
 
-enum { SUBTREE = 1 << 14 }; /* a range of so many primitives or fewer is built by one thread */
+enum {
+    SUBTREE = 1 << 14, /* a range of so many primitives or fewer is built by one thread */
+    USUAL = 16         /* primitives per node */
+};
 
 struct builder {
     struct pen_splitter splitter;
@@ -98,6 +101,9 @@ static void build_subtree(void *user, uint32_t number)
     struct subtree *subtree = (struct subtree *)user + number;
     subtree->made = *subtree->b->splitter.layout;
     pen_tree_layout_begin(&subtree->made);
+    const uint32_t nodes = (subtree->range.end - subtree->range.begin) / USUAL;
+    if (pen_array_add(&subtree->made.nodes, nodes)) /* so that they need not move often */
+        subtree->made.nodes.count = 0;
     const struct builder b = {{&subtree->made, subtree->b->splitter.other, false}, NULL};
     subtree->root = build(&b, &subtree->range, subtree->depth);
 }

@@ -29,7 +29,7 @@ struct packer {
     struct pen_generic4 *infinite_cylinders;
     struct pen_generic4 *generic;
     struct pen_mesh4 *mesh_blocks;
-    bool no_items; /* of this leaf: its blocks are known by the first */
+    bool no_items; /* of this leaf: its child names its blocks */
     struct counts n;
 };
 
@@ -250,6 +250,16 @@ static void pack_kind(struct packer *p, struct pen_leaf leaf, enum pen_block_kin
         pack_block(p, &in, kind);
 }
 
+/* Whether the child of a node names the blocks of a leaf with these kinds of primitives. */
+static bool needs_no_items(const struct packer *p, struct pen_leaf leaf, uint32_t kinds)
+{
+    struct packer counting = {.wide = p->wide, .prims = p->prims, .ref = p->ref};
+    if (!p->wide || kinds != 1u << PEN_BLOCK_MESH)
+        return false;
+    pack_kind(&counting, leaf, PEN_BLOCK_MESH);
+    return counting.n.block[PEN_BLOCK_MESH] <= PEN_LEAF_BLOCKS_MAX;
+}
+
 /* Packs the blocks of a leaf, kind by kind, and returns its first item, or what stands for it in
  * the child of a node. */
 static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
@@ -258,12 +268,13 @@ static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
     uint32_t kinds = 0; /* one bit per kind */
     for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++)
         kinds |= 1u << p->ref[i].kind;
+    p->no_items = needs_no_items(p, leaf, kinds);
     for (; kinds; kinds &= kinds - 1)
         pack_kind(p, leaf, (enum pen_block_kind)__builtin_ctz(kinds));
-    const uint32_t blocks = p->n.block[PEN_BLOCK_MESH] - block;
-    if (p->wide && blocks > 0 && blocks <= PEN_LEAF_BLOCKS_MAX && p->n.item == first + blocks) {
+    if (p->no_items) {
         p->n.item = first;
-        return PEN_LEAF_BLOCKS | block * PEN_LEAF_BLOCKS_MAX | (blocks - 1);
+        return PEN_LEAF_BLOCKS | block * PEN_LEAF_BLOCKS_MAX |
+               (p->n.block[PEN_BLOCK_MESH] - block - 1);
     }
     if (p->n.item == first) {
         if (p->items)
@@ -279,25 +290,11 @@ static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
 struct leaves {
     const struct pen_tree_layout *layout;
     struct packer packer;  /* with the arrays */
-    struct counts *before; /* by part: the elements of the parts before it */
+    struct counts *before; /* by part: its own elements, then those of the parts before it */
     uint32_t *first;       /* by leaf: what pack_leaf returns */
 };
 
 enum { LEAVES_IN_PART = 1 << 11, INDICES_AHEAD = 8, VERTICES_AHEAD = 4 };
-
-/* Reads what the triangles of a later leaf need, since the processor would wait for it: neighbours
- * in space may be far from one another in a file. */
-static void fetch(const struct packer *p, struct pen_leaf leaf, bool vertices)
-{
-    for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++) {
-        const struct pen_mesh *mesh = p->frames ? pen_prim_mesh(p->prims, p->ref[i].prim) : NULL;
-        const uint32_t triangle = mesh ? p->ref[i].prim - mesh->first : 0;
-        if (mesh && !vertices)
-            __builtin_prefetch(&mesh->corner[3 * (size_t)triangle]);
-        for (int k = 0; mesh && vertices && k < 3; k++)
-            __builtin_prefetch(pen_mesh_float(mesh, triangle, k));
-    }
-}
 
 /* Packs the leaves of a part. */
 static void pack_leaves(const struct leaves *leaves, struct packer *p, uint32_t part)
@@ -306,13 +303,14 @@ static void pack_leaves(const struct leaves *leaves, struct packer *p, uint32_t 
     const uint32_t count = leaves->layout->leaves.count, begin = part * LEAVES_IN_PART;
     for (uint32_t i = begin; i < count && i - begin < LEAVES_IN_PART; i++) {
         if (p->items && i + INDICES_AHEAD < count) {
-            fetch(p, leaf[i + INDICES_AHEAD], false);
-            fetch(p, leaf[i + VERTICES_AHEAD], true);
+            pen_pack_fetch(leaves->layout, leaf[i + INDICES_AHEAD], false);
+            pen_pack_fetch(leaves->layout, leaf[i + VERTICES_AHEAD], true);
         }
         const bool single =
             p->singles && leaf[i].count == 1 && p->ref[leaf[i].begin].kind != PEN_BLOCK_GENERIC;
-        p->no_items = p->items && p->wide && leaves->first[i] & PEN_LEAF_BLOCKS;
-        leaves->first[i] = single ? pack_single(p, leaf[i].begin) : pack_leaf(p, leaf[i]);
+        const uint32_t first = single ? pack_single(p, leaf[i].begin) : pack_leaf(p, leaf[i]);
+        if (p->items)
+            leaves->first[i] = first;
     }
 }
 
@@ -337,23 +335,45 @@ static uint32_t parts_of(const struct pen_tree_layout *layout)
     return pen_parts_of(layout->leaves.count, LEAVES_IN_PART);
 }
 
-/* Counts the elements of all leaves. */
-static void count_leaves(struct leaves *leaves, struct packer *p)
+static void count_part(void *user, uint32_t part)
 {
-    pack_lists(p, leaves->layout);
-    for (uint32_t part = 0; part < parts_of(leaves->layout); part++) {
-        leaves->before[part] = p->n;
-        pack_leaves(leaves, p, part);
+    const struct leaves *leaves = user;
+    struct packer p = leaves->packer;
+    pack_leaves(leaves, &p, part);
+    leaves->before[part] = p.n;
+}
+
+static struct counts counts_sum(struct counts a, const struct counts *b)
+{
+    a.item += b->item;
+    a.corner += b->corner;
+    for (int kind = 0; kind < PEN_BLOCK_KIND_COUNT; kind++)
+        a.block[kind] += b->block[kind];
+    return a;
+}
+
+/* Counts the elements of all leaves. */
+static void count_leaves(struct leaves *leaves, struct counts *all)
+{
+    struct packer lists = leaves->packer;
+    const uint32_t parts = parts_of(leaves->layout);
+    pen_parts_do(leaves->layout->pool, parts, count_part, leaves);
+    pack_lists(&lists, leaves->layout);
+    *all = lists.n;
+    for (uint32_t part = 0; part < parts; part++) {
+        const struct counts own = leaves->before[part];
+        leaves->before[part] = *all;
+        *all = counts_sum(*all, &own);
     }
 }
 
-static bool allocate(struct packer *p, const struct packer *counted, struct pen_arena *arena)
+static bool allocate(struct packer *p, const struct counts *counted, struct pen_arena *arena)
 {
-    const uint32_t *n = counted->n.block;
-    p->items = pen_arena_alloc(arena, counted->n.item + PEN_LEAF_BLOCKS_MAX, sizeof *p->items);
+    const uint32_t *n = counted->block;
+    p->items = pen_arena_alloc(arena, counted->item, sizeof *p->items);
     p->triangles = pen_arena_alloc(arena, n[PEN_BLOCK_TRIANGLES], sizeof *p->triangles);
     p->polygons = pen_arena_alloc(arena, n[PEN_BLOCK_POLYGONS], sizeof *p->polygons);
-    p->corners = pen_arena_alloc(arena, counted->n.corner, sizeof *p->corners);
+    p->corners = pen_arena_alloc(arena, counted->corner, sizeof *p->corners);
     p->spheres = pen_arena_alloc(arena, n[PEN_BLOCK_SPHERES], sizeof *p->spheres);
     p->cylinders = pen_arena_alloc(arena, n[PEN_BLOCK_CYLINDERS], sizeof *p->cylinders);
     p->planes = pen_arena_alloc(arena, n[PEN_BLOCK_PLANES], sizeof *p->planes);
@@ -406,7 +426,7 @@ static bool pack_nodes(const struct pen_tree_layout *layout, const uint32_t *fir
 static double largest_scale(const struct pen_tree_layout *layout)
 {
     double largest = 0;
-    for (uint32_t i = 0; i < layout->count; i++) {
+    for (uint32_t i = 0; i < layout->count && !pen_tree_layout_meshes_alone(layout); i++) {
         if (layout->ref[i].kind == PEN_BLOCK_MESH)
             continue;
         double scale = pen_prim_scale(layout->prims, layout->ref[i].prim, pen_vec3(0, 0, 0));
@@ -419,8 +439,8 @@ static double largest_scale(const struct pen_tree_layout *layout)
 static bool pack_all(struct packer *p, const struct pen_tree_layout *layout,
                      struct pen_arena *arena, struct pen_accel *accel)
 {
-    struct leaves leaves = {.layout = layout};
-    struct packer counted = *p;
+    struct leaves leaves = {.layout = layout, .packer = *p};
+    struct counts counted;
     leaves.first = malloc((layout->leaves.count + (size_t)1) * sizeof *leaves.first);
     leaves.before = malloc((parts_of(layout) + (size_t)1) * sizeof *leaves.before);
     bool ok = leaves.first && leaves.before;
@@ -431,7 +451,7 @@ static bool pack_all(struct packer *p, const struct pen_tree_layout *layout,
         pack_lists(p, layout);
         leaves.packer = *p;
         pen_parts_do(layout->pool, parts_of(layout), pack_part, &leaves);
-        p->n = counted.n;
+        p->n = counted;
         ok = pack_nodes(layout, leaves.first, arena, accel);
         accel->list =
             layout->shape == PEN_SHAPE_NONE && layout->leaves.count > 0 ? leaves.first[0] : 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the test of a mesh's blocks needs of the mesh. */
+/* What the test of a mesh's blocks and their packing need of the mesh. */
 #include <stdlib.h>
 
 #include "accel/internal/rounding.h"
@@ -98,4 +98,16 @@ bool pen_mesh_frames_make(struct pen_thread_pool *pool, const struct pen_prims *
     for (uint32_t i = 0; ok && i < prims->mesh_count; i++)
         ok = make_frame(pool, &prims->mesh[i], &frame[i]);
     return ok;
+}
+
+void pen_pack_fetch(const struct pen_tree_layout *layout, struct pen_leaf leaf, bool vertices)
+{
+    for (uint32_t i = leaf.begin; layout->frames && i < leaf.begin + leaf.count; i++) {
+        const uint32_t prim = layout->ref[i].prim;
+        const struct pen_mesh *mesh = pen_prim_mesh(layout->prims, prim);
+        if (mesh && !vertices)
+            __builtin_prefetch(&mesh->corner[3 * (size_t)(prim - mesh->first)]);
+        for (int k = 0; mesh && vertices && k < 3; k++)
+            __builtin_prefetch(pen_mesh_float(mesh, prim - mesh->first, k));
+    }
 }

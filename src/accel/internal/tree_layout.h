@@ -75,6 +75,15 @@ static inline void pen_tree_layout_begin(struct pen_tree_layout *layout)
     layout->leaves = (struct pen_array){.size = sizeof(struct pen_leaf)};
 }
 
+/* Whether all finite primitives are triangles of meshes in blocks of their own. */
+static inline bool pen_tree_layout_meshes_alone(const struct pen_tree_layout *layout)
+{
+    uint64_t triangles = 0;
+    for (uint32_t i = 0; layout->frames && i < layout->prims->mesh_count; i++)
+        triangles += layout->prims->mesh[i].count;
+    return triangles > 0 && triangles == layout->count;
+}
+
 /* Adds a leaf, a range of ref[]. Returns it as a child, or PEN_NO_CHILD when out of memory. */
 uint32_t pen_tree_layout_add_leaf(struct pen_tree_layout *layout, uint32_t begin, uint32_t count);
 #define PEN_NO_CHILD UINT32_MAX
@@ -190,6 +199,10 @@ static inline void pen_mesh_corners_exact(const struct pen_mesh *mesh, uint32_t 
                                 PEN_LEAST);
     }
 }
+
+/* Reads ahead what the packing of a leaf's mesh triangles needs: their numbers of vertices, or the
+ * vertices. Neighbours in space may be far from one another in a file. */
+void pen_pack_fetch(const struct pen_tree_layout *layout, struct pen_leaf leaf, bool vertices);
 
 /* Fills in the members of wide trees for ray packets: extent, prim_box, convex.
  * Owns: the arena owns everything.
