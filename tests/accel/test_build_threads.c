@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "accel/internal/structure.h"
+#include "support/alloc.h"
 #include "support/random.h"
 #include "support/suite.h"
 
@@ -191,5 +192,31 @@ START_TEST(test_build_threads__holds_each_triangle_once)
 }
 END_TEST
 
+/* Without memory there is an error, or the same tree, which takes longer. */
+START_TEST(test_build_threads__survives_failed_allocations)
+{
+    struct pen_arena *arena = pen_arena_new(0);
+    struct pen_status st = {.code = PEN_OK};
+    make_prims();
+    /* By threads too, so that the allocating functions have been found before one is refused. */
+    const struct pen_accel *one = pen_accel_build_threads(&prims, PEN_ACCEL_AUTO, 3, arena, &st);
+    bool refused = true;
+    ck_assert(one);
+    alloc_spare_new_threads();
+    for (long n = 0; refused; n += 1 + n / 3) {
+        struct pen_arena *own = pen_arena_new(0);
+        alloc_fail_after(n);
+        const struct pen_accel *tree = pen_accel_build_threads(&prims, PEN_ACCEL_AUTO, 3, own, &st);
+        refused = alloc_succeed();
+        ck_assert(tree || (refused && st.code == PEN_NO_MEMORY));
+        if (tree)
+            same_tree(one, tree);
+        pen_arena_free(own);
+    }
+    pen_arena_free(arena);
+}
+END_TEST
+
 PEN_SUITE("build_threads", test_build_threads__make_the_same_tree,
-          test_build_threads__holds_each_triangle_once)
+          test_build_threads__holds_each_triangle_once,
+          test_build_threads__survives_failed_allocations)
