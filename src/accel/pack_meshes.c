@@ -102,9 +102,11 @@ bool pen_mesh_frames_make(struct pen_thread_pool *pool, const struct pen_prims *
 
 void pen_pack_fetch(const struct pen_tree_layout *layout, struct pen_leaf leaf, bool vertices)
 {
+    const struct pen_mesh *mesh = NULL;
     for (uint32_t i = leaf.begin; layout->frames && i < leaf.begin + leaf.count; i++) {
         const uint32_t prim = layout->ref[i].prim;
-        const struct pen_mesh *mesh = pen_prim_mesh(layout->prims, prim);
+        if (!mesh || prim - mesh->first >= mesh->count)
+            mesh = pen_prim_mesh(layout->prims, prim);
         if (mesh && !vertices)
             __builtin_prefetch(&mesh->corner[3 * (size_t)(prim - mesh->first)]);
         for (int k = 0; mesh && vertices && k < 3; k++)

@@ -202,10 +202,12 @@ static void find_narrowest(const struct pen_prims *prims, struct pen_scene_preci
 {
     out->thinness = out->thin_width = out->thin_length = 1;
     out->thin_prim = 0;
+    const struct pen_mesh *mesh = NULL;
     for (uint32_t i = 0; i < prims->count; i++) {
-        const struct pen_mesh *mesh = pen_prim_mesh(prims, i);
         double width, length;
         struct pen_vec3 v[3];
+        if (!mesh || i - mesh->first == mesh->count)
+            mesh = pen_prim_mesh(prims, i);
         if (mesh)
             corners(mesh, i - mesh->first, v);
         if (mesh && !may_be_thinner(v, out->thinness))
