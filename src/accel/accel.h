@@ -74,6 +74,12 @@ struct pen_accel_stats {
 struct pen_accel *pen_accel_build(const struct pen_prims *prims, enum pen_accelerator kind,
                                   struct pen_arena *arena, struct pen_status *st);
 
+/* As pen_accel_build. PEN_ACCEL_AUTO is built by up to `threads` threads, which end with the call.
+ * Their number changes no bit of the structure. */
+struct pen_accel *pen_accel_build_threads(const struct pen_prims *prims, enum pen_accelerator kind,
+                                          int threads, struct pen_arena *arena,
+                                          struct pen_status *st);
+
 /* A group: the primitives with numbers begin ... end - 1. A group comes before the groups inside
  * it; two groups either nest or are disjoint. */
 struct pen_group_range {

@@ -89,12 +89,25 @@ static void add_leaf(const struct pen_tree_layout *layout, const struct pen_leaf
     sum->without_lanes += probability * without_lanes;
 }
 
-static struct expected expect(const struct pen_tree_layout *layout)
+/* The nodes of a tree, of which a part has at least NODES_LEAST and at most a PARTS-th. */
+enum { PARTS = 64, NODES_LEAST = 1 << 12 };
+
+struct expecting {
+    const struct pen_tree_layout *layout;
+    double root;   /* half the area of the box around all */
+    uint32_t each; /* nodes of a part */
+    struct expected part[PARTS];
+};
+
+static void expect_part(void *user, uint32_t part)
 {
+    struct expecting *e = user;
+    const struct pen_tree_layout *layout = e->layout;
     const struct pen_leaf *leaves = layout->leaves.data;
-    const double node_cost = (double)pen_node_cost, root = pen_tree_layout_half_area(layout);
-    struct expected sum = {node_cost, 0};
-    for (uint32_t node = 0; node < layout->nodes.count; node++) {
+    const double node_cost = (double)pen_node_cost, root = e->root;
+    const uint32_t begin = part * e->each;
+    struct expected sum = {part == 0 ? node_cost : 0, 0};
+    for (uint32_t node = begin; node < layout->nodes.count && node - begin < e->each; node++) {
         struct pen_child_box in;
         for (int lane = 0; lane < PEN_WIDE; lane++) {
             if (!pen_tree_layout_child(layout, node, lane, &in))
@@ -106,7 +119,21 @@ static struct expected expect(const struct pen_tree_layout *layout)
                 sum.cost += probability * node_cost;
         }
     }
-    return sum;
+    e->part[part] = sum;
+}
+
+static struct expected expect(const struct pen_tree_layout *layout)
+{
+    const uint32_t nodes = layout->nodes.count, least = pen_parts_of(nodes, PARTS);
+    struct expecting e = {.layout = layout,
+                          .root = pen_tree_layout_half_area(layout),
+                          .each = least > NODES_LEAST ? least : NODES_LEAST};
+    pen_parts_do(layout->pool, pen_parts_of(nodes, e.each), expect_part, &e);
+    for (uint32_t i = 1; i < pen_parts_of(nodes, e.each); i++) {
+        e.part[0].cost += e.part[i].cost;
+        e.part[0].without_lanes += e.part[i].without_lanes;
+    }
+    return e.part[0];
 }
 
 void pen_auto_expect(const struct pen_tree_layout *layout, double cost[PEN_AUTO_COUNT])

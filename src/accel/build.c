@@ -13,7 +13,11 @@ struct request {
     const struct pen_groups *groups; /* for PEN_ACCEL_MANUAL; NULL: none */
     unsigned generic_kinds;
     const enum pen_auto_choice *choice; /* for PEN_ACCEL_AUTO; NULL: the model's choice */
+    int threads;                        /* at most; 0: one */
 };
+
+/* Fewer primitives are built by one thread, which is as fast. */
+enum { PRIMS_FOR_THREADS = 1 << 15 };
 
 /* PEN_ACCEL_NONE: one list of all primitives. */
 static bool build_none(struct pen_tree_layout *layout)
@@ -33,8 +37,9 @@ static bool build_auto(struct pen_tree_layout *layout, const struct request *req
     if (stats->choice != PEN_AUTO_NONE)
         return true;
     pen_tree_layout_release(layout);
-    return pen_tree_layout_init(layout, request->prims, request->generic_kinds, NULL) &&
-           build_none(layout);
+    *layout =
+        (struct pen_tree_layout){.prims = request->prims, .generic_kinds = request->generic_kinds};
+    return pen_tree_layout_init(layout) && build_none(layout);
 }
 
 static bool build_layout(struct pen_tree_layout *layout, const struct request *request,
@@ -55,20 +60,34 @@ static bool build_layout(struct pen_tree_layout *layout, const struct request *r
     return build_auto(layout, request, stats);
 }
 
-static bool build(const struct request *request, struct pen_arena *arena, struct pen_accel *accel)
+static bool build_in(struct pen_thread_pool *pool, const struct request *request,
+                     struct pen_arena *arena, struct pen_accel *accel)
 {
-    struct pen_tree_layout layout;
     const uint32_t meshes = request->kind == PEN_ACCEL_AUTO ? request->prims->mesh_count : 0;
     struct pen_mesh_frame *frames = pen_arena_alloc(arena, meshes, sizeof *frames);
-    const bool blocks = frames && meshes > 0 && pen_mesh_frames_make(request->prims, frames);
-    bool ok = pen_tree_layout_init(&layout, request->prims, request->generic_kinds,
-                                   blocks ? frames : NULL) &&
+    const bool blocks = frames && meshes > 0 && pen_mesh_frames_make(pool, request->prims, frames);
+    struct pen_tree_layout layout = {.pool = pool,
+                                     .prims = request->prims,
+                                     .generic_kinds = request->generic_kinds,
+                                     .frames = blocks ? frames : NULL};
+    bool ok = frames && pen_tree_layout_init(&layout) &&
               build_layout(&layout, request, &accel->stats) &&
               pen_accel_pack(&layout, arena, accel);
     if (ok)
         accel->stats.sah_cost = pen_tree_layout_cost(&layout);
     accel->packets = layout.shape == PEN_SHAPE_WIDE && accel->stats.choice == PEN_AUTO_PACKETS;
     pen_tree_layout_release(&layout);
+    return ok;
+}
+
+static bool build(const struct request *request, struct pen_arena *arena, struct pen_accel *accel)
+{
+    struct pen_status st; /* without a pool it takes longer */
+    struct pen_thread_pool *pool = NULL;
+    if (request->threads > 1 && request->prims->count >= PRIMS_FOR_THREADS)
+        pool = pen_thread_pool_new(request->threads, &st);
+    const bool ok = build_in(pool, request, arena, accel);
+    pen_thread_pool_free(pool);
     return ok;
 }
 
@@ -98,6 +117,14 @@ struct pen_accel *pen_accel_build(const struct pen_prims *prims, enum pen_accele
                                   struct pen_arena *arena, struct pen_status *st)
 {
     return build_request(&(struct request){.prims = prims, .kind = kind}, arena, st);
+}
+
+struct pen_accel *pen_accel_build_threads(const struct pen_prims *prims, enum pen_accelerator kind,
+                                          int threads, struct pen_arena *arena,
+                                          struct pen_status *st)
+{
+    const struct request request = {.prims = prims, .kind = kind, .threads = threads};
+    return build_request(&request, arena, st);
 }
 
 struct pen_accel *pen_accel_build_manual(const struct pen_prims *prims,

@@ -49,19 +49,43 @@ static double cost_of_child(const struct pen_tree_layout *layout, uint32_t child
     return PEN_BOX_TEST_COST * boxes;
 }
 
+/* As in auto_choice.c. */
+enum { PARTS = 64, NODES_LEAST = 1 << 12 };
+
+struct summing {
+    const struct pen_tree_layout *layout;
+    double root;   /* half the area of the box around all */
+    uint32_t each; /* nodes of a part */
+    double part[PARTS];
+};
+
+static void sum_part(void *user, uint32_t part)
+{
+    struct summing *s = user;
+    const struct pen_tree_layout *layout = s->layout;
+    const uint32_t begin = part * s->each;
+    double sum = part == 0 ? cost_of_child(layout, 0) + layout->infinite : 0;
+    for (uint32_t node = begin; node < layout->nodes.count && node - begin < s->each; node++) {
+        struct pen_child_box in;
+        for (int lane = 0; lane < pen_tree_layout_width(layout); lane++) {
+            if (pen_tree_layout_child(layout, node, lane, &in))
+                sum += (s->root > 0 ? pen_child_box_half_area(&in) / s->root : 1) *
+                       cost_of_child(layout, in.child);
+        }
+    }
+    s->part[part] = sum;
+}
+
 double pen_tree_layout_cost(const struct pen_tree_layout *layout)
 {
     if (layout->shape == PEN_SHAPE_NONE)
         return (double)layout->count + layout->infinite;
-    double root = pen_tree_layout_half_area(layout),
-           sum = cost_of_child(layout, 0) + layout->infinite;
-    for (uint32_t node = 0; node < layout->nodes.count; node++) {
-        struct pen_child_box in;
-        for (int lane = 0; lane < pen_tree_layout_width(layout); lane++) {
-            if (pen_tree_layout_child(layout, node, lane, &in))
-                sum += (root > 0 ? pen_child_box_half_area(&in) / root : 1) *
-                       cost_of_child(layout, in.child);
-        }
-    }
-    return sum;
+    const uint32_t nodes = layout->nodes.count, least = pen_parts_of(nodes, PARTS);
+    struct summing s = {.layout = layout,
+                        .root = pen_tree_layout_half_area(layout),
+                        .each = least > NODES_LEAST ? least : NODES_LEAST};
+    pen_parts_do(layout->pool, pen_parts_of(nodes, s.each), sum_part, &s);
+    for (uint32_t i = 1; i < pen_parts_of(nodes, s.each); i++)
+        s.part[0] += s.part[i];
+    return s.part[0];
 }

@@ -1,9 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Packing: turns a tree layout into the frozen structure in an arena. The primitives of each leaf
  * are packed into SIMD blocks, kind by kind. It runs twice; the first pass only counts. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "accel/internal/tree_layout.h"
+
+/* The number of elements of each array. */
+struct counts {
+    uint32_t item, corner, block[PEN_BLOCK_KIND_COUNT];
+};
 
 /* The arrays being filled, and the position in each. In the first pass `items` is NULL. */
 struct packer {
@@ -23,7 +29,8 @@ struct packer {
     struct pen_generic4 *infinite_cylinders;
     struct pen_generic4 *generic;
     struct pen_mesh4 *mesh_blocks;
-    uint32_t item_count, corner_count, block_count[PEN_BLOCK_KIND_COUNT];
+    bool no_items; /* of this leaf: its child names its blocks */
+    struct counts n;
 };
 
 /* The primitives that go into one block: up to four of one kind. */
@@ -79,9 +86,9 @@ static void pack_polygons(struct packer *p, const struct lanes *in, uint32_t blo
     struct pen_polygons4 *b = &p->polygons[block];
     memcpy(b->prim, in->prim, sizeof b->prim);
     pack_boxes(&b->boxes, in);
-    b->first = p->corner_count;
+    b->first = p->n.corner;
     b->count = most_corners(p->prims, in);
-    p->corner_count += b->count;
+    p->n.corner += b->count;
     for (int lane = 0; lane < in->count; lane++) {
         const struct pen_polygon *pg = &p->prims->polygon[in->index[lane]];
         for (uint32_t i = 0; i < b->count; i++)
@@ -147,7 +154,7 @@ static void pack_mesh(struct packer *p, const struct lanes *in, uint32_t block)
     for (int lane = 0; lane < in->count; lane++) {
         const uint32_t triangle = in->prim[lane] - mesh->first;
         struct pen_vec3 v[3];
-        pen_mesh_corners(mesh, triangle, v);
+        pen_mesh_corners_exact(mesh, triangle, v);
         const int first = pen_triangle_first_corner(v);
         for (int i = 0; i < 3; i++)
             for (int axis = 0; axis < 3; axis++)
@@ -159,13 +166,14 @@ static void pack_mesh(struct packer *p, const struct lanes *in, uint32_t block)
 /* Packs one block in the second pass; counts it in the first. */
 static void pack_block(struct packer *p, const struct lanes *in, enum pen_block_kind kind)
 {
-    uint32_t block = p->block_count[kind]++, item = p->item_count++;
+    uint32_t block = p->n.block[kind]++, item = p->n.item++;
     if (!p->items) {
         if (kind == PEN_BLOCK_POLYGONS)
-            p->corner_count += most_corners(p->prims, in);
+            p->n.corner += most_corners(p->prims, in);
         return;
     }
-    p->items[item] = PEN_ITEM(kind, block);
+    if (!p->no_items)
+        p->items[item] = PEN_ITEM(kind, block);
     switch (kind) {
     case PEN_BLOCK_TRIANGLES:
         pack_triangles(p, in, block);
@@ -201,79 +209,171 @@ static void pack_block(struct packer *p, const struct lanes *in, enum pen_block_
 /* Packs a leaf of one primitive, which is read from the scene. */
 static uint32_t pack_single(struct packer *p, uint32_t ref)
 {
-    uint32_t item = p->item_count++;
+    uint32_t item = p->n.item++;
     if (p->items)
         p->items[item] = PEN_ITEM(PEN_BLOCK_SINGLE, p->ref[ref].prim) | PEN_ITEM_LAST;
     return item;
+}
+
+/* Packs the primitives of one kind of a leaf. */
+static void pack_kind(struct packer *p, struct pen_leaf leaf, enum pen_block_kind kind)
+{
+    const struct lanes none = {{PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM}, {0}, {0}, 0};
+    const bool meshes = kind == PEN_BLOCK_MESH && p->prims->mesh_count > 1;
+    struct lanes in = none;
+    if (!p->items && kind == PEN_BLOCK_MESH && !meshes && p->wide) {
+        uint32_t count = 0;
+        for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++)
+            count += p->ref[i].kind == PEN_BLOCK_MESH;
+        p->n.item += pen_parts_of(count, PEN_LANES);
+        p->n.block[kind] += pen_parts_of(count, PEN_LANES);
+        return;
+    }
+    for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++) {
+        if (p->ref[i].kind != kind)
+            continue;
+        if (meshes && in.count > 0 &&
+            pen_prim_mesh(p->prims, p->ref[i].prim) != pen_prim_mesh(p->prims, in.prim[0])) {
+            pack_block(p, &in, kind);
+            in = none;
+        }
+        in.prim[in.count] = p->ref[i].prim;
+        in.ref[in.count] = &p->ref[i];
+        in.index[in.count++] =
+            kind == PEN_BLOCK_MESH ? 0 : pen_prim_ref(p->prims, p->ref[i].prim).index;
+        if (in.count == PEN_LANES) {
+            pack_block(p, &in, kind);
+            in = none;
+        }
+    }
+    if (in.count > 0)
+        pack_block(p, &in, kind);
+}
+
+/* Whether the child of a node names the blocks of a leaf with these kinds of primitives. */
+static bool needs_no_items(const struct packer *p, struct pen_leaf leaf, uint32_t kinds)
+{
+    struct packer counting = {.wide = p->wide, .prims = p->prims, .ref = p->ref};
+    if (!p->wide || kinds != 1u << PEN_BLOCK_MESH)
+        return false;
+    pack_kind(&counting, leaf, PEN_BLOCK_MESH);
+    return counting.n.block[PEN_BLOCK_MESH] <= PEN_LEAF_BLOCKS_MAX;
 }
 
 /* Packs the blocks of a leaf, kind by kind, and returns its first item, or what stands for it in
  * the child of a node. */
 static uint32_t pack_leaf(struct packer *p, struct pen_leaf leaf)
 {
-    const uint32_t first = p->item_count, block = p->block_count[PEN_BLOCK_MESH];
-    for (uint32_t kind = 0; kind < PEN_BLOCK_NOTHING; kind++) {
-        struct lanes in = {{PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM, PEN_NO_PRIM}, {0}, {0}, 0};
-        const struct lanes none = in;
-        for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++) {
-            if (p->ref[i].kind != kind)
-                continue;
-            if (kind == PEN_BLOCK_MESH && in.count > 0 && p->prims->mesh_count > 1 &&
-                pen_prim_mesh(p->prims, p->ref[i].prim) != pen_prim_mesh(p->prims, in.prim[0])) {
-                pack_block(p, &in, (enum pen_block_kind)kind);
-                in = none;
-            }
-            in.prim[in.count] = p->ref[i].prim;
-            in.ref[in.count] = &p->ref[i];
-            in.index[in.count++] =
-                kind == PEN_BLOCK_MESH ? 0 : pen_prim_ref(p->prims, p->ref[i].prim).index;
-            if (in.count == PEN_LANES) {
-                pack_block(p, &in, (enum pen_block_kind)kind);
-                in = none;
-            }
-        }
-        if (in.count > 0)
-            pack_block(p, &in, (enum pen_block_kind)kind);
+    const uint32_t first = p->n.item, block = p->n.block[PEN_BLOCK_MESH];
+    uint32_t kinds = 0; /* one bit per kind */
+    for (uint32_t i = leaf.begin; i < leaf.begin + leaf.count; i++)
+        kinds |= 1u << p->ref[i].kind;
+    p->no_items = needs_no_items(p, leaf, kinds);
+    for (; kinds; kinds &= kinds - 1)
+        pack_kind(p, leaf, (enum pen_block_kind)__builtin_ctz(kinds));
+    if (p->no_items) {
+        p->n.item = first;
+        return PEN_LEAF_BLOCKS | block * PEN_LEAF_BLOCKS_MAX |
+               (p->n.block[PEN_BLOCK_MESH] - block - 1);
     }
-    const uint32_t blocks = p->block_count[PEN_BLOCK_MESH] - block;
-    if (p->wide && blocks > 0 && blocks <= PEN_LEAF_BLOCKS_MAX && p->item_count == first + blocks) {
-        p->item_count = first;
-        return PEN_LEAF_BLOCKS | block * PEN_LEAF_BLOCKS_MAX | (blocks - 1);
-    }
-    if (p->item_count == first) {
+    if (p->n.item == first) {
         if (p->items)
             p->items[first] = PEN_ITEM(PEN_BLOCK_NOTHING, 0);
-        p->item_count++;
+        p->n.item++;
     }
     if (p->items)
-        p->items[p->item_count - 1] |= PEN_ITEM_LAST;
+        p->items[p->n.item - 1] |= PEN_ITEM_LAST;
     return first;
 }
 
-/* Packs all leaves. Item 0 is an empty leaf; item 1 begins the list of infinite primitives; then
- * follow the layout's leaves. */
-static void pack_leaves(struct packer *p, const struct pen_tree_layout *layout,
-                        uint32_t *first_item)
+/* The leaves of a layout, while they are packed. */
+struct leaves {
+    const struct pen_tree_layout *layout;
+    struct packer packer;  /* with the arrays */
+    struct counts *before; /* by part: its own elements, then those of the parts before it */
+    uint32_t *first;       /* by leaf: what pack_leaf returns */
+};
+
+enum { LEAVES_IN_PART = 1 << 11, INDICES_AHEAD = 8, VERTICES_AHEAD = 4 };
+
+/* Packs the leaves of a part. */
+static void pack_leaves(const struct leaves *leaves, struct packer *p, uint32_t part)
 {
-    const struct pen_leaf *leaf = layout->leaves.data;
-    pack_leaf(p, (struct pen_leaf){0, 0});
-    pack_leaf(p, (struct pen_leaf){layout->count, layout->infinite});
-    for (uint32_t i = 0; i < layout->leaves.count; i++) {
-        bool single =
+    const struct pen_leaf *leaf = leaves->layout->leaves.data;
+    const uint32_t count = leaves->layout->leaves.count, begin = part * LEAVES_IN_PART;
+    for (uint32_t i = begin; i < count && i - begin < LEAVES_IN_PART; i++) {
+        if (p->items && i + INDICES_AHEAD < count) {
+            pen_pack_fetch(leaves->layout, leaf[i + INDICES_AHEAD], false);
+            pen_pack_fetch(leaves->layout, leaf[i + VERTICES_AHEAD], true);
+        }
+        const bool single =
             p->singles && leaf[i].count == 1 && p->ref[leaf[i].begin].kind != PEN_BLOCK_GENERIC;
-        uint32_t first = single ? pack_single(p, leaf[i].begin) : pack_leaf(p, leaf[i]);
-        if (first_item)
-            first_item[i] = first;
+        const uint32_t first = single ? pack_single(p, leaf[i].begin) : pack_leaf(p, leaf[i]);
+        if (p->items)
+            leaves->first[i] = first;
     }
 }
 
-static bool allocate(struct packer *p, const struct packer *counted, struct pen_arena *arena)
+static void pack_part(void *user, uint32_t part)
 {
-    const uint32_t *n = counted->block_count;
-    p->items = pen_arena_alloc(arena, counted->item_count + PEN_LEAF_BLOCKS_MAX, sizeof *p->items);
+    const struct leaves *leaves = user;
+    struct packer p = leaves->packer;
+    p.n = leaves->before[part];
+    pack_leaves(leaves, &p, part);
+}
+
+/* Item 0 is an empty leaf; item 1 begins the list of infinite primitives. Then follow the layout's
+ * leaves. */
+static void pack_lists(struct packer *p, const struct pen_tree_layout *layout)
+{
+    pack_leaf(p, (struct pen_leaf){0, 0});
+    pack_leaf(p, (struct pen_leaf){layout->count, layout->infinite});
+}
+
+static uint32_t parts_of(const struct pen_tree_layout *layout)
+{
+    return pen_parts_of(layout->leaves.count, LEAVES_IN_PART);
+}
+
+static void count_part(void *user, uint32_t part)
+{
+    const struct leaves *leaves = user;
+    struct packer p = leaves->packer;
+    pack_leaves(leaves, &p, part);
+    leaves->before[part] = p.n;
+}
+
+static struct counts counts_sum(struct counts a, const struct counts *b)
+{
+    a.item += b->item;
+    a.corner += b->corner;
+    for (int kind = 0; kind < PEN_BLOCK_KIND_COUNT; kind++)
+        a.block[kind] += b->block[kind];
+    return a;
+}
+
+/* Counts the elements of all leaves. */
+static void count_leaves(struct leaves *leaves, struct counts *all)
+{
+    struct packer lists = leaves->packer;
+    const uint32_t parts = parts_of(leaves->layout);
+    pen_parts_do(leaves->layout->pool, parts, count_part, leaves);
+    pack_lists(&lists, leaves->layout);
+    *all = lists.n;
+    for (uint32_t part = 0; part < parts; part++) {
+        const struct counts own = leaves->before[part];
+        leaves->before[part] = *all;
+        *all = counts_sum(*all, &own);
+    }
+}
+
+static bool allocate(struct packer *p, const struct counts *counted, struct pen_arena *arena)
+{
+    const uint32_t *n = counted->block;
+    p->items = pen_arena_alloc(arena, counted->item, sizeof *p->items);
     p->triangles = pen_arena_alloc(arena, n[PEN_BLOCK_TRIANGLES], sizeof *p->triangles);
     p->polygons = pen_arena_alloc(arena, n[PEN_BLOCK_POLYGONS], sizeof *p->polygons);
-    p->corners = pen_arena_alloc(arena, counted->corner_count, sizeof *p->corners);
+    p->corners = pen_arena_alloc(arena, counted->corner, sizeof *p->corners);
     p->spheres = pen_arena_alloc(arena, n[PEN_BLOCK_SPHERES], sizeof *p->spheres);
     p->cylinders = pen_arena_alloc(arena, n[PEN_BLOCK_CYLINDERS], sizeof *p->cylinders);
     p->planes = pen_arena_alloc(arena, n[PEN_BLOCK_PLANES], sizeof *p->planes);
@@ -326,7 +426,7 @@ static bool pack_nodes(const struct pen_tree_layout *layout, const uint32_t *fir
 static double largest_scale(const struct pen_tree_layout *layout)
 {
     double largest = 0;
-    for (uint32_t i = 0; i < layout->count; i++) {
+    for (uint32_t i = 0; i < layout->count && !pen_tree_layout_meshes_alone(layout); i++) {
         if (layout->ref[i].kind == PEN_BLOCK_MESH)
             continue;
         double scale = pen_prim_scale(layout->prims, layout->ref[i].prim, pen_vec3(0, 0, 0));
@@ -335,28 +435,43 @@ static double largest_scale(const struct pen_tree_layout *layout)
     return largest;
 }
 
+/* Packs the leaves and nodes; p gets the arrays and their counts. */
+static bool pack_all(struct packer *p, const struct pen_tree_layout *layout,
+                     struct pen_arena *arena, struct pen_accel *accel)
+{
+    struct leaves leaves = {.layout = layout, .packer = *p};
+    struct counts counted;
+    leaves.first = malloc((layout->leaves.count + (size_t)1) * sizeof *leaves.first);
+    leaves.before = malloc((parts_of(layout) + (size_t)1) * sizeof *leaves.before);
+    bool ok = leaves.first && leaves.before;
+    if (ok)
+        count_leaves(&leaves, &counted);
+    ok = ok && allocate(p, &counted, arena);
+    if (ok) {
+        pack_lists(p, layout);
+        leaves.packer = *p;
+        pen_parts_do(layout->pool, parts_of(layout), pack_part, &leaves);
+        p->n = counted;
+        ok = pack_nodes(layout, leaves.first, arena, accel);
+        accel->list =
+            layout->shape == PEN_SHAPE_NONE && layout->leaves.count > 0 ? leaves.first[0] : 0;
+    }
+    free(leaves.first);
+    free(leaves.before);
+    return ok;
+}
+
 bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *arena,
                     struct pen_accel *accel)
 {
-    struct packer counted = {.wide = layout->shape == PEN_SHAPE_WIDE,
-                             .singles = layout->shape == PEN_SHAPE_PAIRS ||
-                                        layout->shape == PEN_SHAPE_LISTS,
-                             .prims = layout->prims,
-                             .frames = layout->frames,
-                             .ref = layout->ref};
-    struct packer p = counted;
+    struct packer p = {.wide = layout->shape == PEN_SHAPE_WIDE,
+                       .singles =
+                           layout->shape == PEN_SHAPE_PAIRS || layout->shape == PEN_SHAPE_LISTS,
+                       .prims = layout->prims,
+                       .frames = layout->frames,
+                       .ref = layout->ref};
+    const bool ok = pack_all(&p, layout, arena, accel);
     accel->prims = layout->prims;
-    pack_leaves(&counted, layout, NULL);
-    struct pen_array first = {.size = sizeof(uint32_t)};
-    bool ok = pen_array_add(&first, layout->leaves.count + 1) && allocate(&p, &counted, arena);
-    if (ok) {
-        pack_leaves(&p, layout, first.data);
-        ok = pack_nodes(layout, first.data, arena, accel);
-        accel->list = layout->shape == PEN_SHAPE_NONE && layout->leaves.count > 0
-                          ? *(uint32_t *)first.data
-                          : 0;
-    }
-    pen_array_release(&first);
     accel->items = p.items;
     accel->triangles = p.triangles;
     accel->polygons = p.polygons;
@@ -367,8 +482,8 @@ bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *aren
     accel->infinite_cylinders = p.infinite_cylinders;
     accel->generic = p.generic;
     accel->mesh_blocks = p.mesh_blocks;
-    accel->mixed = p.item_count > 2;
-    accel->mesh_frames = p.block_count[PEN_BLOCK_MESH] > 0 ? layout->frames : NULL;
+    accel->mixed = p.n.item > 2;
+    accel->mesh_frames = p.n.block[PEN_BLOCK_MESH] > 0 ? layout->frames : NULL;
     accel->infinite = 1;
     accel->scale = largest_scale(layout);
     accel->stats.nodes = layout->shape == PEN_SHAPE_LISTS ? layout->lists : layout->nodes.count;

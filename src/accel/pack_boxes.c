@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Data of single primitives for ray packets: their boxes, and which outlines are convex. */
+#include <string.h>
+
 #include "accel/internal/tree_layout.h"
 
 static struct pen_vec3 cross(struct pen_vec3 a, struct pen_vec3 b)
@@ -36,6 +38,23 @@ static bool outline_is_convex(const struct pen_prims *prims, uint32_t prim)
     return !p->piece && p->count <= PEN_CONVEX_CORNERS && is_convex(p);
 }
 
+/* The largest size of a coordinate of the boxes of the first node. */
+static double extent_of(const struct pen_tree_layout *layout)
+{
+    struct pen_child_box in;
+    double extent = 0;
+    for (int lane = 0; lane < PEN_WIDE && layout->nodes.count > 0; lane++) {
+        if (!pen_tree_layout_child(layout, 0, lane, &in))
+            continue;
+        for (int axis = 0; axis < 3; axis++) {
+            const double lo = fabs((double)in.lo[axis]), hi = fabs((double)in.hi[axis]);
+            extent = lo > extent ? lo : extent;
+            extent = hi > extent ? hi : extent;
+        }
+    }
+    return extent;
+}
+
 bool pen_accel_pack_boxes(const struct pen_tree_layout *layout, struct pen_arena *arena,
                           struct pen_accel *accel)
 {
@@ -44,23 +63,17 @@ bool pen_accel_pack_boxes(const struct pen_tree_layout *layout, struct pen_arena
     bool *convex = pen_arena_alloc(arena, count, sizeof *convex);
     if (!box || !convex)
         return false;
-    for (uint32_t i = 0; i < layout->count; i++) {
+    const bool meshes_alone = pen_tree_layout_meshes_alone(layout);
+    for (uint32_t i = 0; i < layout->count && !meshes_alone; i++) {
         const struct pen_ref *ref = &layout->ref[i];
-        const bool in_mesh =
-            ref->kind == PEN_BLOCK_MESH || pen_prim_mesh(layout->prims, ref->prim) != NULL;
-        const uint32_t slot = in_mesh ? 0 : pen_prim_slot(layout->prims, ref->prim);
-        for (int axis = 0; axis < 3; axis++) {
-            if (!in_mesh) {
-                box[slot].lo[axis] = ref->lo[axis];
-                box[slot].hi[axis] = ref->hi[axis];
-            }
-            double lo = fabs((double)ref->lo[axis]), hi = fabs((double)ref->hi[axis]);
-            accel->extent = lo > accel->extent ? lo : accel->extent;
-            accel->extent = hi > accel->extent ? hi : accel->extent;
-        }
-        if (!in_mesh)
-            convex[slot] = outline_is_convex(layout->prims, ref->prim);
+        if (ref->kind == PEN_BLOCK_MESH || pen_prim_mesh(layout->prims, ref->prim))
+            continue;
+        const uint32_t slot = pen_prim_slot(layout->prims, ref->prim);
+        memcpy(box[slot].lo, ref->lo, sizeof ref->lo);
+        memcpy(box[slot].hi, ref->hi, sizeof ref->hi);
+        convex[slot] = outline_is_convex(layout->prims, ref->prim);
     }
+    accel->extent = extent_of(layout);
     accel->prim_box = box;
     accel->convex = convex;
     return true;

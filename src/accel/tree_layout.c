@@ -2,10 +2,12 @@
 /* Tree layouts: the list of primitives that builders sort, their nodes and leaves, and costs. */
 #include "accel/internal/tree_layout.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "accel/internal/rounding.h"
+#include "base/memory.h"
 
 const struct pen_child_box pen_child_box_empty = {
     {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, PEN_NO_CHILD};
@@ -33,6 +35,33 @@ void pen_array_release(struct pen_array *array)
 {
     free(array->data);
     *array = (struct pen_array){.size = array->size};
+}
+
+/* The parts of a call of pen_parts_do. */
+struct parts {
+    void (*fn)(void *user, uint32_t part);
+    void *user;
+    uint32_t count;
+    _Atomic uint32_t next; /* relaxed: parts do not depend on one another */
+};
+
+static void do_parts(void *user, int index)
+{
+    struct parts *parts = user;
+    uint32_t part;
+    (void)index;
+    while ((part = atomic_fetch_add_explicit(&parts->next, 1, memory_order_relaxed)) < parts->count)
+        parts->fn(parts->user, part);
+}
+
+void pen_parts_do(struct pen_thread_pool *pool, uint32_t parts,
+                  void (*fn)(void *user, uint32_t part), void *user)
+{
+    struct parts all = {.fn = fn, .user = user, .count = parts};
+    if (pool && parts > 1)
+        pen_thread_pool_run(pool, pen_thread_pool_size(pool), do_parts, &all);
+    else
+        do_parts(&all, 0);
 }
 
 /* The kind of a primitive's block. A cut polygon is tested by the reference,
@@ -94,13 +123,45 @@ static struct pen_ref finite_ref(uint32_t prim, uint32_t prim_kind, enum pen_blo
     return ref;
 }
 
-/* Adds the triangles of a mesh. */
+/* The triangles of a mesh, to be added to ref[]. */
+struct adding {
+    const struct pen_mesh *mesh;
+    struct pen_ref *ref;
+    enum pen_block_kind block;
+};
+
+enum { TRIANGLES_IN_PART = 1 << 13 };
+
+/* pen_mesh_bounds of a triangle of a mesh with a frame, where it takes half the time. */
+static struct pen_box bounds_exact(const struct pen_mesh *mesh, uint32_t triangle)
+{
+    struct pen_vec3 v[3];
+    pen_mesh_corners_exact(mesh, triangle, v);
+    const struct pen_box b =
+        pen_box_add_point(pen_box_add_point((struct pen_box){v[0], v[0]}, v[1]), v[2]);
+    const struct pen_vec3 size = pen_sub(b.hi, b.lo);
+    const double most = size.x > size.y ? size.x : size.y;
+    const double pad = 0x1p-40 * (most > size.z ? most : size.z);
+    const struct pen_vec3 p = pen_vec3(pad, pad, pad);
+    return (struct pen_box){pen_sub(b.lo, p), pen_add(b.hi, p)};
+}
+
+static void add_part(void *user, uint32_t part)
+{
+    const struct adding *adding = user;
+    const struct pen_mesh *mesh = adding->mesh;
+    const uint32_t begin = part * TRIANGLES_IN_PART;
+    for (uint32_t i = begin; i < mesh->count && i - begin < TRIANGLES_IN_PART; i++)
+        adding->ref[i] = finite_ref(mesh->first + i, PEN_PRIM_TRIANGLE, adding->block,
+                                    adding->block == PEN_BLOCK_MESH ? bounds_exact(mesh, i)
+                                                                    : pen_mesh_bounds(mesh, i));
+}
+
 static void add_mesh(struct pen_tree_layout *layout, const struct pen_mesh *mesh)
 {
-    const enum pen_block_kind block = block_kind(layout, mesh->first);
-    for (uint32_t i = 0; i < mesh->count; i++)
-        layout->ref[layout->count++] =
-            finite_ref(mesh->first + i, PEN_PRIM_TRIANGLE, block, pen_mesh_bounds(mesh, i));
+    struct adding adding = {mesh, layout->ref + layout->count, block_kind(layout, mesh->first)};
+    pen_parts_do(layout->pool, pen_parts_of(mesh->count, TRIANGLES_IN_PART), add_part, &adding);
+    layout->count += mesh->count;
 }
 
 /* Adds the finite primitives, in document order. */
@@ -133,15 +194,10 @@ static void add_infinite(struct pen_tree_layout *layout)
     }
 }
 
-bool pen_tree_layout_init(struct pen_tree_layout *layout, const struct pen_prims *prims,
-                          unsigned generic_kinds, const struct pen_mesh_frame *frames)
+bool pen_tree_layout_init(struct pen_tree_layout *layout)
 {
-    *layout = (struct pen_tree_layout){.prims = prims,
-                                       .generic_kinds = generic_kinds,
-                                       .frames = frames,
-                                       .nodes = {.size = sizeof(struct pen_node)},
-                                       .leaves = {.size = sizeof(struct pen_leaf)}};
-    layout->ref = malloc(((size_t)prims->count + 1) * sizeof *layout->ref);
+    pen_tree_layout_begin(layout);
+    layout->ref = pen_memory_large(((size_t)layout->prims->count + 1) * sizeof *layout->ref);
     if (!layout->ref)
         return false;
     add_finite(layout);
@@ -257,7 +313,7 @@ float pen_leaf_cost(const uint32_t lanes[PEN_COST_CLASS_COUNT])
         [PEN_COST_POLYGONS] = pen_kinds[PEN_PRIM_POLYGON].cost,
         [PEN_COST_SPHERES] = pen_kinds[PEN_PRIM_SPHERE].cost,
         [PEN_COST_CYLINDERS] = pen_kinds[PEN_PRIM_CYLINDER].cost,
-        [PEN_COST_MESHES] = 0.3f, /* a test of one or two blocks takes about the time of a node */
+        [PEN_COST_MESHES] = PEN_MESH_BLOCK_COST,
     };
     float sum = 0;
     for (int k = 0; k < PEN_COST_CLASS_COUNT; k++)

@@ -9,11 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
+
 enum {
     SMALL_ALIGN = 16,
     LARGE_ALIGN = 64, /* a cache line, at which arrays for SIMD code begin */
     FIRST_BLOCK = 4096,
-    LAST_BLOCK = 1 << 24 /* a block is larger than this only for one large request */
+    HUGE_BLOCK = 1 << 22, /* from here on blocks use huge pages, of which at most one is wasted */
+    LAST_BLOCK = 1 << 24  /* a block is larger than this only for one large request */
 };
 
 struct block {
@@ -71,7 +74,8 @@ static struct block *grow(struct pen_arena *arena, size_t bytes)
     if (payload > SIZE_MAX / 2)
         return NULL;
     payload = (payload + LARGE_ALIGN - 1) & ~(size_t)(LARGE_ALIGN - 1);
-    struct block *b = aligned_alloc(LARGE_ALIGN, LARGE_ALIGN + payload);
+    struct block *b = payload < HUGE_BLOCK ? aligned_alloc(LARGE_ALIGN, LARGE_ALIGN + payload)
+                                           : pen_memory_large(LARGE_ALIGN + payload);
     if (!b)
         return NULL;
     *b = (struct block){.next = NULL, .bytes = payload};

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/cpu.h"
 #include "embed/internal/embed.h"
 #include "film/encode.h"
 #include "io/stats_json.h"
@@ -94,12 +95,13 @@ static bool find_view(const struct penumbra_scene *scene, const char *name, int 
 }
 
 /* Freezes the scene, unless it is frozen with the accelerator that the settings ask for. */
-static bool freeze(struct penumbra_scene *scene, struct pen_status *st)
+static bool freeze(struct penumbra_scene *scene, int threads, struct pen_status *st)
 {
     enum pen_accelerator kind = (enum pen_accelerator)scene->desc.settings.accelerator;
     if (scene->frozen && scene->built == kind)
         return true;
     int64_t begun = pen_clock_ns();
+    scene->desc.build_threads = threads > 0 ? threads : pen_cpu_count();
     struct pen_scene *frozen = pen_scene_freeze(&scene->desc, kind, 0, st);
     if (!frozen) {
         struct pen_limits limits = pen_limits_default();
@@ -169,7 +171,8 @@ static bool render(struct penumbra_scene *scene, const char *view_name, struct r
     struct pen_limits limits = pen_limits_default();
     int view;
     if (!find_view(scene, view_name, &view, st) ||
-        !pen_limits_check(&limits, &scene->desc, settings, 1, "", st) || !freeze(scene, st) ||
+        !pen_limits_check(&limits, &scene->desc, settings, 1, "", st) ||
+        !freeze(scene, run->options.threads, st) ||
         !(image->film = pen_film_new(settings->width, settings->height, st)) ||
         !render_film(scene, view, run, image, st))
         return false;

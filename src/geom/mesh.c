@@ -22,11 +22,21 @@ void pen_mesh_outline(const struct pen_mesh *mesh, uint32_t triangle, struct pen
         out->v[i] = v[(first + i) % 3];
 }
 
+/* Vertices are mapped to the local frame without a change of their order along an axis. */
 struct pen_box pen_mesh_bounds(const struct pen_mesh *mesh, uint32_t triangle)
 {
-    struct pen_vec3 v[3];
-    pen_mesh_corners(mesh, triangle, v);
-    return pen_outline_bounds(v, 3, 0);
+    const float *a = pen_mesh_float(mesh, triangle, 0), *b = pen_mesh_float(mesh, triangle, 1),
+                *c = pen_mesh_float(mesh, triangle, 2);
+    float end[6];
+    for (int axis = 0; axis < 3; axis++) {
+        const float low = a[axis] < b[axis] ? a[axis] : b[axis];
+        const float high = a[axis] < b[axis] ? b[axis] : a[axis];
+        end[axis] = low < c[axis] ? low : c[axis];
+        end[3 + axis] = high > c[axis] ? high : c[axis];
+    }
+    struct pen_mesh ends = {.vertex = end, .shift = mesh->shift, .unit = mesh->unit};
+    const struct pen_vec3 v[2] = {pen_mesh_vertex(&ends, 0), pen_mesh_vertex(&ends, 1)};
+    return pen_outline_bounds(v, 2, 0);
 }
 
 /* The unit normal of a corner; 0 if it has none. */
@@ -86,12 +96,16 @@ static struct pen_vec3 shading_normal(const struct pen_mesh *mesh, uint32_t tria
 
 void pen_mesh_measure(struct pen_mesh *mesh)
 {
-    mesh->box = pen_box_empty();
+    float lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (size_t i = 0; i < 3 * (size_t)mesh->count; i++) {
         const float *f = mesh->vertex + 3 * (size_t)mesh->corner[i];
-        mesh->box =
-            pen_box_add_point(mesh->box, pen_vec3((double)f[0], (double)f[1], (double)f[2]));
+        for (int axis = 0; axis < 3; axis++) {
+            lo[axis] = f[axis] < lo[axis] ? f[axis] : lo[axis];
+            hi[axis] = f[axis] > hi[axis] ? f[axis] : hi[axis];
+        }
     }
+    mesh->box = (struct pen_box){pen_vec3((double)lo[0], (double)lo[1], (double)lo[2]),
+                                 pen_vec3((double)hi[0], (double)hi[1], (double)hi[2])};
 }
 
 const struct pen_mesh *pen_mesh_before(const struct pen_prims *prims, uint32_t prim)

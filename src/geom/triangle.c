@@ -51,10 +51,16 @@ static int distinguished_by(const struct pen_vec3 edge[3])
 int pen_triangle_first_corner(const struct pen_vec3 v[3])
 {
     struct pen_vec3 edge[3], permuted[3];
+    double most[3];
     for (int i = 0; i < 3; i++) {
         edge[i] = edge_extents(v[(i + 1) % 3], v[(i + 2) % 3]);
-        permuted[i] = sorted(edge[i]);
+        most[i] = pen_largest3(edge[i]);
     }
+    for (int i = 0; i < 3; i++) /* nearly always the largest extent decides */
+        if (most[i] > most[(i + 1) % 3] && most[i] > most[(i + 2) % 3])
+            return i;
+    for (int i = 0; i < 3; i++)
+        permuted[i] = sorted(edge[i]);
     int first = distinguished_by(permuted);
     if (first < 0)
         first = distinguished_by(edge);

@@ -256,6 +256,8 @@ struct pen_scene_desc {
     struct pen_material *materials; /* named ones first, then inline ones */
     uint32_t light_count;
     struct pen_light_desc *lights;
+    int build_threads;     /* how many build the acceleration structure; 0: one. No document can set
+                              this */
     bool opaque_shadows;   /* no light passes through transmissive primitives; no document can set
                               this */
     uint32_t object_count; /* top level */

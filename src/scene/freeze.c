@@ -240,9 +240,12 @@ static bool freeze_all(struct pen_freezer *f)
 static bool build_accel(struct pen_freezer *f, enum pen_accelerator accelerator)
 {
     struct pen_scene *scene = f->scene;
-    scene->accel = accelerator == PEN_ACCEL_MANUAL
-                       ? pen_freeze_manual(f)
-                       : pen_accel_build(&scene->prims, accelerator, scene->arena, f->st);
+    const int limit = f->desc->settings.threads, wanted = f->desc->build_threads;
+    const int threads = limit > 0 && limit < wanted ? limit : wanted;
+    scene->accel =
+        accelerator == PEN_ACCEL_MANUAL
+            ? pen_freeze_manual(f)
+            : pen_accel_build_threads(&scene->prims, accelerator, threads, scene->arena, f->st);
     return scene->accel != NULL;
 }
 

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
+
 enum {
     BOXES = 16, /* boxes that are compared one by one; further ones share the last */
     EQUAL = 16  /* a triangle is compared with this number of equal ones */
@@ -139,35 +141,70 @@ static bool equal_triangles(const struct pen_mesh *mesh, uint32_t a, uint32_t b)
     return true;
 }
 
+/* A table of triangles by their hash, with open addressing. */
+struct entry {
+    uint32_t hash, triangle; /* UINT32_MAX: none */
+};
+
+struct table {
+    const struct pen_mesh *mesh;
+    struct entry *entry;
+    size_t mask;
+};
+
+static size_t place_of(const struct table *table, uint64_t hash)
+{
+    return (size_t)(hash >> 20) & table->mask;
+}
+
+/* Adds a triangle, and gives its pairs with equal ones to fn. */
+static void add_triangle(const struct table *table, uint32_t triangle, uint64_t hash,
+                         void (*fn)(void *user, uint32_t a, uint32_t b), void *user)
+{
+    const struct pen_mesh *mesh = table->mesh;
+    struct entry *at = &table->entry[place_of(table, hash)];
+    const uint32_t own = (uint32_t)hash;
+    for (int equal = 0; at->triangle != UINT32_MAX;) {
+        if (at->hash == own && equal_triangles(mesh, triangle, at->triangle)) {
+            fn(user, mesh->first + at->triangle, mesh->first + triangle);
+            if (++equal == EQUAL)
+                return;
+        }
+        at = at < table->entry + table->mask ? at + 1 : table->entry;
+    }
+    *at = (struct entry){own, triangle};
+}
+
+/* Hashes some triangles before it looks for their places, which a processor then reads together. */
+static void add_all(const struct table *table, void (*fn)(void *user, uint32_t a, uint32_t b),
+                    void *user)
+{
+    enum { SOME = 32 };
+    uint64_t hash[SOME];
+    for (uint32_t begin = 0; begin < table->mesh->count; begin += SOME) {
+        const uint32_t left = table->mesh->count - begin, count = left < SOME ? left : SOME;
+        for (uint32_t i = 0; i < count; i++) {
+            hash[i] = 0;
+            for (int k = 0; k < 3; k++)
+                hash[i] += hash_point(point_of(table->mesh, begin + i, k));
+            __builtin_prefetch(&table->entry[place_of(table, hash[i])], 1);
+        }
+        for (uint32_t i = 0; i < count; i++)
+            add_triangle(table, begin + i, hash[i], fn, user);
+    }
+}
+
 bool pen_mesh_find_equal(const struct pen_mesh *mesh,
                          void (*fn)(void *user, uint32_t a, uint32_t b), void *user)
 {
-    struct entry {
-        uint32_t hash, triangle;
-    };
     size_t room = 16;
-    while (room < 2 * (size_t)mesh->count)
+    while (room < mesh->count + (size_t)mesh->count / 2)
         room *= 2;
-    struct entry *table = malloc(room * sizeof *table);
-    if (!table)
+    const struct table table = {mesh, pen_memory_large(room * sizeof *table.entry), room - 1};
+    if (!table.entry)
         return false;
-    memset(table, 0xff, room * sizeof *table);
-    for (uint32_t i = 0; i < mesh->count; i++) {
-        uint64_t hash = 0;
-        for (int k = 0; k < 3; k++)
-            hash += hash_point(point_of(mesh, i, k));
-        const uint32_t own = (uint32_t)hash;
-        size_t at = (size_t)(hash >> 20) & (room - 1);
-        int equal = 0;
-        for (; equal < EQUAL && table[at].triangle != UINT32_MAX; at = (at + 1) & (room - 1)) {
-            if (table[at].hash != own || !equal_triangles(mesh, i, table[at].triangle))
-                continue;
-            fn(user, mesh->first + table[at].triangle, mesh->first + i);
-            equal++;
-        }
-        if (equal < EQUAL)
-            table[at] = (struct entry){own, i};
-    }
-    free(table);
+    memset(table.entry, 0xff, room * sizeof *table.entry);
+    add_all(&table, fn, user);
+    free(table.entry);
     return true;
 }

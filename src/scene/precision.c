@@ -16,10 +16,16 @@ static double gap(double lo, double hi, double x)
     return x < lo ? lo - x : x > hi ? x - hi : 0;
 }
 
+/* The way from p to a box, as sizes along the axes. */
+static struct pen_vec3 box_gap(struct pen_box box, struct pen_vec3 p)
+{
+    return pen_vec3(gap(box.lo.x, box.hi.x, p.x), gap(box.lo.y, box.hi.y, p.y),
+                    gap(box.lo.z, box.hi.z, p.z));
+}
+
 static double box_distance(struct pen_box box, struct pen_vec3 p)
 {
-    return pen_length(pen_vec3(gap(box.lo.x, box.hi.x, p.x), gap(box.lo.y, box.hi.y, p.y),
-                               gap(box.lo.z, box.hi.z, p.z)));
+    return pen_length(box_gap(box, p));
 }
 
 /* The box around a primitive. For one with an outline, the box around its corners, without the
@@ -50,14 +56,62 @@ static double side(struct pen_box box)
     return box.lo.x <= box.hi.x ? vec_max_abs(pen_sub(box.hi, box.lo)) : 0;
 }
 
+static struct pen_box box_of_triangle(const struct pen_vec3 v[3])
+{
+    return pen_box_add_point(pen_box_add_point((struct pen_box){v[0], v[0]}, v[1]), v[2]);
+}
+
+/* The box around a mesh. */
+static struct pen_box box_of_mesh(const struct pen_mesh *mesh)
+{
+    const struct pen_vec3 lo = mesh->box.lo, hi = mesh->box.hi;
+    const float corners[6] = {(float)lo.x, (float)lo.y, (float)lo.z,
+                              (float)hi.x, (float)hi.y, (float)hi.z};
+    struct pen_mesh two = *mesh;
+    two.vertex = corners;
+    return (struct pen_box){pen_mesh_vertex(&two, 0), pen_mesh_vertex(&two, 1)};
+}
+
 static struct pen_box all_bounds(const struct pen_prims *prims)
 {
     struct pen_box all = pen_box_empty();
     for (uint32_t i = 0; i < prims->count; i++) {
-        if (!pen_prim_infinite(pen_prim_kind(prims, i)))
+        const struct pen_mesh *mesh = pen_prim_mesh(prims, i);
+        if (mesh) {
+            all = pen_box_union(all, box_of_mesh(mesh));
+            i += mesh->count - 1;
+        } else if (!pen_prim_infinite(pen_prim_kind(prims, i)))
             all = pen_box_union(all, box_of(prims, i));
     }
     return all;
+}
+
+/* The corners of a triangle of a mesh. The product is exact, except for numbers that do not matter
+ * here, so no fma is necessary, which takes longer. */
+static void corners(const struct pen_mesh *mesh, uint32_t triangle, struct pen_vec3 v[3])
+{
+    for (int i = 0; i < 3; i++) {
+        const float *f = pen_mesh_float(mesh, triangle, i);
+        v[i] = pen_vec3(mesh->unit * (double)f[0] + mesh->shift.x,
+                        mesh->unit * (double)f[1] + mesh->shift.y,
+                        mesh->unit * (double)f[2] + mesh->shift.z);
+    }
+}
+
+/* The same for the triangles of a mesh, if it is below `least`. */
+static double nearest_of_mesh(const struct pen_mesh *mesh, struct pen_vec3 eye, double least)
+{
+    for (uint32_t i = 0; i < mesh->count; i++) {
+        struct pen_vec3 v[3];
+        corners(mesh, i, v);
+        const struct pen_box box = box_of_triangle(v);
+        const struct pen_vec3 off = box_gap(box, eye);
+        if (pen_dot(off, off) >= least * least)
+            continue;
+        const double distance = pen_larger(pen_length(off), NEAREST_PART * side(box));
+        least = distance < least ? distance : least;
+    }
+    return least;
 }
 
 /* The distance from the eye to the nearest primitive. */
@@ -65,6 +119,12 @@ static double nearest(const struct pen_prims *prims, double extent, struct pen_v
 {
     double least = INFINITY;
     for (uint32_t i = 0; i < prims->count; i++) {
+        const struct pen_mesh *mesh = pen_prim_mesh(prims, i);
+        if (mesh) {
+            least = nearest_of_mesh(mesh, eye, least);
+            i += mesh->count - 1;
+            continue;
+        }
         double distance = distance_of(prims, i, eye);
         double size = pen_prim_infinite(pen_prim_kind(prims, i)) ? extent : side(box_of(prims, i));
         distance = pen_larger(distance, NEAREST_PART * size);
@@ -126,13 +186,32 @@ static void measure(const struct pen_prims *prims, uint32_t prim, double *width,
     }
 }
 
+/* Whether a triangle may be thinner than `thinness`: its area is compared with the square of its
+ * longest edge. The rounding of both is below 2^-40 of that square. */
+static bool may_be_thinner(const struct pen_vec3 v[3], double thinness)
+{
+    const struct pen_vec3 e = pen_sub(v[1], v[0]), f = pen_sub(v[2], v[0]), g = pen_sub(v[2], v[1]);
+    const struct pen_vec3 n = pen_cross(e, f);
+    const double most =
+        (thinness + 0x1p-40) * pen_larger(pen_larger(pen_dot(e, e), pen_dot(f, f)), pen_dot(g, g));
+    return pen_dot(n, n) < most * most;
+}
+
 /* Finds the narrowest primitive, in local lengths. */
 static void find_narrowest(const struct pen_prims *prims, struct pen_scene_precision *out)
 {
     out->thinness = out->thin_width = out->thin_length = 1;
     out->thin_prim = 0;
+    const struct pen_mesh *mesh = NULL;
     for (uint32_t i = 0; i < prims->count; i++) {
         double width, length;
+        struct pen_vec3 v[3];
+        if (!mesh || i - mesh->first == mesh->count)
+            mesh = pen_prim_mesh(prims, i);
+        if (mesh)
+            corners(mesh, i - mesh->first, v);
+        if (mesh && !may_be_thinner(v, out->thinness))
+            continue;
         measure(prims, i, &width, &length);
         if (width < out->thinness * length) {
             out->thinness = width / length;

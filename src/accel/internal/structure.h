@@ -163,7 +163,7 @@ struct pen_mesh_frame {
     float factor;    /* numbers of the block per number of the mesh */
     double extent;   /* the largest size of a coordinate, in [1/2, 1] or 0 */
     double rounding; /* what a vertex is off by that the local frame has rounded */
-    float longest;   /* the longest edge, as the sum of its parts along the axes */
+    float longest;   /* a bound of the edges, as sums of their parts along the axes */
 };
 
 struct pen_float_box {

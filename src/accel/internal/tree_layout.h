@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 #include "accel/internal/structure.h"
+#include "base/thread_pool.h"
 
 /* A growing array of elements of one size. */
 struct pen_array {
@@ -34,6 +35,7 @@ struct pen_ref {
 };
 
 struct pen_tree_layout {
+    struct pen_thread_pool *pool; /* NULL: only the calling thread */
     const struct pen_prims *prims;
     unsigned generic_kinds; /* bit 1 << enum pen_prim_kind: packed in generic blocks although the
                                kind has its own block; 0 except in tests */
@@ -49,11 +51,38 @@ struct pen_tree_layout {
     uint32_t depth;          /* boxes around the innermost primitive */
 };
 
+/* Calls fn(user, i) for each i below `parts`, in any order, on all threads of the pool. The calls
+ * must not depend on one another, so that the number of threads changes nothing. */
+void pen_parts_do(struct pen_thread_pool *pool, uint32_t parts,
+                  void (*fn)(void *user, uint32_t part), void *user);
+
+/* The number of parts of `each` elements or fewer. */
+static inline uint32_t pen_parts_of(uint32_t count, uint32_t each)
+{
+    return count / each + (count % each > 0);
+}
+
 /* Begins a layout with the primitives in document order; finite ones get boxes rounded outward.
+ * The caller has set the pool, prims, generic_kinds and frames, and all other members to 0.
  * Fails: returns false when out of memory. */
-bool pen_tree_layout_init(struct pen_tree_layout *layout, const struct pen_prims *prims,
-                          unsigned generic_kinds, const struct pen_mesh_frame *frames);
+bool pen_tree_layout_init(struct pen_tree_layout *layout);
 void pen_tree_layout_release(struct pen_tree_layout *layout);
+
+/* Makes the nodes and leaves of a layout empty, without freeing them. */
+static inline void pen_tree_layout_begin(struct pen_tree_layout *layout)
+{
+    layout->nodes = (struct pen_array){.size = sizeof(struct pen_node)};
+    layout->leaves = (struct pen_array){.size = sizeof(struct pen_leaf)};
+}
+
+/* Whether all finite primitives are triangles of meshes in blocks of their own. */
+static inline bool pen_tree_layout_meshes_alone(const struct pen_tree_layout *layout)
+{
+    uint64_t triangles = 0;
+    for (uint32_t i = 0; layout->frames && i < layout->prims->mesh_count; i++)
+        triangles += layout->prims->mesh[i].count;
+    return triangles > 0 && triangles == layout->count;
+}
 
 /* Adds a leaf, a range of ref[]. Returns it as a child, or PEN_NO_CHILD when out of memory. */
 uint32_t pen_tree_layout_add_leaf(struct pen_tree_layout *layout, uint32_t begin, uint32_t count);
@@ -105,6 +134,9 @@ enum pen_cost_class {
     PEN_COST_CLASS_COUNT
 };
 
+/* A test of one or two blocks of meshes takes about the time of a node. */
+#define PEN_MESH_BLOCK_COST 0.3f
+
 /* The expected cost of the tests in a leaf with these numbers of filled lanes by class. */
 float pen_leaf_cost(const uint32_t lanes[PEN_COST_CLASS_COUNT]);
 
@@ -150,8 +182,27 @@ bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *aren
                     struct pen_accel *accel);
 
 /* Fills in the frames of all meshes. Returns false if there are no meshes, or if some mesh cannot
- * have blocks because its numbers are too far apart. */
-bool pen_mesh_frames_make(const struct pen_prims *prims, struct pen_mesh_frame *frame);
+ * have blocks because its numbers are too far apart, or when out of memory. */
+bool pen_mesh_frames_make(struct pen_thread_pool *pool, const struct pen_prims *prims,
+                          struct pen_mesh_frame *frame);
+
+/* The corners of a triangle of a mesh that has a frame, as pen_mesh_corners: the product is then
+ * exact, so it may be rounded before the sum. */
+static inline void pen_mesh_corners_exact(const struct pen_mesh *mesh, uint32_t triangle,
+                                          struct pen_vec3 v[3])
+{
+    for (int i = 0; i < 3; i++) {
+        const float *f = pen_mesh_float(mesh, triangle, i);
+        v[i] = pen_without_less(pen_vec3(mesh->unit * (double)f[0] + mesh->shift.x,
+                                         mesh->unit * (double)f[1] + mesh->shift.y,
+                                         mesh->unit * (double)f[2] + mesh->shift.z),
+                                PEN_LEAST);
+    }
+}
+
+/* Reads ahead what the packing of a leaf's mesh triangles needs: their numbers of vertices, or the
+ * vertices. Neighbours in space may be far from one another in a file. */
+void pen_pack_fetch(const struct pen_tree_layout *layout, struct pen_leaf leaf, bool vertices);
 
 /* Fills in the members of wide trees for ray packets: extent, prim_box, convex.
  * Owns: the arena owns everything.

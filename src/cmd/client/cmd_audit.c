@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
+#include "base/cpu.h"
 #include "cmd/client/audit_options.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
@@ -107,6 +108,7 @@ static bool prepare(struct audit *a, const char *picture, struct pen_status *st)
         a->view = pen_scene_input_view(&a->input, a->values->view, st);
     if (a->view < 0 || !read_film(a, picture, st))
         return false;
+    desc->build_threads = a->values->threads ? a->values->threads : pen_cpu_count();
     a->scene = pen_scene_freeze(desc, (enum pen_accelerator)desc->settings.accelerator, 0, st);
     a->pool = a->scene ? pen_thread_pool_new(a->values->threads, st) : NULL;
     return a->pool != NULL;

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/cpu.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
 #include "cmd/client/scene_input.h"
@@ -52,6 +53,7 @@ static bool prepare(struct explain *e, struct pen_status *st)
         e->view = pen_scene_input_view(&e->input, e->values->view, st);
     if (e->view < 0)
         return false;
+    desc->build_threads = e->values->threads ? e->values->threads : pen_cpu_count();
     e->scene = pen_scene_freeze(desc, (enum pen_accelerator)desc->settings.accelerator, 0, st);
     e->pool = e->scene ? pen_thread_pool_new(e->values->threads, st) : NULL;
     return e->pool != NULL;

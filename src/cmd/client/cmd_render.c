@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/cpu.h"
 #include "cmd/client/audit_options.h"
 #include "cmd/client/commands.h"
 #include "cmd/client/common_options.h"
@@ -174,6 +175,7 @@ static bool apply_options(struct render *r, struct pen_status *st)
 static bool freeze(struct render *r, struct pen_status *st)
 {
     int64_t start = pen_clock_ns();
+    r->input.desc.build_threads = r->values->threads ? r->values->threads : pen_cpu_count();
     enum pen_accelerator kind = (enum pen_accelerator)r->input.desc.settings.accelerator;
     r->scene = pen_scene_freeze(&r->input.desc, kind, 0, st);
     r->build_ms = ms_since(start);

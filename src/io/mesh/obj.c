@@ -116,13 +116,12 @@ static bool read_vector(struct obj *o, const char *word, size_t length)
 static bool read_index(struct obj *o, uint64_t count, uint64_t all, uint32_t *out)
 {
     struct pen_scan *s = &o->b->scan;
-    const char *at = s->at, *first = at + (at < s->end && *at == '-');
+    const char *at = s->at, *end = s->end, *first = at + (at < end && *at == '-'), *digit = first;
     uint64_t n = 0;
-    for (s->at = first; s->at < s->end && *s->at >= '0' && *s->at <= '9'; s->at++)
-        n = n < UINT32_MAX ? n * 10 + (uint64_t)(*s->at - '0') : n;
+    for (; digit < end && *digit >= '0' && *digit <= '9'; digit++)
+        n = n < UINT32_MAX ? n * 10 + (uint64_t)(*digit - '0') : n;
     *out = (uint32_t)(first > at ? count - n : n - 1);
-    if (s->at == first)
-        s->at = at;
+    s->at = digit > first ? digit : at;
     return (n > 0 && n <= (first > at ? count : all)) || s->at == at ||
            pen_scan_fail(s, PEN_INVALID, at,
                          "%s does not exist: the file has %llu, numbered from 1, and %llu before "

@@ -48,14 +48,15 @@ static size_t continuation(const struct pen_scan *s, const char *at)
 
 bool pen_scan_more(struct pen_scan *s)
 {
-    size_t over;
-    for (; s->at < s->end; s->at += over) {
-        char c = *s->at;
-        over = c == '\\' ? continuation(s, s->at) : c != '\n' && pen_is_space(c);
-        if (!over)
-            return c != '\n' && c != '#';
+    const char *at = s->at, *end = s->end; /* in registers */
+    bool more = false;
+    for (size_t over = 1; at < end && over; at += over) {
+        const char c = *at;
+        over = c == '\\' ? continuation(s, at) : c != '\n' && pen_is_space(c);
+        more = !over && c != '\n' && c != '#';
     }
-    return false;
+    s->at = at;
+    return more;
 }
 
 void pen_scan_next_line(struct pen_scan *s)
@@ -97,10 +98,12 @@ size_t pen_scan_rest(struct pen_scan *s, const char **text)
 
 size_t pen_scan_word(struct pen_scan *s, const char **word)
 {
-    *word = s->at;
-    while (s->at < s->end && !pen_is_space(*s->at) && !(*s->at == '\\' && continuation(s, s->at)))
-        s->at++;
-    return (size_t)(s->at - *word);
+    const char *at = s->at, *end = s->end;
+    *word = at;
+    while (at < end && !pen_is_space(*at) && !(*at == '\\' && continuation(s, at)))
+        at++;
+    s->at = at;
+    return (size_t)(at - *word);
 }
 
 /* Whether the float nearest to d is also the float nearest to a decimal that rounds to d, which is
