@@ -194,9 +194,7 @@ INLINED void add_bin(struct bin *sum, const struct bin *b, bool mesh)
 
 INLINED float cost_of(const uint32_t *lanes, bool mesh)
 {
-    return mesh
-               ? PEN_MESH_BLOCK_COST * (float)((lanes[PEN_COST_MESHES] + PEN_LANES - 1) / PEN_LANES)
-               : pen_leaf_cost(lanes);
+    return mesh ? pen_mesh_leaf_cost(lanes[PEN_COST_MESHES]) : pen_leaf_cost(lanes);
 }
 
 /* Finds the cheapest split between one axis's bins, if it is cheaper than *best. The first bin, of

@@ -308,15 +308,14 @@ const float pen_node_cost = 0.3f;
 
 float pen_leaf_cost(const uint32_t lanes[PEN_COST_CLASS_COUNT])
 {
-    const float cost[PEN_COST_CLASS_COUNT] = {
+    const float cost[PEN_COST_MESHES] = {
         [PEN_COST_TRIANGLES] = pen_kinds[PEN_PRIM_TRIANGLE].cost,
         [PEN_COST_POLYGONS] = pen_kinds[PEN_PRIM_POLYGON].cost,
         [PEN_COST_SPHERES] = pen_kinds[PEN_PRIM_SPHERE].cost,
         [PEN_COST_CYLINDERS] = pen_kinds[PEN_PRIM_CYLINDER].cost,
-        [PEN_COST_MESHES] = PEN_MESH_BLOCK_COST,
     };
-    float sum = 0;
-    for (int k = 0; k < PEN_COST_CLASS_COUNT; k++)
+    float sum = pen_mesh_leaf_cost(lanes[PEN_COST_MESHES]);
+    for (int k = 0; k < PEN_COST_MESHES; k++)
         sum += cost[k] * (float)((lanes[k] + PEN_LANES - 1) / PEN_LANES);
     return sum;
 }

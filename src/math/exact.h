@@ -37,6 +37,7 @@ static inline double pen_dot2_plus(double c, struct pen_vec3 a, struct pen_vec3 
 {
     const double left[3] = {a.x, a.y, a.z}, right[3] = {b.x, b.y, b.z};
     double sum = c, low = 0;
+#pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         double product = left[i] * right[i];
         double next = sum + product;

@@ -104,7 +104,8 @@ static uint64_t disk_test(struct pen_disk_packet *packet, const double a[PEN_DIS
 static bool disk_ray(const struct pen_accel *accel, const struct pen_disk_packet *packet,
                      const struct pen_ray *ray, int i, struct pen_shadow *query)
 {
-    struct trace trace = trace_begin_shadow(accel, ray, packet->origin, query);
+    struct trace trace;
+    trace_begin_shadow(&trace, accel, ray, packet->origin, query);
     for (int k = 0; k < packet->candidate_count; k++) {
         const struct pen_disk_candidate *candidate = &packet->candidate[k];
         if (!(candidate->fallback >> i & 1))

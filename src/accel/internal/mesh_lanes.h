@@ -17,6 +17,8 @@ enum { MESH_BLOCKS = 1 };
 #endif
 enum { MESH_LANES = 4 * MESH_BLOCKS };
 
+/* Three coordinates; the last lane is 0 or of no use. */
+typedef double double4 __attribute__((vector_size(32), aligned(8), may_alias));
 typedef float float4 __attribute__((vector_size(16), aligned(4), may_alias));
 typedef int32_t mask4 __attribute__((vector_size(16)));
 /* MESH_LANES floats, and a mask for them. */
@@ -25,7 +27,20 @@ typedef int32_t masks __attribute__((vector_size(4 * MESH_LANES)));
 
 #define SPLAT8(x) ((float8){(x), (x), (x), (x), (x), (x), (x), (x)})
 
+#define THREE(x) ((float4)((mask4)(x) & (mask4){-1, -1, -1, 0}))
+
 #if MESH_FMA
+
+static inline float4 float4_max(float4 a, float4 b)
+{
+    return (float4)_mm_max_ps((__m128)a, (__m128)b);
+}
+
+/* The signs of four floats, as bits. */
+static inline unsigned float4_signs(float4 a)
+{
+    return (unsigned)_mm_movemask_ps((__m128)a);
+}
 
 static inline floats floats_splat(float x)
 {
@@ -55,6 +70,18 @@ static inline floats floats_max(floats a, floats b)
     return (floats)_mm256_max_ps((__m256)a, (__m256)b);
 }
 
+/* a > b, a >= b. With AVX-512, the compiler's own comparisons would take the way round by its mask
+ * registers. */
+static inline masks floats_more(floats a, floats b)
+{
+    return (masks)_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_GT_OQ);
+}
+
+static inline masks floats_at_least(floats a, floats b)
+{
+    return (masks)_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_GE_OQ);
+}
+
 /* The lanes that are set, as bits. */
 static inline unsigned masks_bits(masks m)
 {
@@ -75,6 +102,18 @@ static inline void lower8f(float8 *to, const float *a, const float8 *b, const fl
 }
 
 #else
+
+static inline float4 float4_max(float4 a, float4 b)
+{
+    const mask4 more = a > b;
+    return (float4)(((mask4)a & more) | ((mask4)b & ~more));
+}
+
+static inline unsigned float4_signs(float4 a)
+{
+    const mask4 m = (mask4)a < 0;
+    return (unsigned)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8));
+}
 
 static inline floats floats_splat(float x)
 {
@@ -105,6 +144,16 @@ static inline floats floats_max(floats a, floats b)
     return (floats)(((masks)a & more) | ((masks)b & ~more));
 }
 
+static inline masks floats_more(floats a, floats b)
+{
+    return a > b;
+}
+
+static inline masks floats_at_least(floats a, floats b)
+{
+    return a >= b;
+}
+
 static inline unsigned masks_bits(masks m)
 {
     return (unsigned)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8));
@@ -127,6 +176,21 @@ static inline void lower8f(float8 *to, const float *a, const float8 *b, const fl
 }
 
 #endif
+
+static inline double double4_largest(const double4 *v)
+{
+    const double x = fabs((*v)[0]), y = fabs((*v)[1]), z = fabs((*v)[2]), m = x > y ? x : y;
+    return m > z ? m : z;
+}
+
+/* The largest size of three coordinates. */
+static inline float float4_largest(float4 x)
+{
+    const float4 size = (float4)((mask4)x & INT32_MAX);
+    const float4 yzx = __builtin_shufflevector(size, size, 1, 2, 0, 3),
+                 zxy = __builtin_shufflevector(size, size, 2, 0, 1, 3);
+    return float4_max(float4_max(size, yzx), zxy)[0];
+}
 
 static inline floats floats_abs(floats x)
 {

@@ -6,79 +6,85 @@
 #ifndef PEN_ACCEL_INTERNAL_MESH_QUERY_H
 #define PEN_ACCEL_INTERNAL_MESH_QUERY_H
 
+#include "accel/internal/mesh_facet.h"
 #include "accel/internal/mesh_ray.h"
-#include "geom/triangle_plane.h"
 
 /* A lane that the ray is sure to enter. */
 struct mesh_candidate {
-    double least; /* a lower bound of its t */
-    uint32_t block;
-    int lane;
+    float least;   /* a lower bound of its depth for boxes */
+    uint32_t lane; /* four times the block's number, plus the lane's */
 };
 
 enum { MESH_CANDIDATES = 16 };
 
+/* Depths are those for boxes. */
 struct mesh_query {
+    struct mesh_box box;
     const struct pen_mesh *mesh; /* that of the last block; NULL: none yet */
+    bool several;                /* there are other meshes */
     bool opaque;                 /* it transmits no light */
-    double off;                  /* for mesh_ray_make */
-    double most;                 /* nearest: an upper bound of t of the nearest intersection */
-    float limit;                 /* the largest depth that matters, for that mesh */
+    float after; /* nearest: lanes at most as deep may be before the query's interval */
+    float limit; /* the largest depth that matters */
     int count;
     struct mesh_ray ray; /* for that mesh */
     struct mesh_candidate candidate[MESH_CANDIDATES];
 };
 
-static inline void mesh_query_begin(struct mesh_query *q, struct trace *trace)
+/* Begins a query from t = `start` on; returns false if the ray does not come near the tree. */
+static inline bool mesh_query_begin(struct mesh_query *q, struct trace *trace, double start,
+                                    bool any)
 {
+    if (!mesh_box_make(&q->box, trace->ray, trace->accel->extent, trace->grow,
+                       trace->accel->mixed ? MESH_OUTSIDE_OTHERS : MESH_OUTSIDE, start))
+        return false;
     q->mesh = NULL;
+    q->several = trace->accel->prims->mesh_count > 1;
     q->count = 0;
-    q->most = INFINITY;
-    q->off = 4 * (trace->slack + trace->light_bound);
+    q->limit = mesh_box_depth(&q->box, any ? trace->shadow->tmax : trace->best.t);
+    q->after = any || trace->after.t == 0 ? -INFINITY : mesh_box_depth(&q->box, trace->after.t);
     trace->meshes = q;
+    return true;
 }
 
-/* The largest t that matters to a query for the nearest intersection. */
-static inline double mesh_query_end(const struct trace *trace)
-{
-    const double most = trace->meshes->most;
-    return most < trace->best.t ? most : trace->best.t;
-}
-
-/* Sets the limit. */
-static inline void mesh_query_narrow(struct trace *trace, bool any)
+/* Lowers the limit to the nearest intersection. */
+static inline void mesh_query_narrow(const struct trace *trace)
 {
     struct mesh_query *q = trace->meshes;
-    const double end = any ? trace->shadow->tmax : mesh_query_end(trace);
-    if (q->mesh)
-        q->limit = pen_float_up(end * q->ray.scale - q->ray.moved);
+    const float depth = mesh_box_depth(&q->box, trace->best.t);
+    q->limit = depth < q->limit ? depth : q->limit;
 }
 
 /* Prepares the ray for the mesh of a block. */
-static __attribute__((noinline)) void mesh_query_enter(struct trace *trace, uint32_t prim, bool any)
+static __attribute__((noinline)) void mesh_query_enter(const struct trace *trace, uint32_t prim,
+                                                       bool any)
 {
     struct mesh_query *q = trace->meshes;
     const struct pen_prims *prims = trace->accel->prims;
     const struct pen_mesh *mesh = prims->mesh_count == 1 ? prims->mesh : pen_prim_mesh(prims, prim);
+    const struct pen_mesh_frame *frame = &trace->accel->mesh_frames[mesh - prims->mesh];
     q->mesh = mesh;
+    mesh_ray_make(&q->ray, mesh, frame, &q->box, (float)(4 * (trace->slack + trace->light_bound)));
+    if (!any)
+        return;
+    const double depth = trace->shadow->tmax * q->box.scale - q->box.moved;
+    q->ray.limit = pen_float_up(depth * frame->inv_unit - q->ray.moved);
     q->opaque = true;
-    for (uint32_t i = 0; trace->shadow && trace->shadow->see_through && i < mesh->slots; i++)
+    for (uint32_t i = 0; trace->shadow->see_through && i < mesh->slots; i++)
         q->opaque = q->opaque && !trace->shadow->see_through[mesh->slot + i];
-    mesh_ray_make(&q->ray, mesh, &trace->accel->mesh_frames[mesh - prims->mesh], trace->ray,
-                  q->off);
-    mesh_query_narrow(trace, any);
 }
 
-/* The corners of a lane, as the scene has them. */
+/* The corners of a lane, as the scene has them: none is so small that it counts as 0 (see
+ * pack_meshes.c). */
 static inline void mesh_lane(const struct pen_accel *accel, const struct pen_mesh *mesh,
-                             const struct pen_mesh4 *b, int lane, struct pen_vec3 v[3])
+                             const struct pen_mesh4 *b, uint32_t lane, double4 v[3])
 {
     const double unit = accel->mesh_frames[mesh - accel->prims->mesh].unit;
-    for (int i = 0; i < 3; i++)
-        v[i] = pen_without_less(pen_vec3(fma(unit, (double)b->v[i][0][lane], mesh->shift.x),
-                                         fma(unit, (double)b->v[i][1][lane], mesh->shift.y),
-                                         fma(unit, (double)b->v[i][2][lane], mesh->shift.z)),
-                                PEN_LEAST);
+    const double4 *shift = (const double4 *)&mesh->shift.x;
+    for (int i = 0; i < 3; i++) {
+        const double4 f = {(double)b->v[i][0][lane], (double)b->v[i][1][lane],
+                           (double)b->v[i][2][lane], 0};
+        v[i] = unit * f + *shift;
+    }
 }
 
 /* Whether an edge passes within the slack of the ray's origin; as edge_passes_origin4. */
@@ -90,26 +96,30 @@ static inline bool edge_passes_origin(const struct trace *trace, struct pen_shea
 }
 
 /* The exact test of a lane whose inside the line enters, for a ray from free space. */
-static inline bool mesh_offer_root(struct trace *trace, uint32_t prim, const struct pen_vec3 v[3],
-                                   bool any)
+static inline bool mesh_offer_root(struct trace *trace, uint32_t prim, const double4 v[3], bool any)
 {
     double t;
-    if (!pen_triangle_plane_root(v, trace->ray, &t))
+    if (!mesh_facet_root(v, trace->ray, &t))
         return test_reference(trace, prim, any);
     return t > 0 && offer(trace, prim, t, PEN_PART_SIDE, any);
 }
 
+static inline struct pen_sheared mesh_shear(const struct pen_ray *ray, const double4 *v)
+{
+    const struct pen_vec3 w = pen_vec3((*v)[0], (*v)[1], (*v)[2]);
+    return pen_shear(ray, &w);
+}
+
 /* The exact test of a lane that may be met. */
 static __attribute__((noinline)) bool
-mesh_test_exactly(struct trace *trace, const struct pen_mesh4 *b, int lane, bool any)
+mesh_test_exactly(struct trace *trace, const struct pen_mesh4 *b, uint32_t lane, bool any)
 {
     const struct pen_mesh *mesh = trace->meshes->mesh;
     const uint32_t prim = b->prim[lane];
-    struct pen_triangle tri;
-    mesh_lane(trace->accel, mesh, b, lane, tri.v);
-    const struct pen_sheared x = pen_shear(trace->ray, &tri.v[0]),
-                             y = pen_shear(trace->ray, &tri.v[1]),
-                             z = pen_shear(trace->ray, &tri.v[2]);
+    double4 v[3];
+    mesh_lane(trace->accel, mesh, b, lane, v);
+    const struct pen_sheared x = mesh_shear(trace->ray, &v[0]), y = mesh_shear(trace->ray, &v[1]),
+                             z = mesh_shear(trace->ray, &v[2]);
     if (trace->reaches_origin &&
         (edge_passes_origin(trace, x, y) || edge_passes_origin(trace, y, z) ||
          edge_passes_origin(trace, z, x)))
@@ -118,23 +128,23 @@ mesh_test_exactly(struct trace *trace, const struct pen_mesh4 *b, int lane, bool
     if (pen_edge_counts(x, y, w) + pen_edge_counts(y, z, u) + pen_edge_counts(z, x, s) == 0)
         return false;
     if (!trace->from_surface)
-        return mesh_offer_root(trace, prim, tri.v, any);
+        return mesh_offer_root(trace, prim, v, any);
+    struct pen_triangle tri;
     pen_mesh_triangle(mesh, prim - mesh->first, &tri);
     return offer_outline(trace, prim, &tri.facet, tri.v, 3, any);
 }
 
-/* Drops candidates that are beyond the end; returns whether there is room for another one. */
-static inline bool mesh_query_room(struct trace *trace)
+/* Drops candidates that are beyond the limit; returns whether there is room for another one. */
+static inline bool mesh_query_room(struct mesh_query *q)
 {
-    struct mesh_query *q = trace->meshes;
-    const double end = mesh_query_end(trace);
     int kept = 0;
-    for (int i = 0; q->count == MESH_CANDIDATES && i < q->count; i++)
-        if (q->candidate[i].least <= end)
+    if (q->count < MESH_CANDIDATES)
+        return true;
+    for (int i = 0; i < q->count; i++)
+        if (q->candidate[i].least <= q->limit)
             q->candidate[kept++] = q->candidate[i];
-    if (q->count == MESH_CANDIDATES)
-        q->count = kept;
-    return q->count < MESH_CANDIDATES;
+    q->count = kept;
+    return kept < MESH_CANDIDATES;
 }
 
 /* Tests the lanes of blocks, from number `block` on, for the nearest intersection. */
@@ -142,23 +152,19 @@ static inline void mesh_keep_lanes(struct trace *trace, uint32_t block, const st
 {
     struct mesh_query *q = trace->meshes;
     for (unsigned may = in->may; may; may &= may - 1) {
-        const uint32_t bit = (uint32_t)__builtin_ctz(may), number = block + bit / 4;
-        const int lane = (int)bit % 4;
-        const struct pen_mesh4 *b = &trace->accel->mesh_blocks[number];
-        const double least = ((double)in->lo[bit] + q->ray.moved) * q->ray.inv_scale,
-                     most = ((double)in->hi[bit] + q->ray.moved) * q->ray.inv_scale;
-        if (b->prim[lane] == trace->origin->prim || least > mesh_query_end(trace))
+        const uint32_t bit = (uint32_t)__builtin_ctz(may), lane = bit % 4;
+        const struct pen_mesh4 *b = &trace->accel->mesh_blocks[block + bit / 4];
+        const float least = in->lo[bit], most = in->hi[bit];
+        if (b->prim[lane] == trace->origin->prim || least > q->limit)
             continue;
-        if (!(in->sure >> bit & 1) || !mesh_query_room(trace)) {
+        if (!(in->sure >> bit & 1) || !mesh_query_room(q)) {
             mesh_test_exactly(trace, b, lane, false);
-            mesh_query_narrow(trace, false);
+            mesh_query_narrow(trace);
             continue;
         }
-        if (least > trace->after.t && most < q->most) {
-            q->most = most;
-            mesh_query_narrow(trace, false);
-        }
-        q->candidate[q->count++] = (struct mesh_candidate){least, number, lane};
+        if (most < q->limit && least > q->after)
+            q->limit = most;
+        q->candidate[q->count++] = (struct mesh_candidate){least, 4 * block + bit};
     }
 }
 
@@ -168,12 +174,11 @@ static inline uint32_t mesh_block_ending(struct trace *trace, uint32_t block,
                                          const struct mesh_lanes *in)
 {
     for (unsigned may = in->may; may; may &= may - 1) {
-        const uint32_t bit = (uint32_t)__builtin_ctz(may), number = block + bit / 4;
-        const int lane = (int)bit % 4;
+        const uint32_t bit = (uint32_t)__builtin_ctz(may), number = block + bit / 4, lane = bit % 4;
         const struct pen_mesh4 *b = &trace->accel->mesh_blocks[number];
         if (b->prim[lane] == trace->origin->prim)
             continue;
-        if (trace->meshes->opaque && in->before >> bit & 1) {
+        if (trace->meshes->opaque && in->sure >> bit & 1) {
             trace->shadow->last_occluder = b->prim[lane];
             return number;
         }
@@ -193,20 +198,23 @@ static inline void mesh_count(const struct trace *trace, uint32_t first, uint32_
 }
 
 /* Tests blocks `block` to `last`. Returns true if an intersection ended the query. */
-static inline bool mesh_test_blocks(struct trace *trace, uint32_t block, uint32_t last, bool any)
+static inline __attribute__((always_inline)) bool
+mesh_test_blocks(struct trace *trace, uint32_t block, uint32_t last, bool any)
 {
     struct mesh_query *q = trace->meshes;
+    const struct pen_mesh4 *blocks = trace->accel->mesh_blocks;
+    if (!q->mesh)
+        mesh_query_enter(trace, blocks[block].prim[0], any);
     while (block <= last) {
-        const struct pen_mesh4 *b = &trace->accel->mesh_blocks[block];
+        const struct pen_mesh4 *b = &blocks[block];
         struct mesh_lanes in;
-        if (!q->mesh || b->prim[0] - q->mesh->first >= q->mesh->count)
-            mesh_query_enter(trace, b->prim[0], any);
-        const bool two =
-            MESH_BLOCKS == 2 && block < last && b[1].prim[0] - q->mesh->first < q->mesh->count;
-        if (!q->ray.misses)
-            mesh_ray_test(&q->ray, b, b + two, q->limit, &in);
-        else
-            in.may = 0;
+        bool two = MESH_BLOCKS == 2 && block < last;
+        if (q->several) {
+            if (b->prim[0] - q->mesh->first >= q->mesh->count)
+                mesh_query_enter(trace, b->prim[0], any);
+            two = two && b[1].prim[0] - q->mesh->first < q->mesh->count;
+        }
+        mesh_ray_test(&q->ray, b, b + two, q->limit, any, &in);
         in.may &= two ? 255 : 15;
         const uint32_t end = any && in.may ? mesh_block_ending(trace, block, &in) : UINT32_MAX;
         if (COUNTING)
@@ -220,21 +228,23 @@ static inline bool mesh_test_blocks(struct trace *trace, uint32_t block, uint32_
     return false;
 }
 
-/* Ends a query for the nearest intersection: tests the candidates that are left. */
+/* Ends a query for the nearest intersection: tests the candidates that are left. The last one is
+ * the most likely to be the nearest. */
 static inline void mesh_query_finish(struct trace *trace)
 {
     const struct mesh_query *q = trace->meshes;
-    for (int i = 0; i < q->count; i++) {
+    for (int i = q->count - 1; i >= 0; i--) {
         const struct mesh_candidate *c = &q->candidate[i];
-        const struct pen_mesh4 *b = &trace->accel->mesh_blocks[c->block];
-        struct pen_vec3 v[3];
-        if (c->least > mesh_query_end(trace))
+        const struct pen_mesh4 *b = &trace->accel->mesh_blocks[c->lane / 4];
+        double4 v[3];
+        if (c->least > q->limit)
             continue;
         const struct pen_mesh *mesh = q->mesh;
         if (b->prim[0] - mesh->first >= mesh->count)
             mesh = pen_prim_mesh(trace->accel->prims, b->prim[0]);
-        mesh_lane(trace->accel, mesh, b, c->lane, v);
-        mesh_offer_root(trace, b->prim[c->lane], v, false);
+        mesh_lane(trace->accel, mesh, b, c->lane % 4, v);
+        mesh_offer_root(trace, b->prim[c->lane % 4], v, false);
+        mesh_query_narrow(trace);
     }
 }
 

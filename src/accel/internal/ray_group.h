@@ -177,7 +177,8 @@ static __attribute__((noinline)) void group_fall_back(struct ray_group *g, int i
         pen_block_of(pen_prim_kind(prims, prim)) == PEN_BLOCK_GENERIC || pen_prim_cut(prims, prim);
     struct pen_ray ray;
     pen_ray_array_get(g->rays, i, &ray);
-    struct trace trace = trace_begin(g->accel, &ray, packet->origin[i]);
+    struct trace trace;
+    trace_begin(&trace, g->accel, &ray, packet->origin[i]);
     trace.reaches_origin = trace.from_surface && near;
     if (g->any) {
         trace.shadow = packet_query(packet, i);

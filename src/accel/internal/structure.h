@@ -160,10 +160,8 @@ struct pen_mesh4 {
  * Lengths are in these numbers. */
 struct pen_mesh_frame {
     double unit, inv_unit;
-    float factor;    /* numbers of the block per number of the mesh */
-    double extent;   /* the largest size of a coordinate, in [1/2, 1] or 0 */
-    double rounding; /* what a vertex is off by that the local frame has rounded */
-    float longest;   /* a bound of the edges, as sums of their parts along the axes */
+    float factor; /* numbers of the block per number of the mesh */
+    float extent; /* the largest size of a coordinate, in [1/2, 1] or 0 */
 };
 
 struct pen_float_box {

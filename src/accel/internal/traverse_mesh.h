@@ -1,92 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Traversal of a tree of wide nodes that has blocks of meshes. Each plane of a box costs one fma.
- */
+/* Traversal of a tree of wide nodes that has blocks of meshes. */
 #ifndef PEN_ACCEL_INTERNAL_TRAVERSE_MESH_H
 #define PEN_ACCEL_INTERNAL_TRAVERSE_MESH_H
 
 #include "accel/internal/mesh_query.h"
 #include "accel/internal/traverse_wide.h"
-
-/* A ray for boxes. Depth x is t = (x + moved) / scale. A plane is at depth plane * inv + near, at
- * least, and plane * inv + far at most. */
-struct mesh_box {
-    float8 inv[3], near[3], far[3];
-    size_t near_row[3], far_row[3]; /* in a node: the first number of these planes */
-    double scale, moved;
-    float start; /* of the query */
-    bool blind;  /* the origin is too far away: all boxes are entered, and depths do not count */
-};
-
-/* Sets the planes for an origin and a direction. `off`: how far boxes have to be grown. */
-static inline void mesh_box_planes(struct mesh_box *box, const double o[3], const double d[3],
-                                   double off)
-{
-    const float4 direction = {(float)d[0], (float)d[1], (float)d[2], 1};
-    const float4 at = {mesh_coordinate(o[0]), mesh_coordinate(o[1]), mesh_coordinate(o[2]), 0};
-    const mask4 sign = (mask4)direction & INT32_MIN;
-    const float4 least = {0x1p-60f, 0x1p-60f, 0x1p-60f, 1},
-                 given = (float4)((mask4)direction ^ sign);
-    const mask4 small = given < least;
-    const float4 size = 1.0f / (float4)(((mask4)least & small) | ((mask4)given & ~small));
-    const float4 inv = (float4)((mask4)size ^ sign), back = -(at * inv),
-                 margin = mesh_bound(off) * size, near = back - margin, far = back + margin;
-#pragma GCC unroll 3
-    for (int axis = 0; axis < 3; axis++) {
-        const size_t negative = sign[axis] < 0;
-        box->inv[axis] = SPLAT8(inv[axis]);
-        box->near[axis] = SPLAT8(near[axis]);
-        box->far[axis] = SPLAT8(far[axis]);
-        box->near_row[axis] = ((size_t)axis + 3 * negative) * PEN_WIDE;
-        box->far_row[axis] = ((size_t)axis + 3 - 3 * negative) * PEN_WIDE;
-    }
-}
-
-/* Makes a ray for boxes; false if it does not come near the tree. */
-static inline bool mesh_box_make(struct mesh_box *box, const struct trace *trace, double start)
-{
-    double o[3], d[3];
-    const double extent = trace->accel->extent;
-    box->scale = mesh_direction(trace->ray, d);
-    box->moved = 0;
-    o[0] = trace->ray->o.x;
-    o[1] = trace->ray->o.y;
-    o[2] = trace->ray->o.z;
-    double far = mesh_largest(o);
-    const double rest = 0x1p-48 * (far + extent) + trace->grow;
-    if (far > 4 * extent && rest < extent) {
-        bool misses;
-        box->moved = move_near(o, d, extent, rest, &misses);
-        if (misses)
-            return false;
-        far = mesh_largest(o);
-    }
-    box->blind = far > MESH_FAR;
-    mesh_box_planes(box, o, d, box->blind ? MESH_OFF_MAX : 0x1p-20 * (far + extent) + rest);
-    box->start = box->blind ? -FLT_MAX : pen_float_down(start * box->scale - box->moved);
-    return true;
-}
-
-static inline unsigned mesh_enter_node(const struct pen_node *node, const struct mesh_box *box,
-                                       float limit, float near[PEN_WIDE])
-{
-    float8 t0 = SPLAT8(box->start), t1 = SPLAT8(limit);
-#pragma GCC unroll 3
-    for (int axis = 0; axis < 3; axis++) {
-        raise8f(&t0, (const float *)node->plane + box->near_row[axis], &box->inv[axis],
-                &box->near[axis]);
-        lower8f(&t1, (const float *)node->plane + box->far_row[axis], &box->inv[axis],
-                &box->far[axis]);
-    }
-    *(float8 *)near = t0;
-    const mask8 in = t0 <= t1;
-    return mask8_bits(&in);
-}
-
-static inline float mesh_limit(const struct trace *trace, const struct mesh_box *box, bool any)
-{
-    const double end = any ? trace->shadow->tmax : mesh_query_end(trace);
-    return box->blind ? FLT_MAX : pen_float_up(end * box->scale - box->moved);
-}
 
 /* Tests a leaf that has other primitives too. */
 static __attribute__((noinline)) bool mesh_test_items(struct trace *trace, uint32_t first, bool any)
@@ -98,14 +16,16 @@ static __attribute__((noinline)) bool mesh_test_items(struct trace *trace, uint3
             count_prims(trace, *item);
         if (mesh ? mesh_test_blocks(trace, index, index, any) : test_item(trace, *item, any))
             return true;
-        mesh_query_narrow(trace, any);
+        if (!any)
+            mesh_query_narrow(trace);
         if (*item & PEN_ITEM_LAST)
             return false;
     }
 }
 
 /* As test_leaf. */
-static inline bool mesh_test_leaf(struct trace *trace, uint32_t leaf, bool starts_inside, bool any)
+static inline __attribute__((always_inline)) bool mesh_test_leaf(struct trace *trace, uint32_t leaf,
+                                                                 bool starts_inside, bool any)
 {
     trace->reaches_origin = trace->from_surface && starts_inside;
     if (!(leaf & PEN_LEAF_BLOCKS))
@@ -164,23 +84,20 @@ static inline int mesh_push(struct pending *stack, int top, const struct pen_nod
     return top;
 }
 
-/* As traverse_nearest. */
-static inline void mesh_traverse_nearest(struct trace *trace, const struct mesh_box *box)
+static inline void mesh_traverse_nearest(struct trace *trace, const struct mesh_query *q)
 {
-    struct pending stack[STACK], at = {box->start, 0};
+    struct pending stack[STACK], at = {q->box.start, 0};
     int top = 0;
-    float limit = mesh_limit(trace, box, false);
     for (;;) {
         if (at.child & PEN_CHILD_LEAF) {
-            const bool inside = at.near <= box->start || box->blind;
+            const bool inside = at.near <= q->box.start || q->box.blind;
             mesh_test_leaf(trace, at.child & ~PEN_CHILD_LEAF, inside, false);
-            limit = mesh_limit(trace, box, false);
         } else {
             const struct pen_node *node = &trace->accel->nodes[at.child];
-            float near[PEN_WIDE];
+            _Alignas(32) float near[PEN_WIDE];
             if (COUNTING)
                 count_boxes(trace, node->child, PEN_WIDE);
-            const unsigned mask = mesh_enter_node(node, box, limit, near);
+            const unsigned mask = mesh_enter_node(node, &q->box, q->limit, near);
             if (mask) {
                 top = mesh_push(stack, top, node, mask, near, &at);
                 mesh_prefetch(trace, at.child);
@@ -191,27 +108,27 @@ static inline void mesh_traverse_nearest(struct trace *trace, const struct mesh_
             if (top == 0)
                 return;
             top--;
-        } while (stack[top].near > limit);
+        } while (stack[top].near > q->limit);
         at = stack[top];
     }
 }
 
-/* As traverse_any. */
-static inline bool mesh_traverse_any(struct trace *trace, const struct mesh_box *box)
+/* In any order: to sort the children takes longer than to visit some in vain. */
+static inline bool mesh_traverse_any(struct trace *trace, const struct mesh_query *q)
 {
     uint32_t stack[STACK];
     int top = 0;
-    const float limit = mesh_limit(trace, box, true);
     stack[top++] = 0;
     while (top > 0) {
         const struct pen_node *node = &trace->accel->nodes[stack[--top]];
-        float near[PEN_WIDE];
+        _Alignas(32) float near[PEN_WIDE];
         if (COUNTING)
             count_boxes(trace, node->child, PEN_WIDE);
-        for (unsigned mask = mesh_enter_node(node, box, limit, near); mask; mask &= mask - 1) {
+        for (unsigned mask = mesh_enter_node(node, &q->box, q->limit, near); mask;
+             mask &= mask - 1) {
             const int lane = __builtin_ctz(mask);
             const uint32_t child = node->child[lane];
-            const bool inside = near[lane] <= box->start || box->blind;
+            const bool inside = near[lane] <= q->box.start || q->box.blind;
             if (!(child & PEN_CHILD_LEAF)) {
                 mesh_prefetch(trace, child);
                 stack[top++] = child;
@@ -223,24 +140,37 @@ static inline bool mesh_traverse_any(struct trace *trace, const struct mesh_box 
     return false;
 }
 
-/* Searches a tree with blocks of meshes from t = `start` on. */
-static __attribute__((noinline)) bool mesh_search(struct trace *trace, double start, bool any)
+/* Begins a search from t = `start` on; returns false if the ray does not come near the tree.
+ * `other`: room for the ray for other blocks. */
+static inline bool mesh_begin(struct mesh_query *q, struct trace *trace, double start, bool any,
+                              struct box_ray *other)
+{
+    if (trace->accel->mixed) {
+        box_ray_make(other, trace->ray, start, trace->grow);
+        trace->box = other;
+    }
+    return mesh_query_begin(q, trace, start, any);
+}
+
+/* Search a tree with blocks of meshes; as traverse_nearest, traverse_any. */
+static __attribute__((noinline)) void mesh_nearest(struct trace *trace)
 {
     struct mesh_query q;
-    struct mesh_box box;
     struct box_ray other;
-    mesh_query_begin(&q, trace);
-    if (!mesh_box_make(&box, trace, start))
-        return false;
-    if (trace->accel->mixed) {
-        box_ray_make(&other, trace->ray, start, trace->grow);
-        trace->box = &other;
+    if (mesh_begin(&q, trace, trace->after.t, false, &other)) {
+        mesh_traverse_nearest(trace, &q);
+        mesh_query_finish(trace);
     }
-    if (any)
-        return mesh_traverse_any(trace, &box);
-    mesh_traverse_nearest(trace, &box);
-    mesh_query_finish(trace);
-    return false;
+    trace->meshes = NULL;
+}
+
+static __attribute__((noinline)) bool mesh_any(struct trace *trace)
+{
+    struct mesh_query q;
+    struct box_ray other;
+    const bool met = mesh_begin(&q, trace, 0, true, &other) && mesh_traverse_any(trace, &q);
+    trace->meshes = NULL;
+    return met;
 }
 
 #endif

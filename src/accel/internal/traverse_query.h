@@ -28,8 +28,12 @@ static inline bool search(struct trace *trace, double tmin, bool any)
         return true;
     if (accel->shape == PEN_SHAPE_NONE)
         return false;
-    if (accel->mesh_frames)
-        return mesh_search(trace, tmin, any);
+    if (accel->mesh_frames) {
+        if (any)
+            return mesh_any(trace);
+        mesh_nearest(trace);
+        return false;
+    }
     struct box_ray box;
     box_ray_make(&box, trace->ray, tmin, trace->grow);
     trace->box = &box;
@@ -41,24 +45,36 @@ static inline bool search(struct trace *trace, double tmin, bool any)
     return false;
 }
 
-static inline struct trace trace_begin(const struct pen_accel *accel, const struct pen_ray *ray,
-                                       const struct pen_origin_surface *origin)
+/* Begins a query. A struct trace is never copied: a copy would wait for all of its stores. */
+static inline void trace_begin(struct trace *trace, const struct pen_accel *accel,
+                               const struct pen_ray *ray, const struct pen_origin_surface *origin)
 {
-    struct trace trace = {.accel = accel, .ray = ray, .origin = origin};
-    trace.from_surface = origin->prim != PEN_NO_PRIM;
-    trace.slack = origin->bound + 8 * PEN_U * accel->scale;
-    trace.grow = 2 * PEN_NEARBY * trace.slack;
-    trace.near_sq = trace.grow * trace.grow * ray->inv_dd;
-    return trace;
+    trace->accel = accel;
+    trace->ray = ray;
+    trace->origin = origin;
+    trace->from_surface = origin->prim != PEN_NO_PRIM;
+    trace->reaches_origin = false;
+    trace->slack = origin->bound + 8 * PEN_U * accel->scale;
+    trace->grow = 2 * PEN_NEARBY * trace->slack;
+    trace->near_sq = trace->grow * trace->grow * ray->inv_dd;
+    trace->box = NULL;
+    trace->meshes = NULL;
+    trace->shadow = NULL;
+    trace->light_bound = 0;
 }
 
 static bool nearest(const struct pen_accel *accel, const struct pen_ray *ray,
                     const struct pen_origin_surface *origin, const struct pen_t_interval *interval,
                     struct pen_hit *hit)
 {
-    struct trace trace = trace_begin(accel, ray, origin);
-    trace.after = interval->after;
-    trace.best = (struct pen_hit){interval->tmax, PEN_NO_PRIM, UINT8_MAX};
+    struct trace trace;
+    trace_begin(&trace, accel, ray, origin);
+    trace.after.t = interval->after.t;
+    trace.after.prim = interval->after.prim;
+    trace.after.part = interval->after.part;
+    trace.best.t = interval->tmax;
+    trace.best.prim = PEN_NO_PRIM;
+    trace.best.part = UINT8_MAX;
     search(&trace, interval->after.t, false);
     if (trace.best.prim == PEN_NO_PRIM)
         return false;
@@ -66,26 +82,26 @@ static bool nearest(const struct pen_accel *accel, const struct pen_ray *ray,
     return true;
 }
 
-static inline struct trace trace_begin_shadow(const struct pen_accel *accel,
-                                              const struct pen_ray *ray,
-                                              const struct pen_origin_surface *origin,
-                                              struct pen_shadow *query)
+static inline void trace_begin_shadow(struct trace *trace, const struct pen_accel *accel,
+                                      const struct pen_ray *ray,
+                                      const struct pen_origin_surface *origin,
+                                      struct pen_shadow *query)
 {
-    struct trace trace = trace_begin(accel, ray, origin);
-    trace.shadow = query;
+    trace_begin(trace, accel, ray, origin);
+    trace->shadow = query;
     if (query->to_point) {
-        trace.light_bound = pen_ray_end_bound(ray->o, ray->d);
-        trace.light = pen_along(ray->o, ray->d, query->tmax);
+        trace->light_bound = pen_ray_end_bound(ray->o, ray->d);
+        trace->light = pen_along(ray->o, ray->d, query->tmax);
     }
     query->count = 0;
     query->overflow = false;
-    return trace;
 }
 
 static bool shadow(const struct pen_accel *accel, const struct pen_ray *ray,
                    const struct pen_origin_surface *origin, struct pen_shadow *query)
 {
-    struct trace trace = trace_begin_shadow(accel, ray, origin, query);
+    struct trace trace;
+    trace_begin_shadow(&trace, accel, ray, origin, query);
     uint32_t last = query->last_occluder;
     /* Counts must not depend on earlier rays, so the hint is not tried. */
     if (!COUNTING && last < accel->prims->count &&

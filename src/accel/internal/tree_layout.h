@@ -130,12 +130,16 @@ enum pen_cost_class {
     PEN_COST_POLYGONS,
     PEN_COST_SPHERES,
     PEN_COST_CYLINDERS,
-    PEN_COST_MESHES,
+    PEN_COST_MESHES, /* the last one */
     PEN_COST_CLASS_COUNT
 };
 
-/* A test of one or two blocks of meshes takes about the time of a node. */
-#define PEN_MESH_BLOCK_COST 0.3f
+/* The cost of a leaf of meshes' triangles alone: two blocks are tested at once, in about the time
+ * of a node. */
+static inline float pen_mesh_leaf_cost(uint32_t triangles)
+{
+    return 0.3f * (float)((triangles + 2 * PEN_LANES - 1) / (2 * PEN_LANES));
+}
 
 /* The expected cost of the tests in a leaf with these numbers of filled lanes by class. */
 float pen_leaf_cost(const uint32_t lanes[PEN_COST_CLASS_COUNT]);

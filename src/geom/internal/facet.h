@@ -28,14 +28,29 @@ static inline struct dd dd_scale2(struct dd a, int e)
     return (struct dd){pen_scale2(a.hi, e), pen_scale2(a.lo, e)};
 }
 
+/* Sets *to to `normal` over a power of two, so that its largest component, of this size, is in
+ * [1/2, 1). */
+static inline void pen_normal_scale(struct dd3 *to, struct dd3 normal, double largest)
+{
+    const int e = -pen_exponent(largest);
+    if (e >= -1000 && e <= 1000) {
+        const double by = pen_scale2(1, e);
+        *to = (struct dd3){{normal.x.hi * by, normal.x.lo * by},
+                           {normal.y.hi * by, normal.y.lo * by},
+                           {normal.z.hi * by, normal.z.lo * by}};
+    } else {
+        *to = (struct dd3){dd_scale2(normal.x, e), dd_scale2(normal.y, e), dd_scale2(normal.z, e)};
+    }
+}
+
 /* The facet through q with this normal, which is finite and not zero, without its unit normal. A
  * normal along an axis gets length 1: then facets in one plane across an axis meet a ray at the
  * same t, with any outlines. All others are scaled by powers of two, which is exact. */
 static inline struct pen_facet pen_facet_plane(struct pen_vec3 q, struct dd3 normal)
 {
     const struct pen_vec3 high = dd_round3(normal), none = {0, 0, 0};
-    int e = -pen_exponent(pen_largest3(high));
-    struct dd3 g = {dd_scale2(normal.x, e), dd_scale2(normal.y, e), dd_scale2(normal.z, e)};
+    struct dd3 g;
+    pen_normal_scale(&g, normal, pen_largest3(high));
     if ((high.x != 0) + (high.y != 0) + (high.z != 0) == 1)
         g = dd_of3(pen_vec3((high.x > 0) - (high.x < 0), (high.y > 0) - (high.y < 0),
                             (high.z > 0) - (high.z < 0)));
