@@ -20,6 +20,16 @@ enum pen_model_kind pen_model_kind_of_name(const char *name)
     return PEN_MODEL_NONE;
 }
 
+bool pen_model_name_is_inside(const char *name)
+{
+    for (const char *part = name; part; part = strchr(part, '/')) {
+        part += *part == '/';
+        if (part[0] == '.' && part[1] == '.' && (part[2] == '/' || part[2] == '\0'))
+            return false;
+    }
+    return name[0] != '\0' && name[0] != '/';
+}
+
 /* By enum pen_model_kind. */
 static bool (*const readers[])(struct pen_build *) = {NULL, pen_ply_read, pen_obj_read,
                                                       pen_stl_read};

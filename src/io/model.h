@@ -60,9 +60,11 @@ struct pen_model {
     uint32_t crowded_edges; /* edges of three or more */
 };
 
-/* Appends the bytes of the file `name` to `out`. The name is a path relative to the model's folder,
- * with / between folders. It is not absolute and has no "..". The callback must refuse a link that
- * leads out of the folder, and limit the size.
+/* Whether a name is a path inside a folder: relative, with / between folders, without "..". */
+bool pen_model_name_is_inside(const char *name);
+
+/* Appends the bytes of the file `name` to `out`. The name is a path inside the model's folder. The
+ * callback must refuse a link that leads out of it, and limit the size.
  * Fails: returns false. *st says why. */
 typedef bool pen_model_fetch(void *self, const char *name, struct pen_buf *out,
                              struct pen_status *st);

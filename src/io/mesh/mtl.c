@@ -143,15 +143,11 @@ static bool make_path(struct pen_scan *s, const char *name, size_t length, char 
     path[n] = '\0';
     while (strncmp(path, "./", 2) == 0)
         memmove(path, path + 2, strlen(path + 2) + 1);
-    bool bad = n < length || !path[0] || path[0] == '/' || path[1] == ':';
-    for (const char *part = path; part; part = strchr(part, '/')) {
-        part += *part == '/';
-        bad = bad || (strncmp(part, "..", 2) == 0 && (!part[2] || part[2] == '/'));
-    }
-    return !bad || pen_scan_fail(s, PEN_INVALID, name,
-                                 "%s is no path inside the model's folder; put the MTL file beside "
-                                 "the model and write its name",
-                                 pen_text_quote(path).text);
+    return (n == length && pen_model_name_is_inside(path) && path[1] != ':') ||
+           pen_scan_fail(s, PEN_INVALID, name,
+                         "%s is no path inside the model's folder; put the MTL file beside "
+                         "the model and write its name",
+                         pen_text_quote(path).text);
 }
 
 static bool read_file(struct pen_mtl *mtl, struct pen_build *b, const char *name, size_t length)
