@@ -39,7 +39,16 @@ exits "render the scene" 0 "$penumbra" render models/scene.json $small -o scene.
 check "to the same bytes" cmp model.pfm scene.pfm
 check "the picture is not empty" test "$(tail -c +15 model.pfm | od -An -v -tx4 -w12 | sort -u | wc -l)" -gt 2
 exits "validate it" 0 "$penumbra" validate models/tetra.ply
-prints "is valid" stdout "models/tetra.ply: valid"
+prints "is valid, and counts" stdout "models/tetra.ply: valid, meshes: 1, triangles: 4"
+exits "validate it as JSON" 0 "$penumbra" validate models/tetra.ply --json
+expect "counts meshes" "$(jq -c .meshes stdout)" '{"count":1,"triangles":4}'
+# shellcheck disable=SC2086
+exits "statistics of a model" 0 "$penumbra" render models/tetra.ply $small --stats stats.json -o x.png -q
+expect "have bytes per triangle" "$(jq -c '.meshes | [.count, .triangles, .bytes_per_triangle > .tree_bytes_per_triangle,
+    .tree_bytes_per_triangle > 11]' stats.json)" '[1,4,true,true]'
+# shellcheck disable=SC2086
+exits "statistics of another scene" 0 "$penumbra" render builtin:spheres $small --stats stats.json -o x.png -q
+expect "have no meshes" "$(jq -c .meshes stats.json)" null
 
 # The same triangles in the document are the same picture.
 jq '.objects[0] = {type: "mesh", material: .objects[0].material,

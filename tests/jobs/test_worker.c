@@ -134,6 +134,12 @@ START_TEST(test_worker__meshes_give_the_pixels_of_a_direct_render)
     jobs_worker_start(&bed);
     jobs_submit(&bed, mesh_scene(several_batches), id);
     ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    struct pen_status st;
+    int triangles = 0;
+    json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
+    ck_assert_int_eq(json_unpack(stats, "{s:{s:i}}", "meshes", "triangles", &triangles), 0);
+    ck_assert_int_eq(triangles, 39 * 39);
+    json_decref(stats);
     struct pen_film *film = render_directly(mesh_scene(several_batches));
     compare_with_film(film);
     pen_film_free(film);
