@@ -60,6 +60,15 @@ for form in inline triangles; do
     exits "render $form" 0 "$penumbra" render $form.json $small -o $form.pfm -q
     check "$form has the same bytes" cmp model.pfm $form.pfm
 done
+# Also of glass: the triangles of a closed mesh are one solid.
+for form in inline triangles; do
+    jq '.objects[].material = {kt: 0.9, ior: 1.5} | .background = {sky: {zenith: [1, 0, 0], horizon: [0, 1, 0]}}' $form.json >glass-$form.json
+    # shellcheck disable=SC2086
+    exits "render glass, $form" 0 "$penumbra" render glass-$form.json $small --stats $form-stats.json -o glass-$form.pfm -q
+    expect "it refracts, $form" "$(jq -c '[(.effects | index("refraction") != null), .rays.transmission > 100, .unmatched_exits]' \
+        $form-stats.json)" '[true,true,0]'
+done
+check "glass has the same bytes" cmp glass-inline.pfm glass-triangles.pfm
 for accelerator in none cbr manual median; do
     # shellcheck disable=SC2086
     exits "render with $accelerator" 0 "$penumbra" render models/tetra.ply $small --set accelerator=$accelerator -o a.pfm -q
