@@ -50,11 +50,11 @@ bool pen_model_read(const struct pen_model_file *file, struct pen_model *model,
         return pen_fail(st, PEN_TOO_LARGE, "The file has more than 8 GiB");
     if (file->kind == PEN_MODEL_NONE)
         return pen_fail(st, PEN_UNSUPPORTED, "Models are .ply, .obj or .stl files");
-    if (readers[file->kind](&b) && pen_build_finish(&b))
-        return true;
+    const bool ok = readers[file->kind](&b) && pen_build_finish(&b);
     pen_build_release(&b);
-    pen_model_release(model);
-    return false;
+    if (!ok)
+        pen_model_release(model);
+    return ok;
 }
 
 void pen_model_release(struct pen_model *model)

@@ -24,21 +24,10 @@ enum {
 /* In corner_normal: the corner has no normal. */
 #define PEN_MODEL_NO_NORMAL UINT32_MAX
 
-/* The statements of an MTL that were found for a material. */
-enum pen_model_given {
-    PEN_MODEL_KD = 1,
-    PEN_MODEL_KS = 2,
-    PEN_MODEL_KE = 4,
-    PEN_MODEL_NS = 8,
-    PEN_MODEL_D = 16, /* or Tr */
-    PEN_MODEL_NI = 32
-};
-
 struct pen_model_material {
     char name[PEN_MODEL_NAME_BYTES]; /* in UTF-8, cut if longer; "": no material is named */
-    unsigned given;                  /* of enum pen_model_given; the other fields are defaults */
-    float diffuse[3], specular[3], emission[3]; /* Kd, Ks, Ke */
-    float shininess, opacity, ior;              /* Ns, d (1 - Tr), Ni */
+    float diffuse[3], specular[3], emission[3]; /* Kd, by default grey; Ks; Ke */
+    float shininess, opacity, ior; /* Ns, by default 1; d (1 - Tr), by default 1; Ni, else 0 */
 };
 
 struct pen_model {
