@@ -66,15 +66,22 @@ static void make_ball(struct random *r, vec3 stretch)
     }
 }
 
-/* A transform that keeps floats, one that rounds vertices once, or none. */
-static void move(struct random *r, uint32_t how)
+/* How far things are apart, in sizes of the mesh. Vertices are rounded to the scene's frame: that
+ * must leave the thickness of the mesh, 2^-thin. */
+static double apart(struct random *r, double least, uint32_t thin)
 {
-    const double scale = how == 1 ? exp2((int)random_below(r, 41) - 20) : gen_power(r, -6, 6);
+    return exp2(random_in(r, least, fmin(20, 36 - (double)thin)));
+}
+
+/* A transform that keeps floats, or one that rounds vertices once. */
+static void move(struct random *r, bool keeps, uint32_t thin)
+{
+    const double scale = keeps ? exp2((int)random_below(r, 41) - 20) : gen_power(r, -6, 6),
+                 way = scale * exp2(desc.exponent) * apart(r, -3, thin);
     const struct pen_transform transform = pen_transform_make(
-        scale, random_direction(r), how == 1 ? 0 : random_in(r, -180, 180),
-        pen_scale(random_direction(r), scale * (random_below(r, 2) ? 0 : gen_power(r, -3, 6))));
-    if (how > 0)
-        kit_group(&kit, 0, &transform);
+        scale, random_direction(r), keeps ? 0 : random_in(r, -180, 180),
+        random_below(r, 2) ? pen_vec3(0, 0, 0) : pen_scale(random_direction(r), way));
+    kit_group(&kit, 0, &transform);
 }
 
 static void make_once(double number)
@@ -82,22 +89,26 @@ static void make_once(double number)
     if (built == number)
         return;
     struct random r = {(uint64_t)number * 0x9e3779b97f4a7c15u + 53, 0};
-    const uint32_t how = random_below(&r, 4);
+    const uint32_t how = random_below(&r, 4), thin = random_below(&r, how > 1 ? 13 : 40);
     vec3 stretch = {1, 1, 1};
-    double *thin = random_below(&r, 2) ? &stretch.x : &stretch.z;
-    *thin = exp2(-(double)random_below(&r, how > 1 ? 13 : 40)); /* not below the rounding */
+    *(random_below(&r, 2) ? &stretch.x : &stretch.z) = exp2(-(double)thin);
     make_ball(&r, stretch);
     desc.exponent = (int)random_below(&r, 61) - 30;
-    const vec3 shift = random_vec(&r, exp2(desc.exponent) * exp2(random_in(&r, -3, 20)));
-    for (int i = 0; i < 3 && number > 1; i++)
-        desc.shift[i] = (&shift.x)[i];
+    const double size = exp2(desc.exponent);
+    const vec3 shift =
+        random_below(&r, 4) ? random_vec(&r, size * apart(&r, -3, thin)) : pen_vec3(0, 0, 0);
+    desc.shift[0] = shift.x;
+    desc.shift[1] = shift.y;
+    desc.shift[2] = shift.z;
     kit_init(&kit);
     struct pen_object_desc *o = kit_sphere(&kit, pen_vec3(0, 0, 0), 1, -1);
     o->kind = PEN_OBJECT_MESH;
     o->u.mesh = &desc;
-    move(&r, how);
-    if (random_below(&r, 4) == 0) /* the mesh is small in its scene */
-        kit_sphere(&kit, random_vec(&r, gen_power(&r, 0, 8)), 1e-3, -1);
+    if (thin < 32 && random_below(&r, 4) == 0) /* the mesh is small in its scene */
+        kit_sphere(&kit, pen_along(shift, random_direction(&r), size * apart(&r, 2, thin)),
+                   1e-3 * size, -1);
+    if (how > 0)
+        move(&r, how == 1, thin);
     kit.settings.accelerator = PEN_ACCEL_NONE;
     pen_scene_free(scene);
     scene = kit_freeze(&kit);
