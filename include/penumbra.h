@@ -26,8 +26,9 @@
  * setlocale, prints nothing and never ends the process. The calling thread keeps its locale and its
  * floating-point environment. Neither of them changes the picture, or what the library reads and
  * writes. The library opens no files except some of /proc and /sys, and a source of random numbers
- * to hash keys. It reads one environment variable, PENUMBRA_ISA. Its values base, avx2 and avx512
- * select instructions, if the processor has them; the picture is the same.
+ * to hash keys. The program gives it the bytes of models. It reads one environment variable,
+ * PENUMBRA_ISA. Its values base, avx2 and avx512 select instructions, if the processor has them;
+ * the picture is the same.
  *
  * Pictures: the same scene and settings give the same bits on every machine and with any number of
  * threads. The programs `penumbra` and `penumbrad` give these bits too. */
@@ -50,6 +51,7 @@ extern "C" {
 struct penumbra_scene;  /* a scene and its render settings */
 struct penumbra_image;  /* a rendered picture and its statistics */
 struct penumbra_errors; /* one or more errors */
+struct penumbra_file;   /* a file of which the program gives the bytes */
 
 /* The version of this header: 10000 * major + 100 * minor + patch. */
 #define PENUMBRA_VERSION_NUMBER 100
@@ -66,6 +68,41 @@ PENUMBRA_API const char *penumbra_version(void);
  * Fails: NULL. Every error has its place, see struct penumbra_error. */
 PENUMBRA_API struct penumbra_scene *penumbra_scene_load(const char *text, size_t bytes,
                                                         struct penumbra_errors **errors);
+
+/* The models of scenes: where their bytes come from, and how to read them. A zero in any member
+ * except `size` means the default. */
+struct penumbra_models {
+    size_t size; /* set by the caller: sizeof(struct penumbra_models) */
+    /* Gives the bytes of a file with penumbra_file_append, and returns nonzero; returns 0 if it
+     * cannot. The file is a model (PLY, OBJ or STL) or an MTL. `name` is a path inside the folder
+     * of the scene: relative, with / between folders, without "..". It may be a link. NULL: scenes
+     * that name files are refused. The call must return (no longjmp, no C++ exception). */
+    int (*read)(void *user, const char *name, struct penumbra_file *file);
+    void *user;
+    uint32_t max_triangles; /* of one model; 0: 20 million */
+    int up; /* for penumbra_scene_model: 'y' or 'z'; 0: z of a name that ends in .stl, else y */
+};
+
+/* Appends bytes to the file, as often as needed. Returns 1.
+ * Owns: the file keeps nothing of `data`.
+ * Fails: 0 if memory runs out; the callback should then return 0. */
+PENUMBRA_API int penumbra_file_append(struct penumbra_file *file, const void *data, size_t bytes);
+
+/* Reads a scene as penumbra_scene_load does. The scene may name model files.
+ * Owns: as penumbra_scene_load.
+ * Fails: also "usage" (wrong members of *models), "not-found" (the callback returned 0),
+ * "forbidden" (a name leads out of the folder). */
+PENUMBRA_API struct penumbra_scene *penumbra_scene_read(const char *text, size_t bytes,
+                                                        const struct penumbra_models *models,
+                                                        struct penumbra_errors **errors);
+
+/* Makes the scene of a model, as `penumbra render bunny.ply` does: with a camera, lights, and grey
+ * material if the model has none. The end of the name gives the kind: .ply, .obj or .stl.
+ * Owns: free with penumbra_scene_free.
+ * Fails: as penumbra_scene_read. */
+PENUMBRA_API struct penumbra_scene *penumbra_scene_model(const char *name,
+                                                         const struct penumbra_models *models,
+                                                         struct penumbra_errors **errors);
 
 /* Makes a built-in scene.
  * Owns: free with penumbra_scene_free.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Model files by names relative to a folder. A name may lead neither by ".." nor by a link out of
- * it: a scene from elsewhere then shows no file that it should not. */
+/* Model files by names inside a folder. No link may lead out of it: a scene from elsewhere then
+ * shows no file that it should not. */
 #include "cmd/model_files.h"
 
 #include <errno.h>
@@ -19,16 +19,6 @@ enum pen_up pen_model_up(const struct pen_model_options *options)
     return options->up[0] == 'z' ? PEN_UP_Z : PEN_UP_Y;
 }
 
-static bool leaves_folder(const char *name)
-{
-    for (const char *part = name; part; part = strchr(part, '/')) {
-        part += *part == '/';
-        if (part[0] == '.' && part[1] == '.' && (part[2] == '/' || part[2] == '\0'))
-            return true;
-    }
-    return name[0] == '/';
-}
-
 /* `self` is the folder's path without links. */
 static bool fetch(void *self, const char *name, struct pen_buf *out, struct pen_status *st)
 {
@@ -36,12 +26,6 @@ static bool fetch(void *self, const char *name, struct pen_buf *out, struct pen_
     const size_t length = strlen(folder);
     char real[PATH_MAX];
     struct pen_buf path = {0};
-    if (leaves_folder(name))
-        return pen_fail(
-            st, PEN_FORBIDDEN,
-            "\"%.100s\" leads out of the scene's folder; a name must be relative to it, "
-            "without ..",
-            name);
     if (!pen_buf_printf(&path, "%s/%s", folder, name))
         return pen_fail(st, PEN_NO_MEMORY, "out of memory");
     bool ok = realpath((const char *)path.data, real) != NULL;

@@ -127,7 +127,10 @@ static bool write_statistics(struct penumbra_scene *scene, int view,
                                  .total_ms = scene->parse_ms + scene->build_ms + stats->render_ms,
                                  .render = stats,
                                  .accel = pen_accel_get_stats(scene->frozen->accel),
-                                 .precision = measured ? &precision : NULL};
+                                 .precision = measured ? &precision : NULL,
+                                 .scene = scene->frozen,
+                                 .scene_bytes =
+                                     pen_scene_bytes(scene->frozen) + pen_arena_used(scene->arena)};
     json_t *json = pen_stats_json(&in);
     bool ok = json && pen_json_write(json, out);
     json_decref(json);

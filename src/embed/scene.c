@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "embed/internal/embed.h"
 #include "io/builtin.h"
+#include "io/models.h"
 #include "io/settings_json.h"
 
 const char *penumbra_version(void)
@@ -18,12 +19,62 @@ const char *penumbra_builtin_name(size_t index)
     return index < pen_builtin_count() ? pen_builtin_name(index) : NULL;
 }
 
-static bool read_text(struct penumbra_scene *scene, const char *text, size_t bytes,
+/* A scene that is being read. */
+struct reading {
+    struct penumbra_scene *scene;
+    struct penumbra_models given;
+    struct pen_models models;
+    struct pen_embed_caller caller;
+};
+
+struct penumbra_file {
+    struct pen_buf *bytes;
+    bool full; /* memory has run out */
+};
+
+int penumbra_file_append(struct penumbra_file *file, const void *data, size_t bytes)
+{
+    file->full = file->full || !pen_buf_add(file->bytes, data, bytes);
+    return !file->full;
+}
+
+/* Asks the program for a file, in the program's own locale and floating-point environment. */
+static bool fetch(void *self, const char *name, struct pen_buf *out, struct pen_status *st)
+{
+    struct reading *reading = self;
+    struct penumbra_file file = {.bytes = out};
+    pen_embed_leave(&reading->caller);
+    const int given = reading->given.read(reading->given.user, name, &file);
+    pen_embed_enter(&reading->caller);
+    if (file.full)
+        return pen_fail(st, PEN_NO_MEMORY, "out of memory for the file \"%.100s\"", name);
+    return given || pen_fail(st, PEN_NOT_FOUND, "the program gave no file \"%.100s\"", name);
+}
+
+static bool take_models(const struct penumbra_models *given, struct reading *reading,
+                        struct pen_status *st)
+{
+    const struct penumbra_models *m = &reading->given;
+    if (given && !pen_embed_take(given, &reading->given, sizeof reading->given))
+        return pen_fail(st, PEN_USAGE,
+                        "struct penumbra_models: size is too small, or a member that version "
+                        "%s does not know is not zero",
+                        PEN_VERSION);
+    if (m->up != 0 && m->up != 'y' && m->up != 'z')
+        return pen_fail(st, PEN_USAGE, "up: found %d, allowed is 'y', 'z' or 0", m->up);
+    reading->models =
+        (struct pen_models){.fetch = fetch, .self = reading, .max_triangles = m->max_triangles};
+    return true;
+}
+
+static bool read_text(struct reading *reading, const char *text, size_t bytes,
                       struct pen_errors *list)
 {
+    struct penumbra_scene *scene = reading->scene;
     struct pen_limits limits = pen_limits_default();
     bool xml = pen_text_is_xml(text, bytes);
     struct pen_status st;
+    limits.models = reading->given.read ? &reading->models : NULL;
     scene->arena = pen_arena_new(0);
     if (!scene->arena ||
         (xml && bytes <= limits.body_bytes && !pen_buf_add(&scene->xml, text, bytes))) {
@@ -31,31 +82,71 @@ static bool read_text(struct penumbra_scene *scene, const char *text, size_t byt
         pen_errors_add(list, &st);
         return false;
     }
-    struct pen_embed_caller caller;
-    pen_embed_enter(&caller);
-    int64_t begun = pen_clock_ns();
-    bool ok = pen_document_load(text, bytes, xml, &limits, scene->arena, &scene->desc, list);
-    scene->parse_ms = (double)(pen_clock_ns() - begun) * 1e-6;
-    pen_embed_leave(&caller);
+    return pen_document_load(text, bytes, xml, &limits, scene->arena, &scene->desc, list);
+}
+
+static bool read_model(struct reading *reading, const char *name, struct pen_errors *list)
+{
+    const int up = reading->given.up;
+    struct pen_buf text = {0};
+    struct pen_status st;
+    bool ok = reading->given.read ? pen_models_scene(&reading->models, name,
+                                                     up == 0     ? PEN_UP_OF_KIND
+                                                     : up == 'z' ? PEN_UP_Z
+                                                                 : PEN_UP_Y,
+                                                     &text, &st)
+                                  : pen_fail(&st, PEN_USAGE, "read: a model needs this callback");
+    if (!ok)
+        pen_errors_add(list, &st);
+    ok = ok && read_text(reading, (const char *)text.data, text.bytes, list);
+    pen_buf_release(&text);
     return ok;
+}
+
+/* Reads a scene from text, or from the model `name` if that is not NULL. */
+static struct penumbra_scene *read_scene(const char *name, const char *text, size_t bytes,
+                                         const struct penumbra_models *models,
+                                         struct penumbra_errors **errors)
+{
+    struct reading reading = {.scene = calloc(1, sizeof *reading.scene)};
+    struct pen_errors list = {0};
+    struct pen_status st;
+    bool ok = reading.scene || pen_fail(&st, PEN_NO_MEMORY, "out of memory for a scene");
+    ok = ok && take_models(models, &reading, &st);
+    if (!ok) {
+        pen_errors_add(&list, &st);
+    } else {
+        pen_embed_enter(&reading.caller);
+        const int64_t begun = pen_clock_ns();
+        ok = name ? read_model(&reading, name, &list) : read_text(&reading, text, bytes, &list);
+        reading.scene->parse_ms = (double)(pen_clock_ns() - begun) * 1e-6;
+        pen_models_release(&reading.models);
+        pen_embed_leave(&reading.caller);
+    }
+    if (ok)
+        return reading.scene;
+    pen_embed_fail_list(errors, &list);
+    penumbra_scene_free(reading.scene);
+    return NULL;
 }
 
 struct penumbra_scene *penumbra_scene_load(const char *text, size_t bytes,
                                            struct penumbra_errors **errors)
 {
-    struct pen_errors list = {0};
-    struct pen_status st;
-    struct penumbra_scene *scene = calloc(1, sizeof *scene);
-    if (!scene) {
-        pen_fail(&st, PEN_NO_MEMORY, "out of memory for a scene");
-        pen_embed_fail(errors, &st);
-        return NULL;
-    }
-    if (read_text(scene, text, bytes, &list))
-        return scene;
-    pen_embed_fail_list(errors, &list);
-    penumbra_scene_free(scene);
-    return NULL;
+    return read_scene(NULL, text, bytes, NULL, errors);
+}
+
+struct penumbra_scene *penumbra_scene_read(const char *text, size_t bytes,
+                                           const struct penumbra_models *models,
+                                           struct penumbra_errors **errors)
+{
+    return read_scene(NULL, text, bytes, models, errors);
+}
+
+struct penumbra_scene *penumbra_scene_model(const char *name, const struct penumbra_models *models,
+                                            struct penumbra_errors **errors)
+{
+    return read_scene(name, NULL, 0, models, errors);
 }
 
 struct penumbra_scene *penumbra_scene_builtin(const char *name, struct penumbra_errors **errors)

@@ -20,6 +20,16 @@ enum pen_model_kind pen_model_kind_of_name(const char *name)
     return PEN_MODEL_NONE;
 }
 
+bool pen_model_name_is_inside(const char *name)
+{
+    for (const char *part = name; part; part = strchr(part, '/')) {
+        part += *part == '/';
+        if (part[0] == '.' && part[1] == '.' && (part[2] == '/' || part[2] == '\0'))
+            return false;
+    }
+    return name[0] != '\0' && name[0] != '/';
+}
+
 /* By enum pen_model_kind. */
 static bool (*const readers[])(struct pen_build *) = {NULL, pen_ply_read, pen_obj_read,
                                                       pen_stl_read};
@@ -40,11 +50,11 @@ bool pen_model_read(const struct pen_model_file *file, struct pen_model *model,
         return pen_fail(st, PEN_TOO_LARGE, "The file has more than 8 GiB");
     if (file->kind == PEN_MODEL_NONE)
         return pen_fail(st, PEN_UNSUPPORTED, "Models are .ply, .obj or .stl files");
-    if (readers[file->kind](&b) && pen_build_finish(&b))
-        return true;
+    const bool ok = readers[file->kind](&b) && pen_build_finish(&b);
     pen_build_release(&b);
-    pen_model_release(model);
-    return false;
+    if (!ok)
+        pen_model_release(model);
+    return ok;
 }
 
 void pen_model_release(struct pen_model *model)

@@ -24,21 +24,10 @@ enum {
 /* In corner_normal: the corner has no normal. */
 #define PEN_MODEL_NO_NORMAL UINT32_MAX
 
-/* The statements of an MTL that were found for a material. */
-enum pen_model_given {
-    PEN_MODEL_KD = 1,
-    PEN_MODEL_KS = 2,
-    PEN_MODEL_KE = 4,
-    PEN_MODEL_NS = 8,
-    PEN_MODEL_D = 16, /* or Tr */
-    PEN_MODEL_NI = 32
-};
-
 struct pen_model_material {
     char name[PEN_MODEL_NAME_BYTES]; /* in UTF-8, cut if longer; "": no material is named */
-    unsigned given;                  /* of enum pen_model_given; the other fields are defaults */
-    float diffuse[3], specular[3], emission[3]; /* Kd, Ks, Ke */
-    float shininess, opacity, ior;              /* Ns, d (1 - Tr), Ni */
+    float diffuse[3], specular[3], emission[3]; /* Kd, by default grey; Ks; Ke */
+    float shininess, opacity, ior; /* Ns, by default 1; d (1 - Tr), by default 1; Ni, else 0 */
 };
 
 struct pen_model {
@@ -60,9 +49,11 @@ struct pen_model {
     uint32_t crowded_edges; /* edges of three or more */
 };
 
-/* Appends the bytes of the file `name` to `out`. The name is a path relative to the model's folder,
- * with / between folders. It is not absolute and has no "..". The callback must refuse a link that
- * leads out of the folder, and limit the size.
+/* Whether a name is a path inside a folder: relative, with / between folders, without "..". */
+bool pen_model_name_is_inside(const char *name);
+
+/* Appends the bytes of the file `name` to `out`. The name is a path inside the model's folder. The
+ * callback must refuse a link that leads out of it, and limit the size.
  * Fails: returns false. *st says why. */
 typedef bool pen_model_fetch(void *self, const char *name, struct pen_buf *out,
                              struct pen_status *st);

@@ -3,7 +3,6 @@
 #include "io/models.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,6 +40,12 @@ static bool read_file(const struct pen_models *models, const char *name, struct 
     if (file.kind == PEN_MODEL_NONE)
         return pen_fail(st, PEN_UNSUPPORTED,
                         "\"%.100s\" is no model: its name must end in .ply, .obj or .stl", name);
+    if (!pen_model_name_is_inside(name))
+        return pen_fail(
+            st, PEN_FORBIDDEN,
+            "\"%.100s\" leads out of the scene's folder; a name must be relative to it, "
+            "without ..",
+            name);
     bool ok = models->fetch(models->self, name, &bytes, st);
     file.data = bytes.data;
     file.bytes = bytes.bytes;
@@ -102,25 +107,31 @@ static struct sphere sphere_around(const struct pen_model *model)
     return s;
 }
 
-/* A direction given by right, up and towards the viewer, in the model's axes. */
-static json_t *axes(bool z_up, double right, double up, double front)
+/* A vector given by right, up and towards the viewer, in the model's axes. */
+static struct pen_vec3 in_axes(bool z_up, double right, double up, double front)
 {
-    return z_up ? json_pack("[f, f, f]", right, 0 - front, up)
-                : json_pack("[f, f, f]", right, up, front);
+    return z_up ? pen_vec3(right, 0 - front, up) : pen_vec3(right, up, front);
+}
+
+static json_t *json_of(struct pen_vec3 v)
+{
+    return json_pack("[f, f, f]", v.x, v.y, v.z);
 }
 
 static json_t *camera_of(const struct sphere *s, bool z_up)
 {
     const double fov = 40, sine_of_half = 0.34202014332566873;
-    /* From the model towards the camera. */
-    const double right = 0.5, up = 0.4, front = 1, length = sqrt(0.25 + 0.16 + 1);
+    const struct pen_vec3 towards = in_axes(z_up, 0.5, 0.4, 1); /* from the model to the camera */
     const double distance = s->radius / sine_of_half;
-    const struct pen_vec3 eye = pen_add(
-        s->center, pen_scale(z_up ? pen_vec3(right, -front, up) : pen_vec3(right, up, front),
-                             distance / length));
-    return json_pack("{s:[f, f, f], s:[f, f, f], s:o, s:f}", "position", eye.x, eye.y, eye.z,
-                     "look_at", s->center.x, s->center.y, s->center.z, "up", axes(z_up, 0, 1, 0),
-                     "fov_degrees", fov);
+    const struct pen_vec3 eye = pen_along(s->center, towards, distance / pen_length(towards));
+    return json_pack("{s:o, s:o, s:o, s:f}", "position", json_of(eye), "look_at",
+                     json_of(s->center), "up", json_of(in_axes(z_up, 0, 1, 0)), "fov_degrees", fov);
+}
+
+static json_t *light_of(struct pen_vec3 direction, double r, double g, double b, bool shadows)
+{
+    return json_pack("{s:s, s:o, s:[f, f, f], s:b}", "type", "directional", "direction",
+                     json_of(direction), "intensity", r, g, b, "shadows", shadows);
 }
 
 static json_t *scene_of(const struct pen_model *model, const char *name, bool z_up)
@@ -131,13 +142,12 @@ static json_t *scene_of(const struct pen_model *model, const char *name, bool z_
         json_object_set_new(
             object, "material",
             json_pack("{s:f, s:f, s:f, s:f}", "ka", 0.7, "kd", 0.7, "ks", 0.1, "shininess", 20.0));
-    return json_pack("{s:s, s:s, s:[f, f, f], s:[f, f, f], s:o, s:[{s:s, s:o, s:[f, f, f]}, "
-                     "{s:s, s:o, s:[f, f, f], s:b}], s:[o]}",
-                     "format", "penumbra-scene/1", "name", name, "background", 0.85, 0.88, 0.92,
-                     "ambient", 0.12, 0.12, 0.13, "camera", camera_of(&s, z_up), "lights", "type",
-                     "directional", "direction", axes(z_up, 0.6, -1.0, -0.8), "intensity", 0.85,
-                     0.83, 0.8, "type", "directional", "direction", axes(z_up, -1.0, -0.2, -0.5),
-                     "intensity", 0.25, 0.26, 0.3, "shadows", 0, "objects", object);
+    return json_pack("{s:s, s:s, s:[f, f, f], s:[f, f, f], s:o, s:[o, o], s:[o]}", "format",
+                     "penumbra-scene/1", "name", name, "background", 0.85, 0.88, 0.92, "ambient",
+                     0.12, 0.12, 0.13, "camera", camera_of(&s, z_up), "lights",
+                     light_of(in_axes(z_up, 0.6, -1.0, -0.8), 0.85, 0.83, 0.8, true),
+                     light_of(in_axes(z_up, -1.0, -0.2, -0.5), 0.25, 0.26, 0.3, false), "objects",
+                     object);
 }
 
 /* Keeps the model for the reader of the scene. */

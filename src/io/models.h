@@ -14,7 +14,8 @@
 enum pen_up { PEN_UP_OF_KIND, PEN_UP_Y, PEN_UP_Z }; /* OF_KIND: z of STL, else y */
 
 struct pen_models {
-    pen_model_fetch *fetch; /* for models and their MTL; names are relative to the scene's folder */
+    pen_model_fetch
+        *fetch; /* for models and their MTL; names are paths inside the scene's folder */
     void *self;
     uint32_t max_triangles; /* 0: PEN_MODEL_TRIANGLES */
     /* The model of pen_models_scene, which the next pen_models_read of that name takes. */
@@ -25,8 +26,8 @@ struct pen_models {
 
 /* Reads the model of a file. Warnings are added to notes, with code PEN_OK.
  * Owns: the caller calls pen_model_release.
- * Fails: PEN_UNSUPPORTED (the name ends in none of .ply, .obj, .stl), or as the callback and
- * pen_model_read. */
+ * Fails: PEN_UNSUPPORTED (the name ends in none of .ply, .obj, .stl), PEN_FORBIDDEN (it leads out
+ * of the folder), or as the callback and pen_model_read. */
 bool pen_models_read(struct pen_models *models, const char *name, struct pen_model *model,
                      struct pen_errors *notes, struct pen_status *st);
 

@@ -107,6 +107,19 @@ json_t *pen_stats_audit(const struct pen_audit *audit)
                      seed, "clusters", clusters_json(audit));
 }
 
+/* {count, triangles, tree_bytes_per_triangle, bytes_per_triangle}. */
+static json_t *meshes_json(const struct pen_stats_input *in)
+{
+    const struct pen_prims *prims = &in->scene->prims;
+    uint64_t triangles = 0;
+    for (uint32_t i = 0; i < prims->mesh_count; i++)
+        triangles += prims->mesh[i].count;
+    return json_pack("{s:I, s:I, s:o, s:o}", "count", (json_int_t)prims->mesh_count, "triangles",
+                     (json_int_t)triangles, "tree_bytes_per_triangle",
+                     pen_figure((double)in->accel->bytes / (double)triangles), "bytes_per_triangle",
+                     pen_figure((double)in->scene_bytes / (double)triangles));
+}
+
 json_t *pen_stats_json(const struct pen_stats_input *in)
 {
     const struct pen_render_stats *r = in->render;
@@ -126,5 +139,7 @@ json_t *pen_stats_json(const struct pen_stats_input *in)
     json = with_adaptive(json, in);
     if (in->audit)
         json = pen_json_with(json, "audit", pen_stats_audit(in->audit));
+    if (in->scene && in->scene->prims.mesh_count > 0)
+        json = pen_json_with(json, "meshes", meshes_json(in));
     return in->precision ? pen_json_with(json, "precision", precision_json(in->precision)) : json;
 }

@@ -20,6 +20,8 @@ struct pen_stats_input {
     const struct pen_accel_stats *accel;
     const struct pen_scene_precision *precision; /* of the view; NULL: leave it out */
     const struct pen_audit *audit;               /* NULL: there was no audit */
+    const struct pen_scene *scene; /* for the figures of its meshes; NULL: leave them out */
+    size_t scene_bytes;            /* with the acceleration structure and the description */
     /* For a render that a deadline ended: the data to repeat it. */
     const struct pen_settings *settings;
     const char *scene_sha256; /* of the scene document, hexadecimal */

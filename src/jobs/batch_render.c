@@ -228,6 +228,8 @@ static bool render(struct pen_batch_context *context, struct pen_batch_output *o
                                  .encode_ms = encode_ms,
                                  .render = &stats,
                                  .accel = pen_accel_get_stats(scene->accel),
+                                 .scene = scene,
+                                 .scene_bytes = pen_scene_bytes(scene),
                                  .settings = s,
                                  .scene_sha256 = scene_sha256};
     sodium_bin2hex(scene_sha256, sizeof scene_sha256, claim->scene_sha256,

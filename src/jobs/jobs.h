@@ -62,8 +62,9 @@ struct pen_submitted {
 bool pen_jobs_submit(struct pen_jobs *jobs, const struct pen_submission *in,
                      struct pen_submitted *out, struct pen_errors *errors);
 
-/* Checks a scene or a job without storing it; *answer is {"valid": true, "warnings": […]}. The
- * store is not used. `jobs` NULL stands for the default limits.
+/* Checks a scene or a job without storing it; *answer is {"valid": true, "warnings": […]}. Of a
+ * scene with meshes it has `meshes` {count, triangles}. The store is not used. `jobs` NULL stands
+ * for the default limits.
  * Owns: *answer is the caller's.
  * Fails: errors->count > 0. */
 bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, json_t **answer,

@@ -125,7 +125,10 @@ static struct pen_scene *load(const struct pen_scene_cache *cache, const struct 
             pen_text_locate((const char *)text->data, text->bytes, &limits, st);
         times->build_ms = pen_ms_since(begin_ns);
     }
-    pen_arena_free(arena);
+    if (scene)
+        pen_scene_take_description(scene, arena);
+    else
+        pen_arena_free(arena);
     return scene;
 }
 
@@ -151,7 +154,7 @@ const struct pen_scene *pen_scene_cache_get(struct pen_scene_cache *cache, struc
     if (!scene)
         return NULL;
     struct entry entry = {
-        .accelerator = accelerator, .scene = scene, .bytes = pen_arena_used(scene->arena)};
+        .accelerator = accelerator, .scene = scene, .bytes = pen_scene_bytes(scene)};
     memcpy(entry.sha256, claim->scene_sha256, sizeof entry.sha256);
     evict_for(cache, entry.bytes);
     cache->entry[cache->count++] = entry;

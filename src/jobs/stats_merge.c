@@ -21,7 +21,7 @@
 #include "jobs/internal/stats.h"
 
 /* Members that are taken whole from one batch. */
-static const char *const of_last[] = {"accelerator", "kernel", "effects", "host", NULL};
+static const char *const of_last[] = {"accelerator", "kernel", "effects", "host", "meshes", NULL};
 static const char *const of_precision[] = {"precision", NULL};
 static const char *const of_error[] = {"estimated_error", "adaptive", "render", "scene_sha256",
                                        NULL};

@@ -12,6 +12,7 @@
 #include "base/clock.h"
 #include "base/utf8.h"
 #include "io/figures.h"
+#include "io/json_build.h"
 #include "io/settings_json.h"
 #include "jobs/internal/batch_layout.h"
 #include "jobs/internal/ids.h"
@@ -347,7 +348,12 @@ bool pen_jobs_validate(struct pen_jobs *jobs, const struct pen_submission *in, j
         pen_scene_warnings(request.scene, request.scene_at, &request.desc, &warnings);
         for (size_t i = 0; i < warnings.count; i++)
             pen_document_locate(request.has, &warnings.item[i]);
+        const struct pen_mesh_totals of = pen_desc_meshes(&request.desc);
         *answer = json_pack("{s:b, s:o}", "valid", 1, "warnings", warnings_json(&warnings));
+        if (of.meshes > 0)
+            *answer = pen_json_with(*answer, "meshes",
+                                    json_pack("{s:I, s:I}", "count", (json_int_t)of.meshes,
+                                              "triangles", (json_int_t)of.triangles));
         ok = *answer != NULL;
         if (!ok)
             pen_request_fail(errors, PEN_NO_MEMORY, "", NULL, "no memory for an answer");

@@ -164,6 +164,13 @@ struct pen_mesh_desc {
 void pen_mesh_desc_triangle(const struct pen_mesh_desc *mesh, uint32_t triangle,
                             struct pen_vec3 v[3]);
 
+/* The meshes of a scene, also those in groups. */
+struct pen_mesh_totals {
+    uint64_t meshes, triangles;
+};
+struct pen_scene_desc;
+struct pen_mesh_totals pen_desc_meshes(const struct pen_scene_desc *desc);
+
 struct pen_object_desc {
     enum pen_object_kind kind;
     const char *name; /* NULL if it has none */

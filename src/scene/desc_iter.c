@@ -82,6 +82,27 @@ enum pen_desc_iter_step pen_desc_iter_next(struct pen_desc_iter *iter,
     return PEN_ITER_END;
 }
 
+static void add_meshes(const struct pen_object_desc *objects, uint32_t count,
+                       struct pen_mesh_totals *totals)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const struct pen_object_desc *o = &objects[i];
+        if (o->kind == PEN_OBJECT_GROUP) {
+            add_meshes(o->u.group.objects, o->u.group.count, totals);
+        } else if (o->kind == PEN_OBJECT_MESH) {
+            totals->meshes++;
+            totals->triangles += o->u.mesh->triangle_count;
+        }
+    }
+}
+
+struct pen_mesh_totals pen_desc_meshes(const struct pen_scene_desc *desc)
+{
+    struct pen_mesh_totals totals = {0};
+    add_meshes(desc->objects, desc->object_count, &totals);
+    return totals;
+}
+
 void pen_desc_iter_pointer(const struct pen_desc_iter *iter, char *out, size_t bytes)
 {
     size_t used = 0;

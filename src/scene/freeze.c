@@ -298,8 +298,24 @@ struct pen_scene *pen_scene_freeze_without_rays(const struct pen_scene_desc *des
 
 void pen_scene_free(struct pen_scene *scene)
 {
-    if (scene)
-        pen_arena_free(scene->arena);
+    if (!scene)
+        return;
+    pen_arena_free(scene->description);
+    pen_arena_free(scene->arena);
+}
+
+void pen_scene_take_description(struct pen_scene *scene, struct pen_arena *arena)
+{
+    if (scene->prims.mesh_count > 0)
+        scene->description = arena;
+    else
+        pen_arena_free(arena);
+}
+
+size_t pen_scene_bytes(const struct pen_scene *scene)
+{
+    return pen_arena_used(scene->arena) +
+           (scene->description ? pen_arena_used(scene->description) : 0);
 }
 
 int pen_scene_find_view(const struct pen_scene *scene, const char *name)

@@ -143,20 +143,29 @@ struct pen_scene {
     const struct pen_accel *accel;
     unsigned effects; /* PEN_FX_* that the scene needs with some settings */
     struct pen_secondary_factors factors;
-    double freeze_ms; /* excludes building the acceleration structure */
+    double freeze_ms;              /* excludes building the acceleration structure */
+    struct pen_arena *description; /* of the description, if the scene has taken it; else NULL */
 };
 
 /* Makes a frozen scene from a description: transforms each primitive once, in double, chooses the
  * local frame and builds the acceleration structure.
- * Owns: the scene has its own arena of at most cap_bytes (0: unlimited) and keeps no pointer into
- * `desc`.
+ * Owns: the scene has its own arena of at most cap_bytes (0: unlimited). It keeps no pointer into
+ * `desc`, except that meshes borrow its arrays.
  * Fails: NULL; PEN_NO_MEMORY, PEN_UNSUPPORTED, PEN_INVALID (a scene that overflows the local
  * frame). */
 struct pen_scene *pen_scene_freeze(const struct pen_scene_desc *desc,
                                    enum pen_accelerator accelerator, size_t cap_bytes,
                                    struct pen_status *st);
 
+/* Frees the scene. NULL is allowed. */
 void pen_scene_free(struct pen_scene *scene);
+
+/* Gives the scene the arena of its description, so that the arrays of meshes live as long as the
+ * scene. Without meshes the arena is freed at once. */
+void pen_scene_take_description(struct pen_scene *scene, struct pen_arena *arena);
+
+/* The bytes of the scene, its acceleration structure, and the description that it has taken. */
+size_t pen_scene_bytes(const struct pen_scene *scene);
 
 /* The number of a primitive's material. */
 static inline uint32_t pen_scene_material_of(const struct pen_scene *scene, uint32_t prim)

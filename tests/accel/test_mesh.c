@@ -192,6 +192,54 @@ START_TEST(test_mesh__equals_its_triangles)
 }
 END_TEST
 
+static struct pen_test_counts count_tests(const struct pen_accel *accel, enum pen_isa isa,
+                                          const struct pen_ray *ray)
+{
+    const struct pen_trace_ops *ops = pen_trace_count_ops_get(isa);
+    const struct pen_t_interval interval = {pen_after_start, INFINITY};
+    struct pen_shadow query = {.tmax = 1, .last_occluder = PEN_NO_PRIM};
+    struct pen_test_counts counts = {0};
+    struct pen_accel *view = pen_accel_count_new(accel, &counts);
+    struct pen_hit hit;
+    ops->nearest(view, ray, &pen_origin_none, &interval, &hit);
+    ops->shadow(view, ray, &pen_origin_none, &query);
+    pen_accel_count_free(view);
+    return counts;
+}
+
+START_TEST(test_mesh__counts_are_those_of_every_instruction_set)
+{
+    struct random r = random_begin(533);
+    uint64_t tests = 0;
+    for (int scene = 0; scene < random_some(400, 60); scene++) {
+        double reach;
+        random_scene(&r, &reach);
+        if (stored.prims.kind_count[PEN_PRIM_TRIANGLE] == 0)
+            continue;
+        const struct variants v = build(&twin.prims);
+        for (int i = 0; i < 40 * ACCELS; i++) {
+            const struct pen_accel *accel = v.accel[i % ACCELS];
+            const struct pen_vec3 o = random_vec(&r, reach * exp2(random_in(&r, -6, 20)));
+            struct pen_ray ray;
+            if (!pen_ray_make(&ray, o, pen_sub(aim(&r), o)))
+                continue;
+            const struct pen_test_counts a = count_tests(accel, PEN_ISA_BASE, &ray);
+            for (int isa = 1; isa < isa_count(); isa++) {
+                const struct pen_test_counts b = count_tests(accel, (enum pen_isa)isa, &ray);
+                ck_assert_msg(a.boxes == b.boxes && a.primitives == b.primitives,
+                              "accelerator %d, set %d: %s: %llu %llu, not %llu %llu", i % ACCELS,
+                              isa, words_of(&ray), (unsigned long long)b.boxes,
+                              (unsigned long long)b.primitives, (unsigned long long)a.boxes,
+                              (unsigned long long)a.primitives);
+            }
+            tests += a.primitives;
+        }
+        pen_arena_free(v.arena);
+    }
+    ck_assert_uint_gt(tests, 0);
+}
+END_TEST
+
 /* Each primitive has the same slot data, bounds, normal and outline as its stored twin. */
 START_TEST(test_mesh__primitives_are_the_same)
 {
@@ -222,4 +270,5 @@ START_TEST(test_mesh__primitives_are_the_same)
 }
 END_TEST
 
-PEN_SUITE("mesh", test_mesh__primitives_are_the_same, test_mesh__equals_its_triangles)
+PEN_SUITE("mesh", test_mesh__primitives_are_the_same, test_mesh__equals_its_triangles,
+          test_mesh__counts_are_those_of_every_instruction_set)

@@ -8,8 +8,11 @@
 #include "support/isa.h"
 #include "support/rooms.h"
 #include "support/suite.h"
+#include "support/twin.h"
 
 static struct world world;
+static struct twin twin;
+static const struct pen_prims *traced = &world.prims; /* or the twin's, with meshes */
 static uint8_t see_through[WORLD_MAX];
 
 /* Rays of a packet, and what they start on. */
@@ -235,7 +238,7 @@ static void each_isa(struct random *r, struct pen_vec3 eye, struct pen_vec3 at)
     struct pen_status st;
     struct pen_arena *arena = pen_arena_new(0);
     const enum pen_accelerator kind = random_below(r, 8) ? PEN_ACCEL_AUTO : PEN_ACCEL_MEDIAN;
-    const struct pen_accel *accel = pen_accel_build_generic(&world.prims, kind, 0, arena, &st);
+    const struct pen_accel *accel = pen_accel_build_generic(traced, kind, 0, arena, &st);
     ck_assert(accel);
     struct rays rays;
     for (int k = 0; k < 8; k++) {
@@ -317,6 +320,33 @@ START_TEST(test_accel__ray_packets_in_rooms)
         if (i & 1)
             world_cylinder(&world, eye, random_direction(&r), .1, .1, true);
         each_isa(&r, i & 2 ? eye : pen_along(eye, random_direction(&r), .1), aim(&r));
+    }
+}
+END_TEST
+
+/* Meshes with other primitives before, between and behind them. */
+START_TEST(test_accel__ray_packets_on_meshes)
+{
+    struct random r = random_begin(304);
+    for (int scene = 0; scene < random_cases(60); scene++) {
+        twin_clear(&twin, &world);
+        for (int i = 0; i < 2; i++) {
+            world_random(&world, &r, random_below(&r, 8), random_in(&r, 0.02, 1));
+            twin_take(&twin);
+            twin_mesh_begin(&twin, i ? random_vec(&r, 1) : pen_vec3(0, 0, 0), i ? 0.5 : 1);
+            if (random_below(&r, 3))
+                twin_ball(&twin, &r, 2 + random_below(&r, 8), 3 + random_below(&r, 8));
+            else
+                twin_hills(&twin, &r, 2 + random_below(&r, 8));
+            twin_mesh_end(&twin);
+        }
+        world_sphere(&world, random_vec(&r, 1), .3);
+        twin_take(&twin);
+        for (uint32_t i = 0; i < pen_prim_slots(&twin.prims); i++)
+            see_through[i] = random_below(&r, 3) != 0;
+        traced = &twin.prims;
+        each_isa(&r, random_vec(&r, 3), random_vec(&r, 1));
+        traced = &world.prims;
     }
 }
 END_TEST
@@ -502,4 +532,4 @@ END_TEST
 PEN_SUITE("ray_packet", test_accel__ray_packets_along_edges, test_accel__ray_packets_along_rims,
           test_accel__ray_packets_at_round_borders, test_accel__ray_packets_in_random_scenes,
           test_accel__ray_packets_on_a_lattice, test_accel__ray_packets_in_rooms,
-          test_accel__ray_packets_at_nearly_convex_outlines)
+          test_accel__ray_packets_on_meshes, test_accel__ray_packets_at_nearly_convex_outlines)

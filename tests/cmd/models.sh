@@ -39,7 +39,16 @@ exits "render the scene" 0 "$penumbra" render models/scene.json $small -o scene.
 check "to the same bytes" cmp model.pfm scene.pfm
 check "the picture is not empty" test "$(tail -c +15 model.pfm | od -An -v -tx4 -w12 | sort -u | wc -l)" -gt 2
 exits "validate it" 0 "$penumbra" validate models/tetra.ply
-prints "is valid" stdout "models/tetra.ply: valid"
+prints "is valid, and counts" stdout "models/tetra.ply: valid, meshes: 1, triangles: 4"
+exits "validate it as JSON" 0 "$penumbra" validate models/tetra.ply --json
+expect "counts meshes" "$(jq -c .meshes stdout)" '{"count":1,"triangles":4}'
+# shellcheck disable=SC2086
+exits "statistics of a model" 0 "$penumbra" render models/tetra.ply $small --stats stats.json -o x.png -q
+expect "have bytes per triangle" "$(jq -c '.meshes | [.count, .triangles, .bytes_per_triangle > .tree_bytes_per_triangle,
+    .tree_bytes_per_triangle > 11]' stats.json)" '[1,4,true,true]'
+# shellcheck disable=SC2086
+exits "statistics of another scene" 0 "$penumbra" render builtin:spheres $small --stats stats.json -o x.png -q
+expect "have no meshes" "$(jq -c .meshes stats.json)" null
 
 # The same triangles in the document are the same picture.
 jq '.objects[0] = {type: "mesh", material: .objects[0].material,
@@ -51,6 +60,15 @@ for form in inline triangles; do
     exits "render $form" 0 "$penumbra" render $form.json $small -o $form.pfm -q
     check "$form has the same bytes" cmp model.pfm $form.pfm
 done
+# Also of glass: the triangles of a closed mesh are one solid.
+for form in inline triangles; do
+    jq '.objects[].material = {kt: 0.9, ior: 1.5} | .background = {sky: {zenith: [1, 0, 0], horizon: [0, 1, 0]}}' $form.json >glass-$form.json
+    # shellcheck disable=SC2086
+    exits "render glass, $form" 0 "$penumbra" render glass-$form.json $small --stats $form-stats.json -o glass-$form.pfm -q
+    expect "it refracts, $form" "$(jq -c '[(.effects | index("refraction") != null), .rays.transmission > 100, .unmatched_exits]' \
+        $form-stats.json)" '[true,true,0]'
+done
+check "glass has the same bytes" cmp glass-inline.pfm glass-triangles.pfm
 for accelerator in none cbr manual median; do
     # shellcheck disable=SC2086
     exits "render with $accelerator" 0 "$penumbra" render models/tetra.ply $small --set accelerator=$accelerator -o a.pfm -q

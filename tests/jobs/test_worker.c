@@ -104,6 +104,49 @@ START_TEST(test_worker__several_batches_give_the_pixels_of_a_direct_render)
 }
 END_TEST
 
+/* A hilly mesh in the document: the worker's scene uses arrays of its description. */
+static const char *mesh_scene(const char *more)
+{
+    enum { SIDE = 40 };
+    static char text[1 << 18];
+    size_t used =
+        (size_t)snprintf(text, sizeof text,
+                         "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 9, 9],"
+                         " \"look_at\": [0, 0, 0]}, \"lights\": [{\"type\": \"directional\","
+                         " \"direction\": [1, -2, 0], \"intensity\": [1, 1, 1]}],"
+                         " \"objects\": [{\"type\": \"mesh\", \"material\": {\"kd\": 0.7},"
+                         " \"positions\": [");
+    for (int i = 0; i < SIDE * SIDE; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s[%g, %g, %g]", i ? ", " : "",
+                                 0.2 * (i % SIDE) - 4, 0.2 * (i * i % 7), 0.2 * (i / SIDE) - 4);
+    used += (size_t)snprintf(text + used, sizeof text - used, "], \"faces\": [");
+    for (int i = 0; i < (SIDE - 1) * SIDE; i++)
+        if (i % SIDE < SIDE - 1)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s[%d, %d, %d]",
+                                     i ? ", " : "", i, i + SIDE, i + 1);
+    snprintf(text + used, sizeof text - used, "]}]%s}", more);
+    return text;
+}
+
+START_TEST(test_worker__meshes_give_the_pixels_of_a_direct_render)
+{
+    jobs_bed_open(&bed);
+    jobs_worker_start(&bed);
+    jobs_submit(&bed, mesh_scene(several_batches), id);
+    ck_assert_int_eq(jobs_wait(&bed, id), PEN_JOB_SUCCEEDED);
+    struct pen_status st;
+    int triangles = 0;
+    json_t *stats = pen_jobs_stats(bed.jobs, id, &st);
+    ck_assert_int_eq(json_unpack(stats, "{s:{s:i}}", "meshes", "triangles", &triangles), 0);
+    ck_assert_int_eq(triangles, 39 * 39);
+    json_decref(stats);
+    struct pen_film *film = render_directly(mesh_scene(several_batches));
+    compare_with_film(film);
+    pen_film_free(film);
+    jobs_bed_close(&bed);
+}
+END_TEST
+
 /* A batch that takes longer than it should ends with the tiles that are begun; the others become
  * batches of their own, and a view that had one batch gets an assemble batch. */
 START_TEST(test_worker__long_batches_are_divided)
@@ -595,6 +638,7 @@ END_TEST
 
 PEN_SUITE("worker", test_worker__one_batch_gives_the_pixels_of_a_direct_render,
           test_worker__several_batches_give_the_pixels_of_a_direct_render,
+          test_worker__meshes_give_the_pixels_of_a_direct_render,
           test_worker__long_batches_are_divided,
           test_worker__job_of_higher_priority_comes_within_a_long_batch,
           test_worker__large_batches_give_the_pixels_of_a_direct_render,

@@ -13,6 +13,9 @@ extern const struct row row_table_flat[], row_table_space[], row_table_roots[], 
 void rows_bumpy(struct pen_row_run *run);
 void rows_sheet(struct pen_row_run *run);
 
+/* rows_meshes.c */
+void rows_meshes(struct pen_row_run *run);
+
 /* rows_round.c */
 void rows_sphere_roots(struct pen_row_run *run);
 void rows_sphere_grazing(struct pen_row_run *run);

@@ -99,7 +99,7 @@ static void plan(struct suite *s)
         if (!s->report.row[i].ran)
             continue;
         uint64_t full = full_cases(row), cases = full;
-        if (s->options.cases && s->options.cases < full)
+        if (s->options.cases && (s->options.cases < full || s->options.rows))
             cases = s->options.cases;
         for (uint64_t first = 0; first < cases && s->tasks < TASKS_MAX; first += CHUNK) {
             uint64_t left = cases - first;

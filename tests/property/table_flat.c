@@ -16,6 +16,17 @@ const struct row row_table_flat[] = {
         .full = 4000000,
     },
     {
+        .id = "H038 H039",
+        .name = "mesh_closed",
+        .what = "a closed mesh, thin, tiny or turned, is crossed an odd number of times from "
+                "inside, an even number of times from up to 2^45 sizes away",
+        .oracle = "parity",
+        .run = rows_meshes,
+        .full = 4000000,
+        .check = 100000,
+        .known = "from far away, boxes end before a grazed facet",
+    },
+    {
         .id = "H040",
         .name = "h040_embree",
         .what = "Embree's sphere and square of 200 x 200 squares each at (148376, 1234, -223423): "

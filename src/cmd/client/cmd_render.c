@@ -394,6 +394,9 @@ static json_t *make_stats(const struct render *r)
                                  .accel = pen_accel_get_stats(r->scene->accel),
                                  .precision = r->has_precision ? &r->precision : NULL,
                                  .audit = r->values->audit >= 0 ? &r->audit : NULL,
+                                 .scene = r->scene,
+                                 .scene_bytes =
+                                     pen_scene_bytes(r->scene) + pen_arena_used(r->input.arena),
                                  .settings = &r->input.desc.settings,
                                  .scene_sha256 = r->rounds.scene_sha256};
     return pen_stats_json(&in);

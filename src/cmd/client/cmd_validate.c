@@ -16,7 +16,7 @@ struct values {
 
 static const struct pen_option options[] = {
     PEN_JSON_OPTION(struct values,
-                    "print {\"valid\": true, \"warnings\": […]} or a problem document, "
+                    "print {\"valid\": true, \"warnings\": […], …} or a problem document, "
                     "one line for each file"),
     PEN_MODEL_OPTIONS(struct values),
     PEN_QUIET_OPTION(struct values, "print errors only"),
@@ -42,6 +42,16 @@ static void print_warnings(const char *file, const json_t *answer)
     }
 }
 
+static void print_valid(const char *file, const json_t *meshes)
+{
+    if (meshes)
+        pen_report_say(stdout, "%s: valid, meshes: %lld, triangles: %lld", file,
+                       (long long)json_integer_value(json_object_get(meshes, "count")),
+                       (long long)json_integer_value(json_object_get(meshes, "triangles")));
+    else
+        pen_report_say(stdout, "%s: valid", file);
+}
+
 static int validate(const char *name, const struct values *values)
 {
     struct pen_source source;
@@ -65,7 +75,7 @@ static int validate(const char *name, const struct values *values)
         if (values->json)
             pen_report_line(json_incref(answer));
         else if (!values->quiet)
-            pen_report_say(stdout, "%s: valid", source.label);
+            print_valid(source.label, json_object_get(answer, "meshes"));
     }
     json_decref(answer);
     pen_source_release(&source);
@@ -94,7 +104,8 @@ const struct pen_command pen_command_validate = {
     .summary = "Checks scenes or jobs, without a daemon.",
     .details = "SCENE is a file, - for standard input, or builtin:NAME. Up to 20 errors of a "
                "document are reported together, each with its place: a JSON Pointer, or line and "
-               "column in XML and malformed JSON. Warnings do not change the exit code.",
+               "column in XML and malformed JSON. Warnings do not change the exit code. Meshes and "
+               "their triangles are counted.",
     .options = options,
     .min_args = 1,
     .max_args = -1,

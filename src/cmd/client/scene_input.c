@@ -28,6 +28,7 @@ bool pen_scene_input_read(struct pen_scene_input *input, const char *name,
     struct pen_limits limits = pen_limits_default();
     struct pen_status st;
     *input = (struct pen_scene_input){0};
+    int64_t start_ns = pen_clock_ns();
     bool ok = pen_source_read_scene(&input->source, name, options, &st);
     if (ok && !(input->arena = pen_arena_new(0)))
         ok = pen_fail(&st, PEN_NO_MEMORY, "out of memory");
@@ -35,7 +36,8 @@ bool pen_scene_input_read(struct pen_scene_input *input, const char *name,
         pen_errors_add(errors, &st);
         return false;
     }
-    int64_t start_ns = pen_clock_ns();
+    if (!input->source.models.known_name)
+        start_ns = pen_clock_ns();
     ok = pen_source_scene(&input->source, &limits, input->arena, &input->desc, errors);
     input->parse_ms = (double)(pen_clock_ns() - start_ns) * 1e-6;
     if (!ok)

@@ -9,7 +9,7 @@ struct pen_scene_input {
     struct pen_source source;
     struct pen_arena *arena;
     struct pen_scene_desc desc; /* in the arena */
-    double parse_ms; /* of making the description from the text, without reading the file */
+    double parse_ms; /* of making the description from the text, or from the model's file */
 };
 
 /* Reads the scene `name`: the path of a scene or a model, `-`, or `builtin:NAME`. `options` may be

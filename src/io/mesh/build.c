@@ -8,11 +8,10 @@
 #include "geom/triangulate.h"
 #include "math/exact.h"
 #include "math/exact_sum.h"
-#include "math/orient2d.h"
 #include "math/scale.h"
 
-/* The cost of decisions, in steps. */
-enum { EXACT_AREA = 100, EXACT_NORMAL = 1500 };
+/* The cost of an exact decision, in steps. */
+enum { EXACT_NORMAL = 1500 };
 
 void *pen_build_alloc(struct pen_build *b, uint64_t count, size_t size)
 {
@@ -187,14 +186,8 @@ static bool is_difference(struct pen_vec3 p, struct pen_vec3 q, struct pen_vec3 
            rest_of(q.z, p.z, d.z) == 0;
 }
 
-static bool turns(double ax, double ay, double bx, double by, double cx, double cy)
-{
-    return pen_orient2d((struct pen_point2){ax, ay}, (struct pen_point2){bx, by},
-                        (struct pen_point2){cx, cy}) != 0;
-}
-
 /* Whether a triangle has an area, exactly. Products that differ by more than their rounding decide,
- * then exact products of exact differences, then the exact orientation along each axis. */
+ * then exact products of exact differences, then exact sums. */
 static bool has_area(struct pen_build *b, struct pen_vec3 p, struct pen_vec3 q, struct pen_vec3 r)
 {
     struct pen_vec3 d = pen_sub(q, p), e = pen_sub(r, p);
@@ -206,9 +199,8 @@ static bool has_area(struct pen_build *b, struct pen_vec3 p, struct pen_vec3 q, 
         return true;
     if (is_difference(p, q, d) && is_difference(p, r, e))
         return !is_zero(pen_cross(d, e));
-    b->steps -= EXACT_AREA;
-    return turns(p.y, p.z, q.y, q.z, r.y, r.z) || turns(p.z, p.x, q.z, q.x, r.z, r.x) ||
-           turns(p.x, p.y, q.x, q.y, r.x, r.y);
+    b->steps -= EXACT_NORMAL;
+    return !is_zero(pen_exact_normal((const struct pen_vec3[]){p, q, r}, 3));
 }
 
 /* Adds the triangle of three corners of the face if it has an area. */
@@ -325,10 +317,6 @@ void pen_build_release(struct pen_build *b)
     pen_build_free(b, b->face_normal, b->face_space, sizeof *b->face_normal);
     pen_build_free(b, b->point, b->point_space, sizeof *b->point);
     pen_build_free(b, b->piece, b->point_space, sizeof *b->piece);
-    b->face = b->face_normal = NULL;
-    b->point = NULL;
-    b->piece = NULL;
-    b->face_space = b->point_space = 0;
 }
 
 static void note_faces(struct pen_build *b)
@@ -349,7 +337,6 @@ static void note_faces(struct pen_build *b)
 
 bool pen_build_finish(struct pen_build *b)
 {
-    pen_build_release(b);
     if (b->m->triangle_count == 0)
         return pen_fail(b->scan.st, PEN_INVALID,
                         "None of the model's faces has an area; write faces of three corners that "

@@ -74,7 +74,7 @@ static inline bool pen_build_corner(struct pen_build *b, const char *at, uint32_
 /* Cuts the face that is read into triangles and adds those that have an area. */
 bool pen_build_face(struct pen_build *b, const char *at);
 
-/* After all faces: shortens the arrays, counts edges and adds the warnings. */
+/* After all faces: counts edges and adds the warnings. */
 bool pen_build_finish(struct pen_build *b);
 
 /* Frees what is needed only while a file is read. */

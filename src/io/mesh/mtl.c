@@ -14,18 +14,18 @@ enum { NAME_BYTES = 256, FILES = 64 };
 /* The statements that are read: `numbers` of them go to `offset` in the material. */
 static const struct statement {
     const char *name;
-    unsigned given, numbers;
+    unsigned numbers;
     size_t offset;
-} statements[] = {{"Kd", PEN_MODEL_KD, 3, offsetof(struct pen_model_material, diffuse)},
-                  {"Ks", PEN_MODEL_KS, 3, offsetof(struct pen_model_material, specular)},
-                  {"Ke", PEN_MODEL_KE, 3, offsetof(struct pen_model_material, emission)},
-                  {"Ns", PEN_MODEL_NS, 1, offsetof(struct pen_model_material, shininess)},
-                  {"Ni", PEN_MODEL_NI, 1, offsetof(struct pen_model_material, ior)},
-                  {"d", PEN_MODEL_D, 1, offsetof(struct pen_model_material, opacity)},
-                  {"Tr", PEN_MODEL_D, 1, offsetof(struct pen_model_material, opacity)},
-                  {"Ka", 0, 0, 0},
-                  {"illum", 0, 0, 0},
-                  {"sharpness", 0, 0, 0}};
+} statements[] = {{"Kd", 3, offsetof(struct pen_model_material, diffuse)},
+                  {"Ks", 3, offsetof(struct pen_model_material, specular)},
+                  {"Ke", 3, offsetof(struct pen_model_material, emission)},
+                  {"Ns", 1, offsetof(struct pen_model_material, shininess)},
+                  {"Ni", 1, offsetof(struct pen_model_material, ior)},
+                  {"d", 1, offsetof(struct pen_model_material, opacity)},
+                  {"Tr", 1, offsetof(struct pen_model_material, opacity)},
+                  {"Ka", 0, 0},
+                  {"illum", 0, 0},
+                  {"sharpness", 0, 0}};
 
 /* An MTL that is read. */
 struct reader {
@@ -59,7 +59,6 @@ static bool read_numbers(struct reader *r, const struct statement *is)
         to[i] = n[i < count ? i : 0].f;
     if (is->name[0] == 'T')
         *to = 1 - *to;
-    r->material->is.given |= is->given;
     return true;
 }
 
@@ -100,9 +99,10 @@ bool pen_mtl_add(struct pen_mtl *mtl, struct pen_build *b, size_t name, size_t l
                                                     mtl->count + 1, sizeof *mtl->material))
         return false;
     struct pen_mtl_material *m = &mtl->material[mtl->count++];
-    *m = (struct pen_mtl_material){.name = name,
-                                   .length = length,
-                                   .is = {.diffuse = {0.8f, 0.8f, 0.8f}, .opacity = 1, .ior = 1}};
+    *m = (struct pen_mtl_material){
+        .name = name,
+        .length = length,
+        .is = {.diffuse = {0.8f, 0.8f, 0.8f}, .shininess = 1, .opacity = 1}};
     snprintf(shown, sizeof shown, "%.*s", (int)(length < sizeof shown ? length : sizeof shown),
              length > 0 ? (const char *)mtl->text.data + name : "");
     pen_utf8_copy(m->is.name, sizeof m->is.name, shown);
@@ -143,15 +143,11 @@ static bool make_path(struct pen_scan *s, const char *name, size_t length, char 
     path[n] = '\0';
     while (strncmp(path, "./", 2) == 0)
         memmove(path, path + 2, strlen(path + 2) + 1);
-    bool bad = n < length || !path[0] || path[0] == '/' || path[1] == ':';
-    for (const char *part = path; part; part = strchr(part, '/')) {
-        part += *part == '/';
-        bad = bad || (strncmp(part, "..", 2) == 0 && (!part[2] || part[2] == '/'));
-    }
-    return !bad || pen_scan_fail(s, PEN_INVALID, name,
-                                 "%s is no path inside the model's folder; put the MTL file beside "
-                                 "the model and write its name",
-                                 pen_text_quote(path).text);
+    return (n == length && pen_model_name_is_inside(path) && path[1] != ':') ||
+           pen_scan_fail(s, PEN_INVALID, name,
+                         "%s is no path inside the model's folder; put the MTL file beside "
+                         "the model and write its name",
+                         pen_text_quote(path).text);
 }
 
 static bool read_file(struct pen_mtl *mtl, struct pen_build *b, const char *name, size_t length)

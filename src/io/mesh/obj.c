@@ -5,12 +5,11 @@
  */
 #include "io/mesh/mtl.h"
 
-enum { UNKNOWN_NAMES = 8, MATERIALS = UINT16_MAX + 1 };
+enum { MATERIALS = UINT16_MAX + 1 };
 
-/* Statements that are not read. */
+/* What is not read: the name of the first, and how many there are. */
 struct unknown {
     const char *name;
-    size_t length;
     uint32_t count;
 };
 
@@ -20,9 +19,9 @@ struct obj {
     uint32_t current;           /* the material */
     uint64_t vertices, normals; /* those that this pass has met */
     uint64_t triangles;
-    bool materials;                            /* it has usemtl */
-    struct unknown unknown[UNKNOWN_NAMES + 1]; /* the last: all other names */
-    struct unknown missing;                    /* the first material that no MTL has, and all */
+    bool materials;           /* it has usemtl */
+    struct unknown statement; /* of a name that is not known */
+    struct unknown material;  /* that no MTL has */
 };
 
 /* Statements that change nothing here, and those of curves and curved surfaces. */
@@ -46,9 +45,13 @@ static bool is_face(const char *word, size_t length)
     return pen_word_is(word, length, "f") || pen_word_is(word, length, "fo");
 }
 
+static void add_unknown(struct unknown *u, const char *name)
+{
+    *u = (struct unknown){u->count > 0 ? u->name : name, u->count + 1};
+}
+
 static bool count_other(struct obj *o, const char *word, size_t length)
 {
-    struct unknown *u = o->unknown;
     if (IS_ONE_OF(word, length, silent))
         return true;
     if (IS_ONE_OF(word, length, curves))
@@ -56,10 +59,7 @@ static bool count_other(struct obj *o, const char *word, size_t length)
                              "%s belongs to a curve or curved surface, which are not read; export "
                              "polygons",
                              pen_scan_found(&o->b->scan, word).text);
-    while (u < &o->unknown[UNKNOWN_NAMES] && u->count > 0 &&
-           (u->length != length || memcmp(u->name, word, length) != 0))
-        u++;
-    *u = (struct unknown){u->count > 0 ? u->name : word, length, u->count + 1};
+    add_unknown(&o->statement, word);
     return true;
 }
 
@@ -199,8 +199,7 @@ static bool read_usemtl(struct obj *o, const char *at)
         i++;
     o->current = i < o->mtl.count ? i : 0;
     if (o->current == 0)
-        o->missing =
-            (struct unknown){o->missing.count ? o->missing.name : name, 0, o->missing.count + 1};
+        add_unknown(&o->material, name);
     return pen_build_steps(o->b, at, i);
 }
 
@@ -256,15 +255,14 @@ static bool take_materials(struct obj *o)
 static void add_notes(struct obj *o)
 {
     struct pen_build *b = o->b;
-    for (const struct unknown *u = o->unknown; u <= &o->unknown[UNKNOWN_NAMES] && u->count; u++)
-        pen_build_note(b, u->name, "%u statements %s are not read", u->count,
-                       u < &o->unknown[UNKNOWN_NAMES] ? pen_scan_found(&b->scan, u->name).text
-                                                      : "of other names");
-    if (o->missing.count > 0)
-        pen_build_note(b, o->missing.name,
+    if (o->statement.count > 0)
+        pen_build_note(b, o->statement.name, "%u statements are not read, first %s",
+                       o->statement.count, pen_scan_found(&b->scan, o->statement.name).text);
+    if (o->material.count > 0)
+        pen_build_note(b, o->material.name,
                        "no MTL file has the material of %u statements usemtl, first %s; their "
                        "faces are grey",
-                       o->missing.count, pen_scan_found(&b->scan, o->missing.name).text);
+                       o->material.count, pen_scan_found(&b->scan, o->material.name).text);
 }
 
 static bool read(struct obj *o)

@@ -184,9 +184,9 @@ static struct pen_material material_of(const struct pen_model_material *from)
     m.ks = RGB(from->specular);
     m.emission = RGB(from->emission);
 #undef RGB
-    m.shininess = from->given & PEN_MODEL_NS ? (double)from->shininess : 1;
+    m.shininess = (double)from->shininess;
     m.kt = pen_vec3(through, through, through);
-    if (through > 0 && from->given & PEN_MODEL_NI && from->ior > 0) {
+    if (through > 0 && from->ior > 0) {
         m.ior = (double)from->ior;
         m.ior_written = true;
     }
