@@ -74,7 +74,7 @@ static inline float4 mesh_at(const double4 *o)
 
 /* How far an intersection may be outside the box of its primitive, as a share of its distance: that
  * of a triangle, and that of any primitive (pen_prim_bounds). */
-#define MESH_OUTSIDE 0x1p-40f
+#define MESH_OUTSIDE 0x1p-38f
 #define MESH_OUTSIDE_OTHERS 0x1p-23f
 
 /* Moves the origin, which is far from a tree of this extent. Returns false if the ray misses it. */

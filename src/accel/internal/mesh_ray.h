@@ -27,7 +27,7 @@ static __attribute__((noinline)) bool mesh_ray_move(struct mesh_ray *to, float4 
                                                     double rest)
 {
     /* The ball that the ray must come near has room for what is outside its box (MESH_OUTSIDE). */
-    const bool sure = 0x1p9 * rest < extent,
+    const bool sure = 0x1p12 * rest < extent,
                near = !sure || mesh_move_near(box, o, &to->moved, extent, rest);
     *at = near ? (float4){mesh_coordinate((*o)[0]), mesh_coordinate((*o)[1]),
                           mesh_coordinate((*o)[2]), 0}
