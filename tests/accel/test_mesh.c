@@ -177,7 +177,7 @@ START_TEST(test_mesh__equals_its_triangles)
 {
     struct random r = random_begin(531);
     static uint8_t see_through[WORLD_MAX];
-    for (int scene = 0; scene < random_some(400, 60); scene++) {
+    for (int scene = 0; scene < random_some(400, 20); scene++) {
         double reach;
         random_scene(&r, &reach);
         if (stored.prims.kind_count[PEN_PRIM_TRIANGLE] == 0)
@@ -211,7 +211,7 @@ START_TEST(test_mesh__counts_are_those_of_every_instruction_set)
 {
     struct random r = random_begin(533);
     uint64_t tests = 0;
-    for (int scene = 0; scene < random_some(400, 60); scene++) {
+    for (int scene = 0; scene < random_some(400, 20); scene++) {
         double reach;
         random_scene(&r, &reach);
         if (stored.prims.kind_count[PEN_PRIM_TRIANGLE] == 0)

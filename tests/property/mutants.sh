@@ -879,6 +879,26 @@ mutant calibration_part study/test_bench 0 "a calibration takes no rays"
 edit src/study/calibration.c 1 's/i < RAYS; i\+\+/i < 0 * RAYS; i++/'
 judge_test
 
+mutant mesh_outside mesh_closed 4000 "boxes of meshes hold facets that are grazed from far away"
+edit src/accel/internal/mesh_box.h 1 's/MESH_OUTSIDE 0x1p-38f/MESH_OUTSIDE 0x1p-50f/'
+judge
+
+mutant mesh_beside accel/test_mesh_bounds 0 "a lane that is passed within rounding is unsure"
+edit src/accel/internal/mesh_ray.h 1 's/56 \* 0x1p-24f/0 * 0x1p-24f/'
+judge_test
+
+mutant mesh_depth accel/test_mesh_bounds 0 "the depth of a lane has a bound"
+edit src/accel/internal/mesh_ray.h 1 's/48 \* 0x1p-24f/0 * 0x1p-24f/'
+judge_test
+
+mutant mesh_distance accel/test_mesh_bounds 0 "rays from far away are less certain"
+edit src/accel/internal/mesh_ray.h 1 's/0x1p-48f \* \(box->distance/0x0p-48f * (box->distance/'
+judge_test
+
+mutant mesh_planes accel/test_mesh_bounds 0 "planes of boxes have a margin"
+edit src/accel/internal/mesh_box.h 1 's/0x1p-20f \* \(far/0x0p-20f * (far/'
+judge_test
+
 [ -z "$edits" ] || {
     echo "$fit mutants fit the source, $errors do not"
     [ "$errors" -eq 0 ] && [ "$fit" -gt 0 ]
