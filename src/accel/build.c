@@ -65,7 +65,7 @@ static bool build_in(struct pen_thread_pool *pool, const struct request *request
 {
     const uint32_t meshes = request->kind == PEN_ACCEL_AUTO ? request->prims->mesh_count : 0;
     struct pen_mesh_frame *frames = pen_arena_alloc(arena, meshes, sizeof *frames);
-    const bool blocks = frames && meshes > 0 && pen_mesh_frames_make(pool, request->prims, frames);
+    const bool blocks = frames && meshes > 0 && pen_mesh_frames_make(request->prims, frames);
     struct pen_tree_layout layout = {.pool = pool,
                                      .prims = request->prims,
                                      .generic_kinds = request->generic_kinds,

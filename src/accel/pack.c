@@ -154,7 +154,7 @@ static void pack_mesh(struct packer *p, const struct lanes *in, uint32_t block)
     for (int lane = 0; lane < in->count; lane++) {
         const uint32_t triangle = in->prim[lane] - mesh->first;
         struct pen_vec3 v[3];
-        pen_mesh_corners_exact(mesh, triangle, v);
+        pen_mesh_corners(mesh, triangle, v);
         const int first = pen_triangle_first_corner(v);
         for (int i = 0; i < 3; i++)
             for (int axis = 0; axis < 3; axis++)

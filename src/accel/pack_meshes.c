@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the test of a mesh's blocks and their packing need of the mesh. */
-#include <stdlib.h>
+#include <float.h>
 
 #include "accel/internal/rounding.h"
 #include "accel/internal/tree_layout.h"
@@ -16,44 +16,6 @@ static double largest3(struct pen_vec3 v)
     return larger(larger(fabs(v.x), fabs(v.y)), fabs(v.z));
 }
 
-struct measuring {
-    const struct pen_mesh *mesh;
-    float factor;
-    bool *exact; /* by part */
-};
-
-enum { TRIANGLES_IN_PART = 1 << 13 };
-
-/* Whether the factor changes no bit of the numbers of a part's triangles. */
-static void measure_part(void *user, uint32_t number)
-{
-    const struct measuring *m = user;
-    const float factor = m->factor, back = 1 / factor;
-    const uint32_t begin = number * TRIANGLES_IN_PART;
-    bool exact = true;
-    for (uint32_t i = begin; i < m->mesh->count && i - begin < TRIANGLES_IN_PART; i++)
-        for (int corner = 0; corner < 3; corner++) {
-            const float *f = pen_mesh_float(m->mesh, i, corner);
-            for (int axis = 0; axis < 3; axis++)
-                exact &= f[axis] * factor * back == f[axis];
-        }
-    m->exact[number] = exact;
-}
-
-/* Whether the factor changes no bit of the mesh's numbers; false when out of memory. */
-static bool is_exact(struct pen_thread_pool *pool, const struct pen_mesh *mesh, float factor)
-{
-    const uint32_t parts = pen_parts_of(mesh->count, TRIANGLES_IN_PART);
-    struct measuring m = {mesh, factor, malloc(parts * sizeof *m.exact)};
-    bool exact = m.exact != NULL;
-    if (exact)
-        pen_parts_do(pool, parts, measure_part, &m);
-    for (uint32_t i = 0; exact && i < parts; i++)
-        exact = m.exact[i];
-    free(m.exact);
-    return exact;
-}
-
 /* Whether sums with this shift are 0 or not below PEN_LEAST: they are multiples of 2^-293. */
 static bool is_coarse(struct pen_vec3 shift)
 {
@@ -64,14 +26,13 @@ static bool is_coarse(struct pen_vec3 shift)
 
 /* Makes what the test of blocks needs. The unit's range keeps depths, in the block's numbers and in
  * the local frame, in that of floats. */
-static bool make_frame(struct pen_thread_pool *pool, const struct pen_mesh *mesh,
-                       struct pen_mesh_frame *frame)
+static bool make_frame(const struct pen_mesh *mesh, struct pen_mesh_frame *frame)
 {
     const double extent = larger(largest3(mesh->box.lo), largest3(mesh->box.hi));
     const double factor = extent > 0 ? pen_scale2(1, -pen_exponent(extent)) : 1;
     if (!(factor >= 0x1p-100 && factor <= 0x1p100 && mesh->unit >= 0x1p-60 * factor &&
           mesh->unit <= 0x1p60 * factor) ||
-        !is_coarse(mesh->shift) || !is_exact(pool, mesh, (float)factor))
+        !is_coarse(mesh->shift) || (factor < 1 && (double)mesh->least * factor < (double)FLT_MIN))
         return false;
     *frame = (struct pen_mesh_frame){.unit = mesh->unit / factor,
                                      .inv_unit = factor / mesh->unit,
@@ -80,12 +41,11 @@ static bool make_frame(struct pen_thread_pool *pool, const struct pen_mesh *mesh
     return true;
 }
 
-bool pen_mesh_frames_make(struct pen_thread_pool *pool, const struct pen_prims *prims,
-                          struct pen_mesh_frame *frame)
+bool pen_mesh_frames_make(const struct pen_prims *prims, struct pen_mesh_frame *frame)
 {
     bool ok = prims->mesh_count > 0;
     for (uint32_t i = 0; ok && i < prims->mesh_count; i++)
-        ok = make_frame(pool, &prims->mesh[i], &frame[i]);
+        ok = make_frame(&prims->mesh[i], &frame[i]);
     return ok;
 }
 

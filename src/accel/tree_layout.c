@@ -132,29 +132,14 @@ struct adding {
 
 enum { TRIANGLES_IN_PART = 1 << 13 };
 
-/* pen_mesh_bounds of a triangle of a mesh with a frame, where it takes half the time. */
-static struct pen_box bounds_exact(const struct pen_mesh *mesh, uint32_t triangle)
-{
-    struct pen_vec3 v[3];
-    pen_mesh_corners_exact(mesh, triangle, v);
-    const struct pen_box b =
-        pen_box_add_point(pen_box_add_point((struct pen_box){v[0], v[0]}, v[1]), v[2]);
-    const struct pen_vec3 size = pen_sub(b.hi, b.lo);
-    const double most = size.x > size.y ? size.x : size.y;
-    const double pad = 0x1p-40 * (most > size.z ? most : size.z);
-    const struct pen_vec3 p = pen_vec3(pad, pad, pad);
-    return (struct pen_box){pen_sub(b.lo, p), pen_add(b.hi, p)};
-}
-
 static void add_part(void *user, uint32_t part)
 {
     const struct adding *adding = user;
     const struct pen_mesh *mesh = adding->mesh;
     const uint32_t begin = part * TRIANGLES_IN_PART;
     for (uint32_t i = begin; i < mesh->count && i - begin < TRIANGLES_IN_PART; i++)
-        adding->ref[i] = finite_ref(mesh->first + i, PEN_PRIM_TRIANGLE, adding->block,
-                                    adding->block == PEN_BLOCK_MESH ? bounds_exact(mesh, i)
-                                                                    : pen_mesh_bounds(mesh, i));
+        adding->ref[i] =
+            finite_ref(mesh->first + i, PEN_PRIM_TRIANGLE, adding->block, pen_mesh_bounds(mesh, i));
 }
 
 static void add_mesh(struct pen_tree_layout *layout, const struct pen_mesh *mesh)

@@ -22,20 +22,19 @@ void pen_mesh_outline(const struct pen_mesh *mesh, uint32_t triangle, struct pen
         out->v[i] = v[(first + i) % 3];
 }
 
-/* Vertices are mapped to the local frame without a change of their order along an axis. */
 struct pen_box pen_mesh_bounds(const struct pen_mesh *mesh, uint32_t triangle)
 {
     const float *a = pen_mesh_float(mesh, triangle, 0), *b = pen_mesh_float(mesh, triangle, 1),
                 *c = pen_mesh_float(mesh, triangle, 2);
-    float end[6];
+    double lo[3], hi[3];
     for (int axis = 0; axis < 3; axis++) {
         const float low = a[axis] < b[axis] ? a[axis] : b[axis];
         const float high = a[axis] < b[axis] ? b[axis] : a[axis];
-        end[axis] = low < c[axis] ? low : c[axis];
-        end[3 + axis] = high > c[axis] ? high : c[axis];
+        lo[axis] = (double)(low < c[axis] ? low : c[axis]);
+        hi[axis] = (double)(high > c[axis] ? high : c[axis]);
     }
-    struct pen_mesh ends = {.vertex = end, .shift = mesh->shift, .unit = mesh->unit};
-    const struct pen_vec3 v[2] = {pen_mesh_vertex(&ends, 0), pen_mesh_vertex(&ends, 1)};
+    const struct pen_vec3 v[2] = {pen_mesh_place(mesh, pen_vec3(lo[0], lo[1], lo[2])),
+                                  pen_mesh_place(mesh, pen_vec3(hi[0], hi[1], hi[2]))};
     return pen_outline_bounds(v, 2, 0);
 }
 
@@ -97,13 +96,17 @@ static struct pen_vec3 shading_normal(const struct pen_mesh *mesh, uint32_t tria
 void pen_mesh_measure(struct pen_mesh *mesh)
 {
     float lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
+    float least = INFINITY;
     for (size_t i = 0; i < 3 * (size_t)mesh->count; i++) {
         const float *f = mesh->vertex + 3 * (size_t)mesh->corner[i];
         for (int axis = 0; axis < 3; axis++) {
             lo[axis] = f[axis] < lo[axis] ? f[axis] : lo[axis];
             hi[axis] = f[axis] > hi[axis] ? f[axis] : hi[axis];
+            const float size = f[axis] != 0 ? fabsf(f[axis]) : INFINITY;
+            least = size < least ? size : least;
         }
     }
+    mesh->least = least;
     mesh->box = (struct pen_box){pen_vec3((double)lo[0], (double)lo[1], (double)lo[2]),
                                  pen_vec3((double)hi[0], (double)hi[1], (double)hi[2])};
 }

@@ -24,10 +24,12 @@ struct pen_mesh {
     const uint32_t *corner_normal;
     /* By triangle: which of the mesh's materials it has. NULL: all have the first. */
     const uint16_t *material_of;
-    /* A vertex f is at shift + unit f in the local frame, rounded once. unit is a power of two. */
+    /* A vertex f is at shift + unit f in the local frame, rounded once. unit is a power of two, at
+     * least 2^-900, so the product is exact. */
     struct pen_vec3 shift;
     double unit;
     struct pen_box box; /* of the vertices that triangles use, as numbers of the mesh */
+    float least;        /* of these numbers: the smallest size that is not 0; INFINITY: none */
     uint32_t first, count;
     uint32_t slot, slots; /* one for each of its materials: see pen_prim_slot */
     uint32_t index;       /* of its first triangle: see struct pen_prim_ref */
@@ -39,14 +41,26 @@ static inline const float *pen_mesh_float(const struct pen_mesh *mesh, uint32_t 
     return mesh->vertex + 3 * (size_t)mesh->corner[3 * (size_t)triangle + (size_t)i];
 }
 
+/* The place of a vertex f in the local frame. */
+static inline struct pen_vec3 pen_mesh_place(const struct pen_mesh *mesh, struct pen_vec3 f)
+{
+    return pen_without_less(pen_vec3(mesh->unit * f.x + mesh->shift.x,
+                                     mesh->unit * f.y + mesh->shift.y,
+                                     mesh->unit * f.z + mesh->shift.z),
+                            PEN_LEAST);
+}
+
+/* Places keep the order of numbers along an axis, so boxes of numbers are boxes of places. */
+static inline struct pen_box pen_mesh_box(const struct pen_mesh *mesh)
+{
+    return (struct pen_box){pen_mesh_place(mesh, mesh->box.lo), pen_mesh_place(mesh, mesh->box.hi)};
+}
+
 /* A vertex in the local frame. */
 static inline struct pen_vec3 pen_mesh_vertex(const struct pen_mesh *mesh, uint32_t vertex)
 {
     const float *f = mesh->vertex + 3 * (size_t)vertex;
-    return pen_without_less(pen_vec3(fma(mesh->unit, (double)f[0], mesh->shift.x),
-                                     fma(mesh->unit, (double)f[1], mesh->shift.y),
-                                     fma(mesh->unit, (double)f[2], mesh->shift.z)),
-                            PEN_LEAST);
+    return pen_mesh_place(mesh, pen_vec3((double)f[0], (double)f[1], (double)f[2]));
 }
 
 /* The corners of a triangle of the mesh, in the order of the file. */
@@ -73,7 +87,7 @@ void pen_mesh_outline(const struct pen_mesh *mesh, uint32_t triangle, struct pen
 /* pen_prim_bounds of a triangle of the mesh. */
 struct pen_box pen_mesh_bounds(const struct pen_mesh *mesh, uint32_t triangle);
 
-/* Fills in mesh->box. */
+/* Fills in mesh->box and mesh->least. */
 void pen_mesh_measure(struct pen_mesh *mesh);
 
 #endif

@@ -160,12 +160,6 @@ static bool make(struct pen_freezer *f, const struct pen_scene_prim *prim, struc
     return true;
 }
 
-static struct pen_vec3 placed(const struct pen_mesh *mesh, struct pen_vec3 p)
-{
-    return pen_vec3(fma(mesh->unit, p.x, mesh->shift.x), fma(mesh->unit, p.y, mesh->shift.y),
-                    fma(mesh->unit, p.z, mesh->shift.z));
-}
-
 bool pen_freeze_mesh_begin(struct pen_freezer *f, const struct pen_scene_prim *prim)
 {
     struct pen_mesh *more = realloc(f->mesh, (f->mesh_count + (size_t)1) * sizeof *more);
@@ -176,10 +170,10 @@ bool pen_freeze_mesh_begin(struct pen_freezer *f, const struct pen_scene_prim *p
     if (!make(f, prim, mesh))
         return false;
     f->mesh_count++;
-    const struct pen_vec3 lo = placed(mesh, mesh->box.lo), hi = placed(mesh, mesh->box.hi);
-    if (!isfinite(vec_max_abs(lo)) || !isfinite(vec_max_abs(hi)))
+    const struct pen_box box = pen_mesh_box(mesh);
+    if (!isfinite(vec_max_abs(box.lo)) || !isfinite(vec_max_abs(box.hi)))
         return pen_fail(f->st, PEN_INVALID, "is larger than a double can hold");
-    f->summary.finite = pen_box_add_point(pen_box_add_point(f->summary.finite, lo), hi);
+    f->summary.finite = pen_box_union(f->summary.finite, box);
     f->summary.total += mesh->count;
     f->summary.slots += mesh->slots;
     return true;
@@ -189,6 +183,6 @@ bool pen_freeze_mesh_end(const struct pen_freezer *f, struct pen_mesh *mesh)
 {
     mesh->shift = pen_local_point(&f->frame, mesh->shift);
     mesh->unit = pen_local_length(&f->frame, mesh->unit);
-    return mesh->unit > 0 && pen_freeze_in_range(placed(mesh, mesh->box.lo)) &&
-           pen_freeze_in_range(placed(mesh, mesh->box.hi));
+    const struct pen_box box = pen_mesh_box(mesh);
+    return mesh->unit >= 0x1p-900 && pen_freeze_in_range(box.lo) && pen_freeze_in_range(box.hi);
 }

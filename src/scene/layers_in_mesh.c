@@ -54,21 +54,13 @@ static struct pen_box box_of_plane(const struct pen_plane *plane)
     return box;
 }
 
-static struct pen_box box_of_mesh(const struct pen_mesh *mesh)
-{
-    const struct pen_vec3 lo = mesh->box.lo, hi = mesh->box.hi, s = mesh->shift;
-    const double k = mesh->unit;
-    return (struct pen_box){pen_vec3(fma(k, lo.x, s.x), fma(k, lo.y, s.y), fma(k, lo.z, s.z)),
-                            pen_vec3(fma(k, hi.x, s.x), fma(k, hi.y, s.y), fma(k, hi.z, s.z))};
-}
-
 struct pen_layers_others *pen_layers_others(const struct pen_prims *prims)
 {
     struct pen_layers_others *to = calloc(1, sizeof *to);
     if (!to)
         return NULL;
     for (uint32_t m = 0; m < prims->mesh_count; m++)
-        add(to, box_of_mesh(&prims->mesh[m]), m);
+        add(to, pen_mesh_box(&prims->mesh[m]), m);
     for (uint32_t i = 0, m = 0; prims->mesh_count && i < prims->count; i++) {
         if (m < prims->mesh_count && i == prims->mesh[m].first) {
             i += prims->mesh[m++].count - 1;
@@ -116,11 +108,6 @@ static uint64_t hash_point(const float *f)
     return hash;
 }
 
-static const float *point_of(const struct pen_mesh *mesh, uint32_t triangle, int i)
-{
-    return mesh->vertex + 3 * (size_t)mesh->corner[3 * (size_t)triangle + (size_t)i];
-}
-
 static bool equal_points(const float *a, const float *b)
 {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
@@ -132,8 +119,8 @@ static bool equal_triangles(const struct pen_mesh *mesh, uint32_t a, uint32_t b)
     for (int i = 0; i < 3; i++) {
         bool found[2] = {false, false};
         for (int k = 0; k < 3; k++) {
-            found[0] |= equal_points(point_of(mesh, a, i), point_of(mesh, b, k));
-            found[1] |= equal_points(point_of(mesh, b, i), point_of(mesh, a, k));
+            found[0] |= equal_points(pen_mesh_float(mesh, a, i), pen_mesh_float(mesh, b, k));
+            found[1] |= equal_points(pen_mesh_float(mesh, b, i), pen_mesh_float(mesh, a, k));
         }
         if (!found[0] || !found[1])
             return false;
@@ -186,7 +173,7 @@ static void add_all(const struct table *table, void (*fn)(void *user, uint32_t a
         for (uint32_t i = 0; i < count; i++) {
             hash[i] = 0;
             for (int k = 0; k < 3; k++)
-                hash[i] += hash_point(point_of(table->mesh, begin + i, k));
+                hash[i] += hash_point(pen_mesh_float(table->mesh, begin + i, k));
             __builtin_prefetch(&table->entry[place_of(table, hash[i])], 1);
         }
         for (uint32_t i = 0; i < count; i++)

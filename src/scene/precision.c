@@ -61,24 +61,13 @@ static struct pen_box box_of_triangle(const struct pen_vec3 v[3])
     return pen_box_add_point(pen_box_add_point((struct pen_box){v[0], v[0]}, v[1]), v[2]);
 }
 
-/* The box around a mesh. */
-static struct pen_box box_of_mesh(const struct pen_mesh *mesh)
-{
-    const struct pen_vec3 lo = mesh->box.lo, hi = mesh->box.hi;
-    const float corners[6] = {(float)lo.x, (float)lo.y, (float)lo.z,
-                              (float)hi.x, (float)hi.y, (float)hi.z};
-    struct pen_mesh two = *mesh;
-    two.vertex = corners;
-    return (struct pen_box){pen_mesh_vertex(&two, 0), pen_mesh_vertex(&two, 1)};
-}
-
 static struct pen_box all_bounds(const struct pen_prims *prims)
 {
     struct pen_box all = pen_box_empty();
     for (uint32_t i = 0; i < prims->count; i++) {
         const struct pen_mesh *mesh = pen_prim_mesh(prims, i);
         if (mesh) {
-            all = pen_box_union(all, box_of_mesh(mesh));
+            all = pen_box_union(all, pen_mesh_box(mesh));
             i += mesh->count - 1;
         } else if (!pen_prim_infinite(pen_prim_kind(prims, i)))
             all = pen_box_union(all, box_of(prims, i));
@@ -86,24 +75,12 @@ static struct pen_box all_bounds(const struct pen_prims *prims)
     return all;
 }
 
-/* The corners of a triangle of a mesh. The product is exact, except for numbers that do not matter
- * here, so no fma is necessary, which takes longer. */
-static void corners(const struct pen_mesh *mesh, uint32_t triangle, struct pen_vec3 v[3])
-{
-    for (int i = 0; i < 3; i++) {
-        const float *f = pen_mesh_float(mesh, triangle, i);
-        v[i] = pen_vec3(mesh->unit * (double)f[0] + mesh->shift.x,
-                        mesh->unit * (double)f[1] + mesh->shift.y,
-                        mesh->unit * (double)f[2] + mesh->shift.z);
-    }
-}
-
 /* The same for the triangles of a mesh, if it is below `least`. */
 static double nearest_of_mesh(const struct pen_mesh *mesh, struct pen_vec3 eye, double least)
 {
     for (uint32_t i = 0; i < mesh->count; i++) {
         struct pen_vec3 v[3];
-        corners(mesh, i, v);
+        pen_mesh_corners(mesh, i, v);
         const struct pen_box box = box_of_triangle(v);
         const struct pen_vec3 off = box_gap(box, eye);
         if (pen_dot(off, off) >= least * least)
@@ -209,7 +186,7 @@ static void find_narrowest(const struct pen_prims *prims, struct pen_scene_preci
         if (!mesh || i - mesh->first == mesh->count)
             mesh = pen_prim_mesh(prims, i);
         if (mesh)
-            corners(mesh, i - mesh->first, v);
+            pen_mesh_corners(mesh, i - mesh->first, v);
         if (mesh && !may_be_thinner(v, out->thinness))
             continue;
         measure(prims, i, &width, &length);

@@ -186,23 +186,8 @@ bool pen_accel_pack(const struct pen_tree_layout *layout, struct pen_arena *aren
                     struct pen_accel *accel);
 
 /* Fills in the frames of all meshes. Returns false if there are no meshes, or if some mesh cannot
- * have blocks because its numbers are too far apart, or when out of memory. */
-bool pen_mesh_frames_make(struct pen_thread_pool *pool, const struct pen_prims *prims,
-                          struct pen_mesh_frame *frame);
-
-/* The corners of a triangle of a mesh that has a frame, as pen_mesh_corners: the product is then
- * exact, so it may be rounded before the sum. */
-static inline void pen_mesh_corners_exact(const struct pen_mesh *mesh, uint32_t triangle,
-                                          struct pen_vec3 v[3])
-{
-    for (int i = 0; i < 3; i++) {
-        const float *f = pen_mesh_float(mesh, triangle, i);
-        v[i] = pen_without_less(pen_vec3(mesh->unit * (double)f[0] + mesh->shift.x,
-                                         mesh->unit * (double)f[1] + mesh->shift.y,
-                                         mesh->unit * (double)f[2] + mesh->shift.z),
-                                PEN_LEAST);
-    }
-}
+ * have blocks because its numbers are too far apart. */
+bool pen_mesh_frames_make(const struct pen_prims *prims, struct pen_mesh_frame *frame);
 
 /* Reads ahead what the packing of a leaf's mesh triangles needs: their numbers of vertices, or the
  * vertices. Neighbours in space may be far from one another in a file. */
