@@ -66,6 +66,27 @@ START_TEST(test_model_obj__reads_materials)
 }
 END_TEST
 
+START_TEST(test_model_obj__numbers_of_materials_have_a_range)
+{
+    struct model r = {.mtl = "newmtl red one\nKd -3 0.5 1.5\nKs 2\nKe -1 7 0\nNs -5\nNi -1\nd 3\n"
+                             "newmtl b\nd -0.5\nNs 3e38\nnewmtl c\nTr 1.5\nnewmtl d\nTr -1\n"};
+    ck_assert(model_text(&r, PEN_MODEL_OBJ,
+                         "mtllib m.mtl\n" FOUR "usemtl red one\nf 1 2 3\nusemtl b\nf 1 2 4\n"
+                         "usemtl c\nf 1 3 4\nusemtl d\nf 2 3 4\n"));
+    const struct pen_model_material *m = r.m.material;
+    ck_assert(m->diffuse[0] == 0 && m->diffuse[1] == 0.5f && m->diffuse[2] == 1);
+    ck_assert(m->specular[0] == 1 && m->specular[2] == 1 && m->shininess == 0 && m->ior == 0);
+    ck_assert(m->emission[0] == 0 && m->emission[1] == 7 && m->opacity == 1);
+    ck_assert(m[1].opacity == 0 && m[1].shininess == 3e38f && m[2].opacity == 0 &&
+              m[3].opacity == 1);
+    ck_assert(model_noted(&r, "the material \"red one\" has Kd -3; it is taken as 0"));
+    ck_assert(model_noted(&r, "the material \"red one\" has Kd 1.5; it is taken as 1"));
+    ck_assert(model_noted(&r, "the material \"red one\" has d 3; it is taken as 1"));
+    ck_assert(model_noted(&r, "the material \"c\" has Tr 1.5; it is taken as 1"));
+    pen_model_release(&r.m);
+}
+END_TEST
+
 START_TEST(test_model_obj__counts_statements_that_are_not_read)
 {
     struct model r = {.mtl = NULL};
@@ -177,6 +198,7 @@ END_TEST
 
 PEN_SUITE("io/model_obj", test_model_obj__reads_all_forms_of_corners,
           test_model_obj__faces_may_come_before_their_vertices, test_model_obj__reads_materials,
+          test_model_obj__numbers_of_materials_have_a_range,
           test_model_obj__counts_statements_that_are_not_read,
           test_model_obj__asks_only_for_files_in_its_folder,
           test_model_obj__reads_several_files_of_one_statement,

@@ -4,6 +4,7 @@
  * Source: Wavefront, "MTL material format", appendix of the Advanced Visualizer's manual, 1995. */
 #include "io/mesh/mtl.h"
 
+#include <float.h>
 #include <stddef.h>
 #include <strings.h>
 
@@ -11,21 +12,23 @@
 
 enum { NAME_BYTES = 256, FILES = 64 };
 
-/* The statements that are read: `numbers` of them go to `offset` in the material. */
+/* The statements that are read: `numbers` of them, from 0 to `most`, go to `offset` in the
+ * material. */
 static const struct statement {
     const char *name;
     unsigned numbers;
+    float most;
     size_t offset;
-} statements[] = {{"Kd", 3, offsetof(struct pen_model_material, diffuse)},
-                  {"Ks", 3, offsetof(struct pen_model_material, specular)},
-                  {"Ke", 3, offsetof(struct pen_model_material, emission)},
-                  {"Ns", 1, offsetof(struct pen_model_material, shininess)},
-                  {"Ni", 1, offsetof(struct pen_model_material, ior)},
-                  {"d", 1, offsetof(struct pen_model_material, opacity)},
-                  {"Tr", 1, offsetof(struct pen_model_material, opacity)},
-                  {"Ka", 0, 0},
-                  {"illum", 0, 0},
-                  {"sharpness", 0, 0}};
+} statements[] = {{"Kd", 3, 1, offsetof(struct pen_model_material, diffuse)},
+                  {"Ks", 3, 1, offsetof(struct pen_model_material, specular)},
+                  {"Ke", 3, FLT_MAX, offsetof(struct pen_model_material, emission)},
+                  {"Ns", 1, FLT_MAX, offsetof(struct pen_model_material, shininess)},
+                  {"Ni", 1, FLT_MAX, offsetof(struct pen_model_material, ior)},
+                  {"d", 1, 1, offsetof(struct pen_model_material, opacity)},
+                  {"Tr", 1, 1, offsetof(struct pen_model_material, opacity)},
+                  {"Ka", 0, 0, 0},
+                  {"illum", 0, 0, 0},
+                  {"sharpness", 0, 0, 0}};
 
 /* An MTL that is read. */
 struct reader {
@@ -43,6 +46,17 @@ static void add_lost(struct reader *r, const char *word)
         snprintf(r->lost + used, sizeof r->lost - used, "%s%s", used ? ", " : "", shown.text);
 }
 
+/* The nearest number from 0 to the most that the statement allows, with a warning if it differs. */
+static float clamp(struct reader *r, const struct statement *is, float found)
+{
+    const float taken = found < 0 ? 0 : found > is->most ? is->most : found;
+    if (taken != found)
+        pen_build_note(r->b, NULL, "the material %s has %s %s; it is taken as %s",
+                       pen_text_quote(r->material->is.name).text, is->name,
+                       pen_text_number((double)found).text, pen_text_number((double)taken).text);
+    return taken;
+}
+
 /* One number of a colour stands for three. */
 static bool read_numbers(struct reader *r, const struct statement *is)
 {
@@ -56,7 +70,7 @@ static bool read_numbers(struct reader *r, const struct statement *is)
         return pen_scan_fail(&r->scan, PEN_SYNTAX, r->scan.at, "%s needs %u numbers", is->name,
                              is->numbers);
     for (unsigned i = 0; i < is->numbers; i++)
-        to[i] = n[i < count ? i : 0].f;
+        to[i] = clamp(r, is, n[i < count ? i : 0].f);
     if (is->name[0] == 'T')
         *to = 1 - *to;
     return true;
