@@ -305,8 +305,9 @@ bool pen_mesh_read(struct pen_reader *r, const struct pen_place *at, const json_
     mesh->material_count = 1;
     const struct pen_place file_at = pen_place_key(at, "file"),
                            normals_at = pen_place_key(at, "normals");
-    if (target.file && json_object_get(json, "positions"))
-        return pen_reader_fail(r, &file_at, PEN_INVALID, "must not stand beside positions");
+    if (target.file && (json_object_get(json, "positions") || json_object_get(json, "faces")))
+        return pen_reader_fail(r, &file_at, PEN_INVALID,
+                               "must not stand beside positions or faces");
     if (target.file && json_object_get(json, "normals"))
         return pen_reader_fail(r, &normals_at, PEN_INVALID,
                                "must not stand beside file, whose own normals count");
