@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/utf8.h"
 #include "io/document.h"
 #include "math/box.h"
 
@@ -172,6 +173,8 @@ bool pen_models_scene(struct pen_models *models, const char *name, enum pen_up u
 {
     struct pen_model model = {0};
     struct pen_errors notes = {0};
+    if (!pen_utf8_is_valid(name, strlen(name)))
+        return pen_fail(st, PEN_INVALID, "the file's name is not UTF-8; rename it");
     if (!read_file(models, name, &model, &notes, st))
         return false;
     const bool z_up =

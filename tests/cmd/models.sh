@@ -38,6 +38,10 @@ expect "the scene names the file" "$(jq -r '.objects[0].file' models/scene.json)
 exits "render the scene" 0 "$penumbra" render models/scene.json $small -o scene.pfm -q
 check "to the same bytes" cmp model.pfm scene.pfm
 check "the picture is not empty" test "$(tail -c +15 model.pfm | od -An -v -tx4 -w12 | sort -u | wc -l)" -gt 2
+strange=models/$(printf 'a\377.ply')
+cp models/tetra.ply "$strange"
+exits "a name that is not UTF-8" 3 "$penumbra" render "$strange" -o x.png -q
+prints "is told" stderr "the file's name is not UTF-8; rename it"
 exits "validate it" 0 "$penumbra" validate models/tetra.ply
 prints "is valid, and counts" stdout "models/tetra.ply: valid, meshes: 1, triangles: 4"
 exits "validate it as JSON" 0 "$penumbra" validate models/tetra.ply --json
