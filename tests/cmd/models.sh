@@ -38,6 +38,28 @@ expect "the scene names the file" "$(jq -r '.objects[0].file' models/scene.json)
 exits "render the scene" 0 "$penumbra" render models/scene.json $small -o scene.pfm -q
 check "to the same bytes" cmp model.pfm scene.pfm
 check "the picture is not empty" test "$(tail -c +15 model.pfm | od -An -v -tx4 -w12 | sort -u | wc -l)" -gt 2
+# Also if OUT is in a folder above; not if it is in another folder, where no file may be named.
+mkdir -p up/sub other/sub
+cp models/tetra.ply up/sub
+jq '.objects = [{type: "group", objects: [.objects[0] | .file = "sub/inner.ply"]}]' models/scene.json >models/group.json
+for out in 'up/sub/tetra.ply up/above.json' 'models/group.json ./above.json' 'models/tetra.ply -'; do
+    rm -f stdout scene.pfm
+    # shellcheck disable=SC2086
+    exits "convert $out" 0 "$penumbra" convert $out
+    [ "${out#* }" = - ] || cp "${out#* }" stdout
+    cp stdout "$(dirname "${out#* }")/copy.json"
+    # shellcheck disable=SC2086
+    exits "render ${out#* }" 0 "$penumbra" render "$(dirname "${out#* }")/copy.json" $small -o scene.pfm -q
+    check "to the same bytes" cmp model.pfm scene.pfm
+done
+for out in 'models/tetra.ply other/out.json' 'models/group.json other/out.json' 'models/tetra.ply model/out.json'; do
+    mkdir -p model
+    # shellcheck disable=SC2086
+    exits "convert $out" 2 "$penumbra" convert $out
+    prints "says where OUT may be" stderr "write OUT to the folder of SCENE"
+    check "and writes nothing" test ! -e other/out.json
+done
+exits "a scene without files goes anywhere" 0 "$penumbra" convert builtin:spheres other/out.json
 strange=models/$(printf 'a\377.ply')
 cp models/tetra.ply "$strange"
 exits "a name that is not UTF-8" 3 "$penumbra" render "$strange" -o x.png -q
