@@ -270,11 +270,16 @@ static bool read(struct obj *o)
     if (!pen_mtl_add(&o->mtl, o->b, 0, 0) || !pass(o, count_statement) || !make_space(o))
         return false;
     do {
-        pen_build_begin_vertices(o->b);
-        if (!pass(o, read_vector))
+        do {
+            pen_build_begin_vertices(o->b);
+            if (!pass(o, read_vector))
+                return false;
+        } while (pen_build_far(o->b));
+        o->current = o->material.count = 0;
+        if (!pass(o, read_element))
             return false;
-    } while (pen_build_far(o->b));
-    if (!pass(o, read_element) || !take_materials(o))
+    } while (pen_build_faces_far(o->b));
+    if (!take_materials(o))
         return false;
     add_notes(o);
     return true;
