@@ -209,13 +209,16 @@ char *penumbra_scene_settings(const struct penumbra_scene *scene, struct penumbr
 
 /* An upper bound of the bytes of the description, the frozen scene and its acceleration structure.
  * Per primitive the structures take less than 1 KiB: at most a block of four lanes, of which up to
- * three may be empty, and a share of nodes. Lights, materials, views and vertices take at most 8
- * times their size in the description. Each arena begins with its own chunk. tests/embed compares
- * the bound with the bytes that scenes take. */
+ * three may be empty, and a share of nodes. For a triangle of a mesh, such a block takes 160 bytes,
+ * the share of nodes 126 (a node of 224 bytes has fewer than eight children only if all are
+ * leaves), solids and layers 13; the ranges, 64 while the tree is built, are freed. Lights,
+ * materials, views and vertices take at most 8 times their size in the description. Each arena
+ * begins with its own chunk. tests/embed compares the bound with the bytes that scenes take. */
 static uint64_t scene_bytes(const struct pen_scene_desc *desc, const struct pen_arena *arena)
 {
+    const uint64_t triangles = pen_desc_meshes(desc).triangles;
     return ((uint64_t)256 << 10) + 9 * (uint64_t)pen_arena_used(arena) +
-           1024 * desc->primitive_count;
+           1024 * (desc->primitive_count - triangles) + 320 * triangles;
 }
 
 int penumbra_scene_estimate(const struct penumbra_scene *scene, struct penumbra_estimate *estimate,
