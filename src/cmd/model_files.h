@@ -22,7 +22,8 @@ extern const char *const pen_model_ups[];
     {                                                                                              \
         .name = "max-triangles", .kind = PEN_OPTION_INT,                                           \
         .offset = offsetof(values, model.max_triangles), .value = "N", .min = 1,                   \
-        .max = 1000000000, .help = "the most triangles of a model file, 20000000 by default"       \
+        .max = PEN_MODEL_TRIANGLES_MAX,                                                            \
+        .help = "the most triangles of a model file, 20000000 by default"                          \
     }
 
 /* Makes the files beside `scene`, a path, available; NULL: those of the working folder.

@@ -17,7 +17,8 @@
 enum pen_model_kind { PEN_MODEL_NONE, PEN_MODEL_PLY, PEN_MODEL_OBJ, PEN_MODEL_STL };
 
 enum {
-    PEN_MODEL_TRIANGLES = 20000000, /* the default of max_triangles */
+    PEN_MODEL_TRIANGLES = 20000000,          /* the default of max_triangles */
+    PEN_MODEL_TRIANGLES_MAX = (1 << 26) - 1, /* an acceleration structure holds no more */
     PEN_MODEL_NAME_BYTES = 64
 };
 

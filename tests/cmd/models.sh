@@ -159,6 +159,8 @@ exits "a broken model" 3 "$penumbra" render models/broken.ply -o x.png -q
 prints "names the file" stderr "models/broken.ply"
 exits "too many triangles" 3 "$penumbra" render models/tetra.ply --max-triangles 3 -o x.png -q
 prints "says how many" stderr "3"
+exits "more than a tree holds" 2 "$penumbra" render models/tetra.ply --max-triangles 67108864 -o x.png -q
+prints "names the limit" stderr 67108863
 exits "a model for a daemon" 3 "$penumbra" submit models/tetra.ply
 prints "is not supported yet" stderr "not supported yet: a model on a daemon"
 finish
