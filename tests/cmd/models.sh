@@ -137,6 +137,15 @@ done
 check "normals that are not wanted have no effect" cmp not_smooth.pfm model.pfm
 check "nor in the document" cmp inline_flat.pfm model.pfm
 check "normals in the document are those of the file" cmp inline_smooth.pfm smooth.ply.pfm
+# Of several materials, a triangle takes two bytes more than of one.
+printf 'newmtl a\nnewmtl b\n' >models/many.mtl
+for count in 1 2; do
+    awk -v count=$count 'BEGIN { print "mtllib many.mtl"; for (i = 0; i < 30000; i++) print "v", i % 3, int(i / 3) % 2 + i / 1e5, i / 7
+        for (i = 0; i < 10000; i++) print (i == 0 ? "usemtl a\n" : i == 1 && count == 2 ? "usemtl b\n" : "") "f", 3*i + 1, 3*i + 2, 3*i + 3 }' \
+        >models/many.obj
+    exits "render $count materials" 0 "$penumbra" render models/many.obj --set width=1 --set height=1 --stats many$count.json -o x.png -q
+done
+expect "two bytes a triangle" "$(jq -s 'map(.meshes.bytes_per_triangle) | .[1] - .[0] | . > 1.9 and . < 2.2' many1.json many2.json)" true
 exits "its effects" 0 "$penumbra" explain models/smooth.ply
 prints "name them" stdout "object mesh 0 has normals, and kd or ks > 0"
 

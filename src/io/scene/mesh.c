@@ -211,7 +211,8 @@ static bool take_materials(struct pen_reader *r, const struct pen_model *model, 
         if (!pen_material_add(r, &m, &material[i]))
             return false;
     }
-    mesh->material_of = model->material_of;
+    if (count > 1)
+        mesh->material_of = model->material_of;
     return true;
 }
 
