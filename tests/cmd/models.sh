@@ -146,6 +146,11 @@ for count in 1 2; do
     exits "render $count materials" 0 "$penumbra" render models/many.obj --set width=1 --set height=1 --stats many$count.json -o x.png -q
 done
 expect "two bytes a triangle" "$(jq -s 'map(.meshes.bytes_per_triangle) | .[1] - .[0] | . > 1.9 and . < 2.2' many1.json many2.json)" true
+# Warnings have the place in the scene and the line in the model.
+{ printf 'l 1 2\n' && cat models/smooth.obj; } >models/lines.obj
+jq '.objects[0].file = "lines.obj"' models/scene.json >models/lines.json
+exits "a warning" 0 "$penumbra" render models/lines.json --set width=8 --set height=8 -o x.png
+prints "has both places" stderr "/objects/0/file: warning: lines.obj:1:1: 1 statements are not read"
 exits "its effects" 0 "$penumbra" explain models/smooth.ply
 prints "name them" stdout "object mesh 0 has normals, and kd or ks > 0"
 

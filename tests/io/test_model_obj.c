@@ -152,6 +152,24 @@ START_TEST(test_model_obj__an_error_in_an_mtl_names_both_lines)
 }
 END_TEST
 
+START_TEST(test_model_obj__searches_for_too_many_materials_are_refused)
+{
+    enum { MATERIALS = 4000, USES = 20000, LINE = 16 };
+    static char mtl[LINE * MATERIALS + 1], obj[LINE * USES + 100] = FOUR "mtllib m.mtl\n";
+    struct model r = {.mtl = mtl};
+    const size_t head = strlen(obj);
+    for (size_t i = 0; i < MATERIALS; i++)
+        snprintf(mtl + LINE * i, LINE + 1, "newmtl %08zu\n", i);
+    for (size_t i = 0; i < USES; i++)
+        snprintf(obj + head + LINE * i, LINE + 1, "usemtl %08d\n", MATERIALS - 1);
+    strcat(obj, "f 1 2 3\n");
+    ck_assert(!model_text(&r, PEN_MODEL_OBJ, obj));
+    ck_assert_msg(r.st.code == PEN_TOO_LARGE && r.st.line > 1000 &&
+                      strstr(r.st.msg, "this one of 4000 materials"),
+                  "%d: %s", r.st.line, r.st.msg);
+}
+END_TEST
+
 START_TEST(test_model_obj__refuses_with_a_line_and_advice)
 {
     static const struct model_refusal refusals[] = {
@@ -203,5 +221,6 @@ PEN_SUITE("io/model_obj", test_model_obj__reads_all_forms_of_corners,
           test_model_obj__asks_only_for_files_in_its_folder,
           test_model_obj__reads_several_files_of_one_statement,
           test_model_obj__an_error_in_an_mtl_names_both_lines,
+          test_model_obj__searches_for_too_many_materials_are_refused,
           test_model_obj__refuses_with_a_line_and_advice,
           test_model_obj__without_other_files_a_named_mtl_is_refused)

@@ -200,7 +200,11 @@ static bool read_usemtl(struct obj *o, const char *at)
     o->current = i < o->mtl.count ? i : 0;
     if (o->current == 0)
         add_unknown(&o->material, name);
-    return pen_build_steps(o->b, at, i);
+    return pen_build_steps(o->b, at, i) ||
+           pen_scan_fail(&o->b->scan, PEN_TOO_LARGE, at,
+                         "finding this one of %u materials, again and again, takes too long; sort "
+                         "the faces by material, or write fewer materials",
+                         o->mtl.count - 1);
 }
 
 static bool read_element(struct obj *o, const char *word, size_t length)

@@ -255,13 +255,24 @@ static bool take_model(struct pen_reader *r, const struct pen_model *model, int 
     return ok;
 }
 
+/* ":LINE:COLUMN", or nothing if the status has no line. */
+static const char *line_of(const struct pen_status *st, char out[48])
+{
+    out[0] = '\0';
+    if (st->line > 0)
+        snprintf(out, 48, ":%d:%d", st->line, st->column);
+    return out;
+}
+
 static void note(struct pen_reader *r, const struct pen_place *at, const char *file,
                  const struct pen_errors *notes)
 {
     struct pen_errors *errors = r->errors;
+    char line[48];
     r->errors = r->model_notes;
     for (size_t i = 0; i < notes->count; i++)
-        pen_reader_fail(r, at, PEN_OK, "%.100s: %s", file, notes->item[i].msg);
+        pen_reader_fail(r, at, PEN_OK, "%.100s%s: %s", file, line_of(&notes->item[i], line),
+                        notes->item[i].msg);
     r->errors = errors;
 }
 
@@ -281,10 +292,8 @@ static bool read_file(struct pen_reader *r, const struct pen_place *at, const ch
         ok = take_model(r, &model, own, smooth, mesh);
         note(r, at, file, &notes);
     } else {
-        char place[48] = "";
-        if (st.line > 0)
-            snprintf(place, sizeof place, ":%d:%d", st.line, st.column);
-        pen_reader_fail(r, at, st.code, "%.100s%s: %s", file, place, st.msg);
+        char line[48];
+        pen_reader_fail(r, at, st.code, "%.100s%s: %s", file, line_of(&st, line), st.msg);
     }
     pen_model_release(&model);
     return ok;
