@@ -33,7 +33,4 @@ bool pen_model_files_open(const char *scene, const struct pen_model_options *opt
                           struct pen_models *models, struct pen_status *st);
 void pen_model_files_release(struct pen_models *models);
 
-/* The axis of --up. */
-enum pen_up pen_model_up(const struct pen_model_options *options);
-
 #endif

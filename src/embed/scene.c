@@ -87,15 +87,11 @@ static bool read_text(struct reading *reading, const char *text, size_t bytes,
 
 static bool read_model(struct reading *reading, const char *name, struct pen_errors *list)
 {
-    const int up = reading->given.up;
     struct pen_buf text = {0};
     struct pen_status st;
-    bool ok = reading->given.read ? pen_models_scene(&reading->models, name,
-                                                     up == 0     ? PEN_UP_OF_KIND
-                                                     : up == 'z' ? PEN_UP_Z
-                                                                 : PEN_UP_Y,
-                                                     &text, &st)
-                                  : pen_fail(&st, PEN_USAGE, "read: a model needs this callback");
+    bool ok = reading->given.read
+                  ? pen_models_scene(&reading->models, name, (char)reading->given.up, &text, &st)
+                  : pen_fail(&st, PEN_USAGE, "read: a model needs this callback");
     if (!ok)
         pen_errors_add(list, &st);
     ok = ok && read_text(reading, (const char *)text.data, text.bytes, list);
