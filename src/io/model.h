@@ -13,6 +13,7 @@
 
 #include "base/buf.h"
 #include "base/status.h"
+#include "geom/mesh.h"
 
 enum pen_model_kind { PEN_MODEL_NONE, PEN_MODEL_PLY, PEN_MODEL_OBJ, PEN_MODEL_STL };
 
@@ -21,9 +22,6 @@ enum {
     PEN_MODEL_TRIANGLES_MAX = (1 << 26) - 1, /* an acceleration structure holds no more */
     PEN_MODEL_NAME_BYTES = 64
 };
-
-/* In corner_normal: the corner has no normal. */
-#define PEN_MODEL_NO_NORMAL UINT32_MAX
 
 struct pen_model_material {
     char name[PEN_MODEL_NAME_BYTES]; /* in UTF-8, cut if longer; "": no material is named */
@@ -39,8 +37,9 @@ struct pen_model {
     uint32_t triangle_count;
     float (*normal)[3]; /* finite, of any length, also 0; NULL: none */
     uint32_t normal_count;
-    uint32_t (*corner_normal)[3]; /* NULL: vertex i has normal i, if there are normals */
-    uint16_t *material_of;        /* of each triangle; NULL: all have the first, if there is one */
+    /* NULL: vertex i has normal i, if there are normals. PEN_NO_NORMAL: the corner has none. */
+    uint32_t (*corner_normal)[3];
+    uint16_t *material_of; /* of each triangle; NULL: all have the first, if there is one */
     struct pen_model_material *material; /* those that triangles use */
     uint32_t material_count;
     /* What the notes tell in words. */

@@ -23,7 +23,7 @@ static inline void check_model(const struct pen_model *m)
         must(c[0] != c[1] && c[1] != c[2] && c[2] != c[0]);
         for (int i = 0; i < 3; i++) {
             must(c[i] < m->vertex_count);
-            must(!m->corner_normal || m->corner_normal[t][i] == PEN_MODEL_NO_NORMAL ||
+            must(!m->corner_normal || m->corner_normal[t][i] == PEN_NO_NORMAL ||
                  m->corner_normal[t][i] < normals);
         }
         must(!m->material_of || m->material_of[t] < m->material_count);

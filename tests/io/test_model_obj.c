@@ -14,7 +14,7 @@ START_TEST(test_model_obj__reads_all_forms_of_corners)
                          "\tf 1//1 \\\r\n 2 4//1"));
     model_check_corners(
         &r, (const uint32_t[][3]){{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 3}}, 5);
-    const uint32_t no = PEN_MODEL_NO_NORMAL;
+    const uint32_t no = PEN_NO_NORMAL;
     const uint32_t normal[][3] = {{no, no, no}, {no, no, no}, {1, 0, 1}, {1, 0, 0}, {no, no, no}};
     ck_assert_mem_eq(r.m.corner_normal, normal, sizeof normal);
     ck_assert(r.m.normal_count == 2 && r.m.normal[1][1] == 2 && r.m.normal[0][2] == 1);

@@ -136,7 +136,7 @@ static bool read_corner(struct obj *o)
     struct pen_build *b = o->b;
     struct pen_scan *s = &b->scan;
     const char *at = s->at, *from;
-    uint32_t v, n = PEN_MODEL_NO_NORMAL;
+    uint32_t v, n = PEN_NO_NORMAL;
     if (!read_index(o, o->vertices, b->m->vertex_count, &v))
         return false;
     bool ok = s->at > at;
@@ -183,9 +183,9 @@ static bool read_face(struct obj *o, const char *at)
         if (!read_corner(o))
             return false;
     for (uint32_t i = 0; i < b->face_count; i++)
-        all = all && b->face_normal[i] != PEN_MODEL_NO_NORMAL;
+        all = all && b->face_normal[i] != PEN_NO_NORMAL;
     for (uint32_t i = 0; !all && i < b->face_count; i++)
-        b->face_normal[i] = PEN_MODEL_NO_NORMAL;
+        b->face_normal[i] = PEN_NO_NORMAL;
     return use_material(o, at) && pen_build_face(b, at);
 }
 
