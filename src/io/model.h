@@ -18,13 +18,11 @@
 enum pen_model_kind { PEN_MODEL_NONE, PEN_MODEL_PLY, PEN_MODEL_OBJ, PEN_MODEL_STL };
 
 enum {
-    PEN_MODEL_TRIANGLES = 20000000,          /* the default of max_triangles */
-    PEN_MODEL_TRIANGLES_MAX = (1 << 26) - 1, /* an acceleration structure holds no more */
-    PEN_MODEL_NAME_BYTES = 64
+    PEN_MODEL_TRIANGLES = 20000000,         /* the default of max_triangles */
+    PEN_MODEL_TRIANGLES_MAX = (1 << 26) - 1 /* an acceleration structure holds no more */
 };
 
 struct pen_model_material {
-    char name[PEN_MODEL_NAME_BYTES]; /* in UTF-8, cut if longer; "": no material is named */
     float diffuse[3], specular[3], emission[3]; /* Kd, by default grey; Ks; Ke */
     float shininess, opacity, ior; /* Ns, by default 1; d (1 - Tr), by default 1; Ni, else 0 */
 };

@@ -8,8 +8,6 @@
 #include <stddef.h>
 #include <strings.h>
 
-#include "base/utf8.h"
-
 enum { NAME_BYTES = 256, FILES = 64 };
 
 /* The statements that are read: `numbers` of them, from 0 to `most`, go to `offset` in the
@@ -33,6 +31,7 @@ static const struct statement {
 /* An MTL that is read. */
 struct reader {
     struct pen_build *b;
+    const char *text; /* of all MTL files */
     struct pen_scan scan;
     struct pen_mtl_material *material;
     char lost[160]; /* the statements of the material that are not read */
@@ -46,14 +45,24 @@ static void add_lost(struct reader *r, const char *word)
         snprintf(r->lost + used, sizeof r->lost - used, "%s%s", used ? ", " : "", shown.text);
 }
 
+/* The name of the material in quotes. */
+static struct pen_text name_of(const struct reader *r)
+{
+    char name[200]; /* more than is shown */
+    const size_t length = r->material->length;
+    snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name),
+             r->text + r->material->name);
+    return pen_text_quote(name);
+}
+
 /* The nearest number from 0 to the most that the statement allows, with a warning if it differs. */
 static float clamp(struct reader *r, const struct statement *is, float found)
 {
     const float taken = found < 0 ? 0 : found > is->most ? is->most : found;
     if (taken != found)
-        pen_build_note(r->b, NULL, "the material %s has %s %s; it is taken as %s",
-                       pen_text_quote(r->material->is.name).text, is->name,
-                       pen_text_number((double)found).text, pen_text_number((double)taken).text);
+        pen_build_note(r->b, NULL, "the material %s has %s %s; it is taken as %s", name_of(r).text,
+                       is->name, pen_text_number((double)found).text,
+                       pen_text_number((double)taken).text);
     return taken;
 }
 
@@ -100,26 +109,20 @@ static bool read_statement(struct reader *r, const char *word, size_t length)
 static void end_material(struct reader *r)
 {
     if (r->lost[0])
-        pen_build_note(r->b, NULL, "the material %s loses %s%s",
-                       pen_text_quote(r->material->is.name).text, r->lost,
+        pen_build_note(r->b, NULL, "the material %s loses %s%s", name_of(r).text, r->lost,
                        strstr(r->lost, "\"map_Kd\"") ? "; its colour stays Kd" : "");
     r->lost[0] = '\0';
 }
 
 bool pen_mtl_add(struct pen_mtl *mtl, struct pen_build *b, size_t name, size_t length)
 {
-    char shown[4 * PEN_MODEL_NAME_BYTES];
     if (mtl->count == mtl->space && !pen_build_grow(b, (void **)&mtl->material, &mtl->space,
                                                     mtl->count + 1, sizeof *mtl->material))
         return false;
-    struct pen_mtl_material *m = &mtl->material[mtl->count++];
-    *m = (struct pen_mtl_material){
+    mtl->material[mtl->count++] = (struct pen_mtl_material){
         .name = name,
         .length = length,
         .is = {.diffuse = {0.8f, 0.8f, 0.8f}, .shininess = 1, .opacity = 1}};
-    snprintf(shown, sizeof shown, "%.*s", (int)(length < sizeof shown ? length : sizeof shown),
-             length > 0 ? (const char *)mtl->text.data + name : "");
-    pen_utf8_copy(m->is.name, sizeof m->is.name, shown);
     return true;
 }
 
@@ -128,7 +131,7 @@ static bool parse(struct pen_mtl *mtl, struct pen_build *b, size_t from)
 {
     const char *text = (const char *)mtl->text.data, *word;
     struct reader r = {
-        b, {text + from, text + from, text + mtl->text.bytes, false, b->scan.st}, NULL, ""};
+        b, text, {text + from, text + from, text + mtl->text.bytes, false, b->scan.st}, NULL, ""};
     size_t length;
     bool ok = true;
     for (; ok && pen_scan_statement(&r.scan, &word, &length); pen_scan_next_line(&r.scan)) {
