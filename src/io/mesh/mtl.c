@@ -55,15 +55,21 @@ static struct pen_text name_of(const struct reader *r)
     return pen_text_quote(name);
 }
 
-/* The nearest number from 0 to the most that the statement allows, with a warning if it differs. */
-static float clamp(struct reader *r, const struct statement *is, float found)
+/* Takes the nearest numbers from 0 to the most that the statement allows, with a warning that shows
+ * the first that differs. */
+static void take_numbers(struct reader *r, const struct statement *is,
+                         const struct pen_number found[3], float *to)
 {
-    const float taken = found < 0 ? 0 : found > is->most ? is->most : found;
-    if (taken != found)
-        pen_build_note(r->b, NULL, "the material %s has %s %s; it is taken as %s", name_of(r).text,
-                       is->name, pen_text_number((double)found).text,
-                       pen_text_number((double)taken).text);
-    return taken;
+    bool told = false;
+    for (unsigned i = 0; i < is->numbers; i++) {
+        const float f = found[i].f;
+        to[i] = f < 0 ? 0 : f > is->most ? is->most : f;
+        if (to[i] != f && !told)
+            pen_build_note(r->b, NULL, "the material %s has %s %s; it is taken as %s",
+                           name_of(r).text, is->name, pen_text_number((double)f).text,
+                           pen_text_number((double)to[i]).text);
+        told = told || to[i] != f;
+    }
 }
 
 /* One number of a colour stands for three. */
@@ -78,8 +84,9 @@ static bool read_numbers(struct reader *r, const struct statement *is)
     if (count != 1 && count != is->numbers)
         return pen_scan_fail(&r->scan, PEN_SYNTAX, r->scan.at, "%s needs %u numbers", is->name,
                              is->numbers);
-    for (unsigned i = 0; i < is->numbers; i++)
-        to[i] = clamp(r, is, n[i < count ? i : 0].f);
+    for (; count < is->numbers; count++)
+        n[count] = n[0];
+    take_numbers(r, is, n, to);
     if (is->name[0] == 'T')
         *to = 1 - *to;
     return true;
