@@ -37,6 +37,16 @@ size_t pen_utf8_char(const char *text, size_t bytes)
     return length;
 }
 
+bool pen_utf8_is_valid(const char *text, size_t bytes)
+{
+    for (size_t length; bytes > 0; text += length, bytes -= length) {
+        length = pen_utf8_char(text, bytes);
+        if (length == 0)
+            return false;
+    }
+    return true;
+}
+
 size_t pen_utf8_encode(unsigned code, char out[4])
 {
     static const unsigned char lead[] = {0, 0, 0xC0, 0xE0, 0xF0};

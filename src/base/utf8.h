@@ -10,6 +10,9 @@
  * is no complete and valid character. A zero byte is a character of length 1. */
 size_t pen_utf8_char(const char *text, size_t bytes);
 
+/* Returns true if `bytes` of text are valid characters. */
+bool pen_utf8_is_valid(const char *text, size_t bytes);
+
 /* Writes the character with this code point, at most 0x10FFFF, to out. Returns its length. */
 size_t pen_utf8_encode(unsigned code, char out[4]);
 

@@ -119,8 +119,9 @@ bool pen_source_read_scene(struct pen_source *source, const char *name,
         return false;
     source->models = models;
     const char *slash = strrchr(name, '/');
-    return !is_model || pen_models_scene(&source->models, slash ? slash + 1 : name,
-                                         pen_model_up(options), &source->text, st);
+    return !is_model ||
+           pen_models_scene(&source->models, slash ? slash + 1 : name,
+                            options && options->up ? options->up[0] : '\0', &source->text, st);
 }
 
 bool pen_source_scene(struct pen_source *source, const struct pen_limits *limits,

@@ -12,13 +12,6 @@
 
 const char *const pen_model_ups[] = {"y", "z", NULL};
 
-enum pen_up pen_model_up(const struct pen_model_options *options)
-{
-    if (!options || !options->up)
-        return PEN_UP_OF_KIND;
-    return options->up[0] == 'z' ? PEN_UP_Z : PEN_UP_Y;
-}
-
 /* `self` is the folder's path without links. */
 static bool fetch(void *self, const char *name, struct pen_buf *out, struct pen_status *st)
 {

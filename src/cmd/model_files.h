@@ -22,7 +22,8 @@ extern const char *const pen_model_ups[];
     {                                                                                              \
         .name = "max-triangles", .kind = PEN_OPTION_INT,                                           \
         .offset = offsetof(values, model.max_triangles), .value = "N", .min = 1,                   \
-        .max = 1000000000, .help = "the most triangles of a model file, 20000000 by default"       \
+        .max = PEN_MODEL_TRIANGLES_MAX,                                                            \
+        .help = "the most triangles of a model file, 20000000 by default"                          \
     }
 
 /* Makes the files beside `scene`, a path, available; NULL: those of the working folder.
@@ -31,8 +32,5 @@ extern const char *const pen_model_ups[];
 bool pen_model_files_open(const char *scene, const struct pen_model_options *options,
                           struct pen_models *models, struct pen_status *st);
 void pen_model_files_release(struct pen_models *models);
-
-/* The axis of --up. */
-enum pen_up pen_model_up(const struct pen_model_options *options);
 
 #endif

@@ -87,15 +87,11 @@ static bool read_text(struct reading *reading, const char *text, size_t bytes,
 
 static bool read_model(struct reading *reading, const char *name, struct pen_errors *list)
 {
-    const int up = reading->given.up;
     struct pen_buf text = {0};
     struct pen_status st;
-    bool ok = reading->given.read ? pen_models_scene(&reading->models, name,
-                                                     up == 0     ? PEN_UP_OF_KIND
-                                                     : up == 'z' ? PEN_UP_Z
-                                                                 : PEN_UP_Y,
-                                                     &text, &st)
-                                  : pen_fail(&st, PEN_USAGE, "read: a model needs this callback");
+    bool ok = reading->given.read
+                  ? pen_models_scene(&reading->models, name, (char)reading->given.up, &text, &st)
+                  : pen_fail(&st, PEN_USAGE, "read: a model needs this callback");
     if (!ok)
         pen_errors_add(list, &st);
     ok = ok && read_text(reading, (const char *)text.data, text.bytes, list);
@@ -209,13 +205,16 @@ char *penumbra_scene_settings(const struct penumbra_scene *scene, struct penumbr
 
 /* An upper bound of the bytes of the description, the frozen scene and its acceleration structure.
  * Per primitive the structures take less than 1 KiB: at most a block of four lanes, of which up to
- * three may be empty, and a share of nodes. Lights, materials, views and vertices take at most 8
- * times their size in the description. Each arena begins with its own chunk. tests/embed compares
- * the bound with the bytes that scenes take. */
+ * three may be empty, and a share of nodes. For a triangle of a mesh, such a block takes 160 bytes,
+ * the share of nodes 126 (a node of 224 bytes has fewer than eight children only if all are
+ * leaves), solids and layers 13; the ranges, 64 while the tree is built, are freed. Lights,
+ * materials, views and vertices take at most 8 times their size in the description. Each arena
+ * begins with its own chunk. tests/embed compares the bound with the bytes that scenes take. */
 static uint64_t scene_bytes(const struct pen_scene_desc *desc, const struct pen_arena *arena)
 {
+    const uint64_t triangles = pen_desc_meshes(desc).triangles;
     return ((uint64_t)256 << 10) + 9 * (uint64_t)pen_arena_used(arena) +
-           1024 * desc->primitive_count;
+           1024 * (desc->primitive_count - triangles) + 320 * triangles;
 }
 
 int penumbra_scene_estimate(const struct penumbra_scene *scene, struct penumbra_estimate *estimate,

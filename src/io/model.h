@@ -13,19 +13,16 @@
 
 #include "base/buf.h"
 #include "base/status.h"
+#include "geom/mesh.h"
 
 enum pen_model_kind { PEN_MODEL_NONE, PEN_MODEL_PLY, PEN_MODEL_OBJ, PEN_MODEL_STL };
 
 enum {
-    PEN_MODEL_TRIANGLES = 20000000, /* the default of max_triangles */
-    PEN_MODEL_NAME_BYTES = 64
+    PEN_MODEL_TRIANGLES = 20000000,         /* the default of max_triangles */
+    PEN_MODEL_TRIANGLES_MAX = (1 << 26) - 1 /* an acceleration structure holds no more */
 };
 
-/* In corner_normal: the corner has no normal. */
-#define PEN_MODEL_NO_NORMAL UINT32_MAX
-
 struct pen_model_material {
-    char name[PEN_MODEL_NAME_BYTES]; /* in UTF-8, cut if longer; "": no material is named */
     float diffuse[3], specular[3], emission[3]; /* Kd, by default grey; Ks; Ke */
     float shininess, opacity, ior; /* Ns, by default 1; d (1 - Tr), by default 1; Ni, else 0 */
 };
@@ -38,8 +35,9 @@ struct pen_model {
     uint32_t triangle_count;
     float (*normal)[3]; /* finite, of any length, also 0; NULL: none */
     uint32_t normal_count;
-    uint32_t (*corner_normal)[3]; /* NULL: vertex i has normal i, if there are normals */
-    uint16_t *material_of;        /* of each triangle; NULL: all have the first, if there is one */
+    /* NULL: vertex i has normal i, if there are normals. PEN_NO_NORMAL: the corner has none. */
+    uint32_t (*corner_normal)[3];
+    uint16_t *material_of; /* of each triangle; NULL: all have the first, if there is one */
     struct pen_model_material *material; /* those that triangles use */
     uint32_t material_count;
     /* What the notes tell in words. */

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/utf8.h"
 #include "io/document.h"
 #include "math/box.h"
 
@@ -167,15 +168,16 @@ static bool keep(struct pen_models *models, const char *name, struct pen_model *
     return true;
 }
 
-bool pen_models_scene(struct pen_models *models, const char *name, enum pen_up up,
-                      struct pen_buf *out, struct pen_status *st)
+bool pen_models_scene(struct pen_models *models, const char *name, char up, struct pen_buf *out,
+                      struct pen_status *st)
 {
     struct pen_model model = {0};
     struct pen_errors notes = {0};
+    if (!pen_utf8_is_valid(name, strlen(name)))
+        return pen_fail(st, PEN_INVALID, "the file's name is not UTF-8; rename it");
     if (!read_file(models, name, &model, &notes, st))
         return false;
-    const bool z_up =
-        up == PEN_UP_Z || (up == PEN_UP_OF_KIND && pen_model_kind_of_name(name) == PEN_MODEL_STL);
+    const bool z_up = up == 'z' || (up == 0 && pen_model_kind_of_name(name) == PEN_MODEL_STL);
     json_t *scene = scene_of(&model, name, z_up);
     const bool ok = scene && pen_json_write(scene, out) && keep(models, name, &model, &notes);
     json_decref(scene);

@@ -10,9 +10,6 @@
 
 #include "io/model.h"
 
-/* The axis that is up in a model. */
-enum pen_up { PEN_UP_OF_KIND, PEN_UP_Y, PEN_UP_Z }; /* OF_KIND: z of STL, else y */
-
 struct pen_models {
     pen_model_fetch
         *fetch; /* for models and their MTL; names are paths inside the scene's folder */
@@ -34,9 +31,10 @@ bool pen_models_read(struct pen_models *models, const char *name, struct pen_mod
 /* Appends a scene that shows the model, as JSON. The camera looks from the front right above. The
  * model's bounding sphere just fits its field of view of 40 degrees. A key light casts shadows, and
  * a fill light does not. The material is grey, unless the model has materials.
- * Fails: as pen_models_read. */
-bool pen_models_scene(struct pen_models *models, const char *name, enum pen_up up,
-                      struct pen_buf *out, struct pen_status *st);
+ * `up` is the axis that is up in the model, 'y' or 'z'; 0: z of STL, else y.
+ * Fails: as pen_models_read; PEN_INVALID for a name that is not UTF-8. */
+bool pen_models_scene(struct pen_models *models, const char *name, char up, struct pen_buf *out,
+                      struct pen_status *st);
 
 /* Frees what is kept; the struct may then be used again. */
 void pen_models_release(struct pen_models *models);

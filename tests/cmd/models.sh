@@ -38,6 +38,32 @@ expect "the scene names the file" "$(jq -r '.objects[0].file' models/scene.json)
 exits "render the scene" 0 "$penumbra" render models/scene.json $small -o scene.pfm -q
 check "to the same bytes" cmp model.pfm scene.pfm
 check "the picture is not empty" test "$(tail -c +15 model.pfm | od -An -v -tx4 -w12 | sort -u | wc -l)" -gt 2
+# Also if OUT is in a folder above; not if it is in another folder, where no file may be named.
+mkdir -p up/sub other/sub
+cp models/tetra.ply up/sub
+jq '.objects = [{type: "group", objects: [.objects[0] | .file = "sub/inner.ply"]}]' models/scene.json >models/group.json
+for out in 'up/sub/tetra.ply up/above.json' 'models/group.json ./above.json' 'models/tetra.ply -'; do
+    rm -f stdout scene.pfm
+    # shellcheck disable=SC2086
+    exits "convert $out" 0 "$penumbra" convert $out
+    [ "${out#* }" = - ] || cp "${out#* }" stdout
+    cp stdout "$(dirname "${out#* }")/copy.json"
+    # shellcheck disable=SC2086
+    exits "render ${out#* }" 0 "$penumbra" render "$(dirname "${out#* }")/copy.json" $small -o scene.pfm -q
+    check "to the same bytes" cmp model.pfm scene.pfm
+done
+for out in 'models/tetra.ply other/out.json' 'models/group.json other/out.json' 'models/tetra.ply model/out.json'; do
+    mkdir -p model
+    # shellcheck disable=SC2086
+    exits "convert $out" 2 "$penumbra" convert $out
+    prints "says where OUT may be" stderr "write OUT to the folder of SCENE"
+    check "and writes nothing" test ! -e other/out.json
+done
+exits "a scene without files goes anywhere" 0 "$penumbra" convert builtin:spheres other/out.json
+strange=models/$(printf 'a\377.ply')
+cp models/tetra.ply "$strange"
+exits "a name that is not UTF-8" 3 "$penumbra" render "$strange" -o x.png -q
+prints "is told" stderr "the file's name is not UTF-8; rename it"
 exits "validate it" 0 "$penumbra" validate models/tetra.ply
 prints "is valid, and counts" stdout "models/tetra.ply: valid, meshes: 1, triangles: 4"
 exits "validate it as JSON" 0 "$penumbra" validate models/tetra.ply --json
@@ -111,6 +137,20 @@ done
 check "normals that are not wanted have no effect" cmp not_smooth.pfm model.pfm
 check "nor in the document" cmp inline_flat.pfm model.pfm
 check "normals in the document are those of the file" cmp inline_smooth.pfm smooth.ply.pfm
+# Of several materials, a triangle takes two bytes more than of one.
+printf 'newmtl a\nnewmtl b\n' >models/many.mtl
+for count in 1 2; do
+    awk -v count=$count 'BEGIN { print "mtllib many.mtl"; for (i = 0; i < 30000; i++) print "v", i % 3, int(i / 3) % 2 + i / 1e5, i / 7
+        for (i = 0; i < 10000; i++) print (i == 0 ? "usemtl a\n" : i == 1 && count == 2 ? "usemtl b\n" : "") "f", 3*i + 1, 3*i + 2, 3*i + 3 }' \
+        >models/many.obj
+    exits "render $count materials" 0 "$penumbra" render models/many.obj --set width=1 --set height=1 --stats many$count.json -o x.png -q
+done
+expect "two bytes a triangle" "$(jq -s 'map(.meshes.bytes_per_triangle) | .[1] - .[0] | . > 1.9 and . < 2.2' many1.json many2.json)" true
+# Warnings have the place in the scene and the line in the model.
+{ printf 'l 1 2\n' && cat models/smooth.obj; } >models/lines.obj
+jq '.objects[0].file = "lines.obj"' models/scene.json >models/lines.json
+exits "a warning" 0 "$penumbra" render models/lines.json --set width=8 --set height=8 -o x.png
+prints "has both places" stderr "/objects/0/file: warning: lines.obj:1:1: 1 statements are not read"
 exits "its effects" 0 "$penumbra" explain models/smooth.ply
 prints "name them" stdout "object mesh 0 has normals, and kd or ks > 0"
 
@@ -133,6 +173,8 @@ exits "a broken model" 3 "$penumbra" render models/broken.ply -o x.png -q
 prints "names the file" stderr "models/broken.ply"
 exits "too many triangles" 3 "$penumbra" render models/tetra.ply --max-triangles 3 -o x.png -q
 prints "says how many" stderr "3"
+exits "more than a tree holds" 2 "$penumbra" render models/tetra.ply --max-triangles 67108864 -o x.png -q
+prints "names the limit" stderr 67108863
 exits "a model for a daemon" 3 "$penumbra" submit models/tetra.ply
 prints "is not supported yet" stderr "not supported yet: a model on a daemon"
 finish

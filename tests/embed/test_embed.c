@@ -2,6 +2,7 @@
 /* libpenumbra through its public header: errors with places, callbacks, threads, memory. Only the
  * bound on memory is compared with the memory that the modules below really take. */
 #include <fenv.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -128,33 +129,81 @@ START_TEST(test_embed__structures_of_other_sizes_are_taken)
 }
 END_TEST
 
-START_TEST(test_embed__estimates_bound_what_is_rendered)
+/* The bound of a scene, against what it takes with each accelerator. Returns the largest part
+ * of the bound that is taken. */
+static double check_estimate(const char *text, size_t bytes)
 {
     static const enum pen_accelerator kinds[] = {PEN_ACCEL_AUTO, PEN_ACCEL_NONE, PEN_ACCEL_CBR,
                                                  PEN_ACCEL_MANUAL, PEN_ACCEL_MEDIAN};
+    struct penumbra_scene *scene = penumbra_scene_load(text, bytes, NULL);
+    struct penumbra_estimate estimate = {.size = sizeof estimate};
+    ck_assert(scene && penumbra_scene_estimate(scene, &estimate, NULL));
+    penumbra_scene_free(scene);
+    struct pen_limits limits = pen_limits_default();
+    struct pen_errors errors = {0};
+    struct pen_scene_desc desc;
+    struct pen_status st;
+    struct pen_arena *arena = pen_arena_new(0);
+    double most = 0;
+    ck_assert(pen_scene_load(text, bytes, &limits, arena, &desc, &errors));
+    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
+        struct pen_scene *frozen = pen_scene_freeze(&desc, kinds[k], 0, &st);
+        ck_assert_ptr_nonnull(frozen);
+        const size_t taken = pen_arena_used(arena) + pen_arena_used(frozen->arena);
+        ck_assert_uint_le(taken, estimate.scene_bytes);
+        most = fmax(most, (double)taken / (double)estimate.scene_bytes);
+        pen_scene_free(frozen);
+    }
+    pen_arena_free(arena);
+    return most;
+}
+
+START_TEST(test_embed__estimates_bound_what_is_rendered)
+{
     const char *name;
     for (size_t i = 0; (name = penumbra_builtin_name(i)); i++) {
-        struct penumbra_scene *scene = penumbra_scene_builtin(name, NULL);
-        struct penumbra_estimate estimate = {.size = sizeof estimate};
-        ck_assert(penumbra_scene_estimate(scene, &estimate, NULL));
-        penumbra_scene_free(scene);
         size_t bytes;
         const char *text = pen_builtin_find(name, &bytes);
-        struct pen_limits limits = pen_limits_default();
-        struct pen_errors errors = {0};
-        struct pen_scene_desc desc;
-        struct pen_status st;
-        struct pen_arena *arena = pen_arena_new(0);
-        ck_assert(pen_scene_load(text, bytes, &limits, arena, &desc, &errors));
-        for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
-            struct pen_scene *frozen = pen_scene_freeze(&desc, kinds[k], 0, &st);
-            ck_assert_ptr_nonnull(frozen);
-            ck_assert_uint_le(pen_arena_used(arena) + pen_arena_used(frozen->arena),
-                              estimate.scene_bytes);
-            pen_scene_free(frozen);
-        }
-        pen_arena_free(arena);
+        check_estimate(text, bytes);
     }
+}
+END_TEST
+
+/* Triangles that share vertices, which take least, and triangles far apart, which fill no blocks:
+ * of glass, and turned, so that the mesh gets vertices of its own. */
+START_TEST(test_embed__estimates_bound_meshes)
+{
+    enum { SIDE = 90 };
+    struct pen_buf text = {0};
+    for (int apart = 0; apart < 2; apart++) {
+        pen_buf_release(&text);
+        pen_buf_printf(&text,
+                       "{\"format\": \"penumbra-scene/1\", \"camera\": {\"position\": [0, 0, 9],"
+                       " \"look_at\": [0, 0, 0]}, \"objects\": [{\"type\": \"group\", "
+                       "\"transform\": {\"rotate\": {\"axis\": [0, 1, 0], \"degrees\": 20}}, "
+                       "\"objects\": [{\"type\": \"mesh\", \"material\": {\"kt\": 1, \"ior\": %s}, "
+                       "\"positions\": [",
+                       apart ? "1.5" : "1");
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            const int x = i % SIDE, y = i / SIDE;
+            if (apart)
+                pen_buf_printf(&text, "%s[%d, %d, 0], [%d.1, %d, 0], [%d, %d.1, %d]", i ? "," : "",
+                               x * x * x, y * y * y, x * x * x, y * y * y, x * x * x, y * y * y, x);
+            else
+                pen_buf_printf(&text, "%s[%d, %d, %d]", i ? "," : "", x, y, x * y % 3);
+        }
+        pen_buf_puts(&text, "], \"faces\": [");
+        for (int i = 0; i < SIDE * SIDE - (apart ? 0 : SIDE + 1); i++)
+            if (apart)
+                pen_buf_printf(&text, "%s[%d, %d, %d]", i ? "," : "", 3 * i, 3 * i + 1, 3 * i + 2);
+            else
+                pen_buf_printf(&text, "%s[%d, %d, %d], [%d, %d, %d]", i ? "," : "", i, i + 1,
+                               i + SIDE, i + 1, i + SIDE + 1, i + SIDE);
+        ck_assert(pen_buf_puts(&text, "]}]}]}"));
+        const double part = check_estimate((const char *)text.data, text.bytes);
+        ck_assert_msg(part > 1. / 6, "%g of the bound are taken", part);
+    }
+    pen_buf_release(&text);
 }
 END_TEST
 
@@ -297,7 +346,7 @@ END_TEST
 PEN_SUITE("embed", test_embed__errors_have_their_places,
           test_embed__header_and_library_have_one_version, test_embed__no_errors_are_an_empty_list,
           test_embed__bad_arguments_are_errors, test_embed__structures_of_other_sizes_are_taken,
-          test_embed__estimates_bound_what_is_rendered,
+          test_embed__estimates_bound_what_is_rendered, test_embed__estimates_bound_meshes,
           test_embed__progress_grows_to_one_and_cancel_stops,
           test_embed__two_threads_give_the_bytes_of_the_program,
           test_embed__no_allocation_is_taken_for_granted)

@@ -23,10 +23,17 @@ static inline void check_model(const struct pen_model *m)
         must(c[0] != c[1] && c[1] != c[2] && c[2] != c[0]);
         for (int i = 0; i < 3; i++) {
             must(c[i] < m->vertex_count);
-            must(!m->corner_normal || m->corner_normal[t][i] == PEN_MODEL_NO_NORMAL ||
+            must(!m->corner_normal || m->corner_normal[t][i] == PEN_NO_NORMAL ||
                  m->corner_normal[t][i] < normals);
         }
         must(!m->material_of || m->material_of[t] < m->material_count);
+    }
+    for (uint32_t i = 0; i < m->material_count; i++) {
+        const struct pen_model_material *is = &m->material[i];
+        for (int k = 0; k < 3; k++)
+            must(is->diffuse[k] >= 0 && is->diffuse[k] <= 1 && is->specular[k] >= 0 &&
+                 is->specular[k] <= 1 && is->emission[k] >= 0);
+        must(is->shininess >= 0 && is->ior >= 0 && is->opacity >= 0 && is->opacity <= 1);
     }
     must(isfinite(m->shift[0]) && isfinite(m->shift[1]) && isfinite(m->shift[2]));
     must(m->open_edges + 2 * m->crowded_edges <= 3 * m->triangle_count);

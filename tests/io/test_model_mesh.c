@@ -109,6 +109,27 @@ START_TEST(test_model_mesh__a_far_model_gets_a_shift_and_is_rounded_once)
 }
 END_TEST
 
+/* Bounds of all vertices would hide that the triangles are far. */
+START_TEST(test_model_mesh__vertices_that_no_face_uses_do_not_count)
+{
+    static const double corner[3] = {500000.01, 500001.02, 500000.97};
+    static const char *const texts[] = {
+        "v 0 0 0\nv 0 1 500000.01\nv 0 0 500001.02\nv 1 0 500000.97\nusemtl a\nf 2 2 3\nf 2 3 4\n",
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n0 1 500000.01\n0 0 500001.02\n1 0 500000.97\n3 1 1 2\n3 1 2 3\n"};
+    struct model r = {.mtl = NULL};
+    for (int kind = 0; kind < 2; kind++) {
+        ck_assert(model_text(&r, kind ? PEN_MODEL_PLY : PEN_MODEL_OBJ, texts[kind]));
+        ck_assert(r.m.shift[2] != 0 && r.m.repeated == 1 && r.m.triangle_count == 1);
+        for (int i = 0; i < 3; i++)
+            ck_assert(r.m.vertex[i + 1][2] == (float)(corner[i] - r.m.shift[2]));
+        ck_assert(kind == 1 || model_noted(&r, "the material of 1 statements usemtl"));
+    }
+    pen_model_release(&r.m);
+}
+END_TEST
+
 /* The differences in x need 54 bits. Rounded first to a double, one is in the middle of two floats.
  */
 START_TEST(test_model_mesh__a_shift_does_not_round_twice)
@@ -355,6 +376,7 @@ END_TEST
 PEN_SUITE("io/model_mesh", test_model_mesh__decimals_become_the_nearest_floats,
           test_model_mesh__bad_decimals_are_refused,
           test_model_mesh__a_far_model_gets_a_shift_and_is_rounded_once,
+          test_model_mesh__vertices_that_no_face_uses_do_not_count,
           test_model_mesh__a_shift_does_not_round_twice,
           test_model_mesh__near_models_and_short_floats_have_no_shift,
           test_model_mesh__area_is_decided_exactly,

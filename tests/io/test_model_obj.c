@@ -14,7 +14,7 @@ START_TEST(test_model_obj__reads_all_forms_of_corners)
                          "\tf 1//1 \\\r\n 2 4//1"));
     model_check_corners(
         &r, (const uint32_t[][3]){{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 3}}, 5);
-    const uint32_t no = PEN_MODEL_NO_NORMAL;
+    const uint32_t no = PEN_NO_NORMAL;
     const uint32_t normal[][3] = {{no, no, no}, {no, no, no}, {1, 0, 1}, {1, 0, 0}, {no, no, no}};
     ck_assert_mem_eq(r.m.corner_normal, normal, sizeof normal);
     ck_assert(r.m.normal_count == 2 && r.m.normal[1][1] == 2 && r.m.normal[0][2] == 1);
@@ -49,12 +49,9 @@ START_TEST(test_model_obj__reads_materials)
     const uint16_t of[] = {0, 1, 2, 0};
     ck_assert_mem_eq(r.m.material_of, of, sizeof of);
     const struct pen_model_material *grey = &r.m.material[0], *glass = grey + 1, *red = grey + 2;
-    ck_assert_str_eq(grey->name, "");
     ck_assert(grey->shininess == 1 && grey->ior == 0 && grey->diffuse[1] == 0.8f &&
               grey->opacity == 1);
-    ck_assert_str_eq(glass->name, "glass");
     ck_assert(glass->ior == 0 && glass->opacity == 0.25f);
-    ck_assert_str_eq(red->name, "red one");
     ck_assert(red->diffuse[0] == 1 && red->diffuse[1] == 0.25f && red->diffuse[2] == 0);
     ck_assert(red->specular[0] == 0.5f && red->specular[2] == 0.5f && red->shininess == 20);
     ck_assert(red->opacity == 0.75f && red->ior == 1.5f && red->emission[2] == 3);
@@ -62,6 +59,27 @@ START_TEST(test_model_obj__reads_materials)
         &r, "the material \"red one\" loses \"map_Kd\", \"bump\"; its colour stays Kd"));
     ck_assert(model_noted(&r, "the material \"glass\" loses \"Kd\", \"d\""));
     ck_assert(model_noted(&r, "1 statements usemtl, first \"none\""));
+    pen_model_release(&r.m);
+}
+END_TEST
+
+START_TEST(test_model_obj__numbers_of_materials_have_a_range)
+{
+    struct model r = {.mtl = "newmtl red one\nKd -3 0.5 1.5\nKs 2\nKe -1 7 0\nNs -5\nNi -1\nd 3\n"
+                             "newmtl b\nd -0.5\nNs 3e38\nnewmtl c\nTr 1.5\nnewmtl d\nTr -1\n"};
+    ck_assert(model_text(&r, PEN_MODEL_OBJ,
+                         "mtllib m.mtl\n" FOUR "usemtl red one\nf 1 2 3\nusemtl b\nf 1 2 4\n"
+                         "usemtl c\nf 1 3 4\nusemtl d\nf 2 3 4\n"));
+    const struct pen_model_material *m = r.m.material;
+    ck_assert(m->diffuse[0] == 0 && m->diffuse[1] == 0.5f && m->diffuse[2] == 1);
+    ck_assert(m->specular[0] == 1 && m->specular[2] == 1 && m->shininess == 0 && m->ior == 0);
+    ck_assert(m->emission[0] == 0 && m->emission[1] == 7 && m->opacity == 1);
+    ck_assert(m[1].opacity == 0 && m[1].shininess == 3e38f && m[2].opacity == 0 &&
+              m[3].opacity == 1);
+    ck_assert(model_noted(&r, "the material \"red one\" has Kd -3; it is taken as 0"));
+    ck_assert_uint_eq(r.notes.count, 9); /* one a statement */
+    ck_assert(model_noted(&r, "the material \"red one\" has d 3; it is taken as 1"));
+    ck_assert(model_noted(&r, "the material \"c\" has Tr 1.5; it is taken as 1"));
     pen_model_release(&r.m);
 }
 END_TEST
@@ -131,6 +149,24 @@ START_TEST(test_model_obj__an_error_in_an_mtl_names_both_lines)
 }
 END_TEST
 
+START_TEST(test_model_obj__searches_for_too_many_materials_are_refused)
+{
+    enum { MATERIALS = 4000, USES = 20000, LINE = 16 };
+    static char mtl[LINE * MATERIALS + 1], obj[LINE * USES + 100] = FOUR "mtllib m.mtl\n";
+    struct model r = {.mtl = mtl};
+    const size_t head = strlen(obj);
+    for (size_t i = 0; i < MATERIALS; i++)
+        snprintf(mtl + LINE * i, LINE + 1, "newmtl %08zu\n", i);
+    for (size_t i = 0; i < USES; i++)
+        snprintf(obj + head + LINE * i, LINE + 1, "usemtl %08d\n", MATERIALS - 1);
+    strcat(obj, "f 1 2 3\n");
+    ck_assert(!model_text(&r, PEN_MODEL_OBJ, obj));
+    ck_assert_msg(r.st.code == PEN_TOO_LARGE && r.st.line > 1000 &&
+                      strstr(r.st.msg, "this one of 4000 materials"),
+                  "%d: %s", r.st.line, r.st.msg);
+}
+END_TEST
+
 START_TEST(test_model_obj__refuses_with_a_line_and_advice)
 {
     static const struct model_refusal refusals[] = {
@@ -177,9 +213,11 @@ END_TEST
 
 PEN_SUITE("io/model_obj", test_model_obj__reads_all_forms_of_corners,
           test_model_obj__faces_may_come_before_their_vertices, test_model_obj__reads_materials,
+          test_model_obj__numbers_of_materials_have_a_range,
           test_model_obj__counts_statements_that_are_not_read,
           test_model_obj__asks_only_for_files_in_its_folder,
           test_model_obj__reads_several_files_of_one_statement,
           test_model_obj__an_error_in_an_mtl_names_both_lines,
+          test_model_obj__searches_for_too_many_materials_are_refused,
           test_model_obj__refuses_with_a_line_and_advice,
           test_model_obj__without_other_files_a_named_mtl_is_refused)

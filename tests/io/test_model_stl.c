@@ -58,6 +58,8 @@ START_TEST(test_model_stl__is_refused_if_its_size_is_wrong)
     unsigned char file[300];
     struct model r = {.mtl = NULL};
     size_t bytes = write_binary(file, corner, 1);
+    ck_assert(!model_read(&r, PEN_MODEL_STL, file, bytes - 1)); /* begins with "solid" */
+    ck_assert(r.st.code == PEN_SYNTAX && strstr(r.st.msg, "84 bytes and 50"));
     file[0] = 'x';
     ck_assert(model_read(&r, PEN_MODEL_STL, file, bytes));
     for (size_t n = 0; n < bytes; n++) {

@@ -124,6 +124,23 @@ bool pen_build_far(struct pen_build *b)
     return shift[0] != 0 || shift[1] != 0 || shift[2] != 0;
 }
 
+bool pen_build_faces_far(struct pen_build *b)
+{
+    struct pen_model *m = b->m;
+    pen_build_begin_vertices(b);
+    for (uint32_t t = 0; t < m->triangle_count; t++)
+        for (int k = 0; k < 3; k++)
+            for (int i = 0; i < 3; i++) {
+                const double x = (double)m->vertex[m->corner[t][k]][i];
+                b->lo[i] = x < b->lo[i] ? x : b->lo[i];
+                b->hi[i] = x > b->hi[i] ? x : b->hi[i];
+            }
+    if (!pen_build_far(b))
+        return false;
+    m->triangle_count = m->flat = m->repeated = 0;
+    return true;
+}
+
 bool pen_build_space(struct pen_build *b, uint64_t triangles, bool materials)
 {
     struct pen_model *m = b->m;

@@ -55,6 +55,10 @@ void pen_build_vertex(struct pen_build *b, const struct pen_number x[3], float o
  * shift is then set, and the coordinates must be read again. */
 bool pen_build_far(struct pen_build *b);
 
+/* After all faces: the same for the vertices of triangles, since others may be anywhere. If it
+ * returns true, the triangles are forgotten, and vertices and faces must be read again. */
+bool pen_build_faces_far(struct pen_build *b);
+
 /* Takes memory for triangles, after counting them. With `materials`, also for their materials.
  * Fails: returns false if there are none, or too many. */
 bool pen_build_space(struct pen_build *b, uint64_t triangles, bool materials);

@@ -4,32 +4,34 @@
  * Source: Wavefront, "MTL material format", appendix of the Advanced Visualizer's manual, 1995. */
 #include "io/mesh/mtl.h"
 
+#include <float.h>
 #include <stddef.h>
 #include <strings.h>
 
-#include "base/utf8.h"
-
 enum { NAME_BYTES = 256, FILES = 64 };
 
-/* The statements that are read: `numbers` of them go to `offset` in the material. */
+/* The statements that are read: `numbers` of them, from 0 to `most`, go to `offset` in the
+ * material. */
 static const struct statement {
     const char *name;
     unsigned numbers;
+    float most;
     size_t offset;
-} statements[] = {{"Kd", 3, offsetof(struct pen_model_material, diffuse)},
-                  {"Ks", 3, offsetof(struct pen_model_material, specular)},
-                  {"Ke", 3, offsetof(struct pen_model_material, emission)},
-                  {"Ns", 1, offsetof(struct pen_model_material, shininess)},
-                  {"Ni", 1, offsetof(struct pen_model_material, ior)},
-                  {"d", 1, offsetof(struct pen_model_material, opacity)},
-                  {"Tr", 1, offsetof(struct pen_model_material, opacity)},
-                  {"Ka", 0, 0},
-                  {"illum", 0, 0},
-                  {"sharpness", 0, 0}};
+} statements[] = {{"Kd", 3, 1, offsetof(struct pen_model_material, diffuse)},
+                  {"Ks", 3, 1, offsetof(struct pen_model_material, specular)},
+                  {"Ke", 3, FLT_MAX, offsetof(struct pen_model_material, emission)},
+                  {"Ns", 1, FLT_MAX, offsetof(struct pen_model_material, shininess)},
+                  {"Ni", 1, FLT_MAX, offsetof(struct pen_model_material, ior)},
+                  {"d", 1, 1, offsetof(struct pen_model_material, opacity)},
+                  {"Tr", 1, 1, offsetof(struct pen_model_material, opacity)},
+                  {"Ka", 0, 0, 0},
+                  {"illum", 0, 0, 0},
+                  {"sharpness", 0, 0, 0}};
 
 /* An MTL that is read. */
 struct reader {
     struct pen_build *b;
+    const char *text; /* of all MTL files */
     struct pen_scan scan;
     struct pen_mtl_material *material;
     char lost[160]; /* the statements of the material that are not read */
@@ -41,6 +43,33 @@ static void add_lost(struct reader *r, const char *word)
     size_t used = strlen(r->lost);
     if (!strstr(r->lost, shown.text) && used + strlen(shown.text) + 3 < sizeof r->lost)
         snprintf(r->lost + used, sizeof r->lost - used, "%s%s", used ? ", " : "", shown.text);
+}
+
+/* The name of the material in quotes. */
+static struct pen_text name_of(const struct reader *r)
+{
+    char name[200]; /* more than is shown */
+    const size_t length = r->material->length;
+    snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name),
+             r->text + r->material->name);
+    return pen_text_quote(name);
+}
+
+/* Takes the nearest numbers from 0 to the most that the statement allows, with a warning that shows
+ * the first that differs. */
+static void take_numbers(struct reader *r, const struct statement *is,
+                         const struct pen_number found[3], float *to)
+{
+    bool told = false;
+    for (unsigned i = 0; i < is->numbers; i++) {
+        const float f = found[i].f;
+        to[i] = f < 0 ? 0 : f > is->most ? is->most : f;
+        if (to[i] != f && !told)
+            pen_build_note(r->b, NULL, "the material %s has %s %s; it is taken as %s",
+                           name_of(r).text, is->name, pen_text_number((double)f).text,
+                           pen_text_number((double)to[i]).text);
+        told = told || to[i] != f;
+    }
 }
 
 /* One number of a colour stands for three. */
@@ -55,8 +84,9 @@ static bool read_numbers(struct reader *r, const struct statement *is)
     if (count != 1 && count != is->numbers)
         return pen_scan_fail(&r->scan, PEN_SYNTAX, r->scan.at, "%s needs %u numbers", is->name,
                              is->numbers);
-    for (unsigned i = 0; i < is->numbers; i++)
-        to[i] = n[i < count ? i : 0].f;
+    for (; count < is->numbers; count++)
+        n[count] = n[0];
+    take_numbers(r, is, n, to);
     if (is->name[0] == 'T')
         *to = 1 - *to;
     return true;
@@ -86,26 +116,20 @@ static bool read_statement(struct reader *r, const char *word, size_t length)
 static void end_material(struct reader *r)
 {
     if (r->lost[0])
-        pen_build_note(r->b, NULL, "the material %s loses %s%s",
-                       pen_text_quote(r->material->is.name).text, r->lost,
+        pen_build_note(r->b, NULL, "the material %s loses %s%s", name_of(r).text, r->lost,
                        strstr(r->lost, "\"map_Kd\"") ? "; its colour stays Kd" : "");
     r->lost[0] = '\0';
 }
 
 bool pen_mtl_add(struct pen_mtl *mtl, struct pen_build *b, size_t name, size_t length)
 {
-    char shown[4 * PEN_MODEL_NAME_BYTES];
     if (mtl->count == mtl->space && !pen_build_grow(b, (void **)&mtl->material, &mtl->space,
                                                     mtl->count + 1, sizeof *mtl->material))
         return false;
-    struct pen_mtl_material *m = &mtl->material[mtl->count++];
-    *m = (struct pen_mtl_material){
+    mtl->material[mtl->count++] = (struct pen_mtl_material){
         .name = name,
         .length = length,
         .is = {.diffuse = {0.8f, 0.8f, 0.8f}, .shininess = 1, .opacity = 1}};
-    snprintf(shown, sizeof shown, "%.*s", (int)(length < sizeof shown ? length : sizeof shown),
-             length > 0 ? (const char *)mtl->text.data + name : "");
-    pen_utf8_copy(m->is.name, sizeof m->is.name, shown);
     return true;
 }
 
@@ -114,7 +138,7 @@ static bool parse(struct pen_mtl *mtl, struct pen_build *b, size_t from)
 {
     const char *text = (const char *)mtl->text.data, *word;
     struct reader r = {
-        b, {text + from, text + from, text + mtl->text.bytes, false, b->scan.st}, NULL, ""};
+        b, text, {text + from, text + from, text + mtl->text.bytes, false, b->scan.st}, NULL, ""};
     size_t length;
     bool ok = true;
     for (; ok && pen_scan_statement(&r.scan, &word, &length); pen_scan_next_line(&r.scan)) {

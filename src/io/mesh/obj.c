@@ -136,7 +136,7 @@ static bool read_corner(struct obj *o)
     struct pen_build *b = o->b;
     struct pen_scan *s = &b->scan;
     const char *at = s->at, *from;
-    uint32_t v, n = PEN_MODEL_NO_NORMAL;
+    uint32_t v, n = PEN_NO_NORMAL;
     if (!read_index(o, o->vertices, b->m->vertex_count, &v))
         return false;
     bool ok = s->at > at;
@@ -183,9 +183,9 @@ static bool read_face(struct obj *o, const char *at)
         if (!read_corner(o))
             return false;
     for (uint32_t i = 0; i < b->face_count; i++)
-        all = all && b->face_normal[i] != PEN_MODEL_NO_NORMAL;
+        all = all && b->face_normal[i] != PEN_NO_NORMAL;
     for (uint32_t i = 0; !all && i < b->face_count; i++)
-        b->face_normal[i] = PEN_MODEL_NO_NORMAL;
+        b->face_normal[i] = PEN_NO_NORMAL;
     return use_material(o, at) && pen_build_face(b, at);
 }
 
@@ -200,7 +200,11 @@ static bool read_usemtl(struct obj *o, const char *at)
     o->current = i < o->mtl.count ? i : 0;
     if (o->current == 0)
         add_unknown(&o->material, name);
-    return pen_build_steps(o->b, at, i);
+    return pen_build_steps(o->b, at, i) ||
+           pen_scan_fail(&o->b->scan, PEN_TOO_LARGE, at,
+                         "finding this one of %u materials, again and again, takes too long; sort "
+                         "the faces by material, or write fewer materials",
+                         o->mtl.count - 1);
 }
 
 static bool read_element(struct obj *o, const char *word, size_t length)
@@ -270,11 +274,16 @@ static bool read(struct obj *o)
     if (!pen_mtl_add(&o->mtl, o->b, 0, 0) || !pass(o, count_statement) || !make_space(o))
         return false;
     do {
-        pen_build_begin_vertices(o->b);
-        if (!pass(o, read_vector))
+        do {
+            pen_build_begin_vertices(o->b);
+            if (!pass(o, read_vector))
+                return false;
+        } while (pen_build_far(o->b));
+        o->current = o->material.count = 0;
+        if (!pass(o, read_element))
             return false;
-    } while (pen_build_far(o->b));
-    if (!pass(o, read_element) || !take_materials(o))
+    } while (pen_build_faces_far(o->b));
+    if (!take_materials(o))
         return false;
     add_notes(o);
     return true;

@@ -425,8 +425,12 @@ bool pen_ply_read(struct pen_build *b)
     if (!make_space(&ply, ply.vertices))
         return false;
     do {
-        if (!read_vertices(&ply, ply.vertices))
+        do {
+            if (!read_vertices(&ply, ply.vertices))
+                return false;
+        } while (pen_build_far(b));
+        if (!read_faces(&ply, ply.faces))
             return false;
-    } while (pen_build_far(b));
-    return read_faces(&ply, ply.faces);
+    } while (pen_build_faces_far(b));
+    return true;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* STL: a binary file has 84 bytes and 50 per triangle, an ASCII file any other size. (The header of
- * a binary file may begin with "solid" too.) Vertices at the same place become one. The normals in
- * the file repeat what the corners say, and are not read. */
+ * a binary file may begin with "solid" too; text has no zero byte.) Vertices at the same place
+ * become one. The normals in the file repeat what the corners say, and are not read. */
 #include "io/mesh/build.h"
 
 #include <math.h>
@@ -130,7 +130,8 @@ static uint64_t count_triangles(struct pen_build *b, bool *binary)
     if (*binary)
         return count;
     pen_scan_space(s);
-    if (s->end - s->at >= 5 && strncasecmp(s->at, "solid", 5) == 0)
+    if (s->end - s->at >= 5 && strncasecmp(s->at, "solid", 5) == 0 &&
+        !memchr(s->begin, '\0', bytes < HEAD ? bytes : HEAD))
         return bytes / TEXT_LEAST + 1 < b->limit ? bytes / TEXT_LEAST + 1 : b->limit;
     pen_fail(s->st, PEN_SYNTAX,
              "An STL file is ASCII and begins with solid, or it has 84 bytes and 50 for each "

@@ -211,7 +211,8 @@ static bool take_materials(struct pen_reader *r, const struct pen_model *model, 
         if (!pen_material_add(r, &m, &material[i]))
             return false;
     }
-    mesh->material_of = model->material_of;
+    if (count > 1)
+        mesh->material_of = model->material_of;
     return true;
 }
 
@@ -254,13 +255,24 @@ static bool take_model(struct pen_reader *r, const struct pen_model *model, int 
     return ok;
 }
 
+/* ":LINE:COLUMN", or nothing if the status has no line. */
+static const char *line_of(const struct pen_status *st, char out[48])
+{
+    out[0] = '\0';
+    if (st->line > 0)
+        snprintf(out, 48, ":%d:%d", st->line, st->column);
+    return out;
+}
+
 static void note(struct pen_reader *r, const struct pen_place *at, const char *file,
                  const struct pen_errors *notes)
 {
     struct pen_errors *errors = r->errors;
+    char line[48];
     r->errors = r->model_notes;
     for (size_t i = 0; i < notes->count; i++)
-        pen_reader_fail(r, at, PEN_OK, "%.100s: %s", file, notes->item[i].msg);
+        pen_reader_fail(r, at, PEN_OK, "%.100s%s: %s", file, line_of(&notes->item[i], line),
+                        notes->item[i].msg);
     r->errors = errors;
 }
 
@@ -280,10 +292,8 @@ static bool read_file(struct pen_reader *r, const struct pen_place *at, const ch
         ok = take_model(r, &model, own, smooth, mesh);
         note(r, at, file, &notes);
     } else {
-        char place[48] = "";
-        if (st.line > 0)
-            snprintf(place, sizeof place, ":%d:%d", st.line, st.column);
-        pen_reader_fail(r, at, st.code, "%.100s%s: %s", file, place, st.msg);
+        char line[48];
+        pen_reader_fail(r, at, st.code, "%.100s%s: %s", file, line_of(&st, line), st.msg);
     }
     pen_model_release(&model);
     return ok;
@@ -305,8 +315,9 @@ bool pen_mesh_read(struct pen_reader *r, const struct pen_place *at, const json_
     mesh->material_count = 1;
     const struct pen_place file_at = pen_place_key(at, "file"),
                            normals_at = pen_place_key(at, "normals");
-    if (target.file && json_object_get(json, "positions"))
-        return pen_reader_fail(r, &file_at, PEN_INVALID, "must not stand beside positions");
+    if (target.file && (json_object_get(json, "positions") || json_object_get(json, "faces")))
+        return pen_reader_fail(r, &file_at, PEN_INVALID,
+                               "must not stand beside positions or faces");
     if (target.file && json_object_get(json, "normals"))
         return pen_reader_fail(r, &normals_at, PEN_INVALID,
                                "must not stand beside file, whose own normals count");

@@ -134,21 +134,11 @@ bool pen_settings_read_member(const char *key, const json_t *value, const char *
     return ok;
 }
 
-static bool is_utf8(const char *text, size_t bytes)
-{
-    for (size_t length; bytes > 0; text += length, bytes -= length) {
-        length = pen_utf8_char(text, bytes);
-        if (length == 0)
-            return false;
-    }
-    return true;
-}
-
 json_t *pen_settings_parse_value(const char *text, size_t bytes, struct pen_status *st)
 {
     const struct pen_limits limits = pen_limits_default();
     struct pen_status not_json;
-    if (!is_utf8(text, bytes)) {
+    if (!pen_utf8_is_valid(text, bytes)) {
         pen_fail(st, PEN_USAGE, "the value must be text in UTF-8");
         return NULL;
     }
