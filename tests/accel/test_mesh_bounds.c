@@ -135,7 +135,7 @@ static void check_ray(struct random *r, const struct pen_accel *accel, const str
 {
     const struct pen_mesh *mesh = &twin.prims.mesh[0];
     struct query q = {.off = off, .limit = limit};
-    if (!mesh_box_make(&q.box, ray, accel->extent, off, MESH_OUTSIDE, 0)) {
+    if (!mesh_box_make(&q.box, ray, accel->extent, off, false, 0)) {
         double t;
         for (uint32_t i = 0; i < twin.prims.count; i++)
             ck_assert(!met(&stored.triangle[i], ray, pen_vec3(0, 0, 0), &t) || t < 0);

@@ -880,7 +880,7 @@ edit src/study/calibration.c 1 's/i < RAYS; i\+\+/i < 0 * RAYS; i++/'
 judge_test
 
 mutant mesh_outside mesh_closed 4000 "boxes of meshes hold facets that are grazed from far away"
-edit src/accel/internal/mesh_box.h 1 's/MESH_OUTSIDE 0x1p-38f/MESH_OUTSIDE 0x1p-50f/'
+edit src/accel/internal/mesh_box.h 1 's/: 0x1p-38f \* distance/: 0x1p-50f * distance/'
 judge
 
 mutant mesh_beside accel/test_mesh_bounds 0 "a lane that is passed within rounding is unsure"

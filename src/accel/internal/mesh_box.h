@@ -73,17 +73,20 @@ static inline float4 mesh_at(const double4 *o)
     return THREE(__builtin_convertvector(*o, float4));
 }
 
-/* How far an intersection may be outside the box of its primitive, as a share of its distance: that
- * of a triangle, and that of any primitive (pen_prim_bounds). */
-#define MESH_OUTSIDE 0x1p-38f
-#define MESH_OUTSIDE_OTHERS 0x1p-23f
+/* How far an intersection may be outside the box of a triangle, or of any primitive if there are
+ * others (pen_prim_bounds). */
+static inline float mesh_outside(float distance, bool others)
+{
+    return others ? 0x1p-23f * distance : 0x1p-38f * distance;
+}
 
 /* Moves the origin, which is far from a tree of this extent. Returns false if the ray misses it. */
 static __attribute__((noinline)) bool mesh_box_move(struct mesh_box *box, float4 *at, double extent,
-                                                    double grow, double outside)
+                                                    double grow, bool others)
 {
-    const double far = double4_largest(&box->o), rest = outside * (far + extent) + grow;
+    const double far = double4_largest(&box->o);
     box->distance = far < (double)MESH_OFF_MAX ? (float)far : MESH_OFF_MAX;
+    const double rest = (double)mesh_outside(box->distance + (float)extent, others) + grow;
     box->blind = rest >= extent && far > MESH_FAR;
     if (rest < extent && !mesh_move_near(box, &box->o, &box->moved, extent, rest))
         return false;
@@ -114,9 +117,9 @@ _Static_assert(offsetof(struct pen_ray, d) == 3 * sizeof(double) &&
                "o and d are read with one number more");
 
 /* Makes a ray for boxes of a tree of this extent, for a query from t = `start` on; false if it does
- * not come near the tree. `outside`: MESH_OUTSIDE, or that of others. */
+ * not come near the tree. `others`: the tree has primitives that are not in meshes. */
 static inline bool mesh_box_make(struct mesh_box *box, const struct pen_ray *ray, double extent,
-                                 double grow, float outside, double start)
+                                 double grow, bool others, double start)
 {
     uint64_t bits;
     double inv;
@@ -135,12 +138,12 @@ static inline bool mesh_box_make(struct mesh_box *box, const struct pen_ray *ray
     float far = float4_largest(at);
     box->distance = far;
     if (far > 4 * (float)extent) {
-        if (!mesh_box_move(box, &at, extent, grow, (double)outside))
+        if (!mesh_box_move(box, &at, extent, grow, others))
             return false;
         far = float4_largest(at);
     }
-    const float off =
-        0x1p-20f * (far + (float)extent) + (outside * box->distance + (float)grow) * (1 + 0x1p-20f);
+    const float off = 0x1p-20f * (far + (float)extent) +
+                      (mesh_outside(box->distance, others) + (float)grow) * (1 + 0x1p-20f);
     mesh_box_planes(box, at, box->blind ? MESH_OFF_MAX : off);
     box->start = box->blind ? -FLT_MAX : pen_float_down(start * box->scale - box->moved);
     return true;

@@ -34,8 +34,8 @@ struct mesh_query {
 static inline bool mesh_query_begin(struct mesh_query *q, struct trace *trace, double start,
                                     bool any)
 {
-    if (!mesh_box_make(&q->box, trace->ray, trace->accel->extent, trace->grow,
-                       trace->accel->mixed ? MESH_OUTSIDE_OTHERS : MESH_OUTSIDE, start))
+    if (!mesh_box_make(&q->box, trace->ray, trace->accel->extent, trace->grow, trace->accel->mixed,
+                       start))
         return false;
     q->mesh = NULL;
     q->several = trace->accel->prims->mesh_count > 1;

@@ -15,10 +15,11 @@ struct mesh_ray {
     /* Of a triangle of size L, the sum of its edges along the axes plus `size`: */
     float size;           /* three times what a vertex may be off by */
     float beside, across; /* L (beside + L across): what edge functions are off by */
-    float depth;          /* L L (depth + L MESH_NORMAL): what depth times d.n is off by */
+    float depth;          /* L L (depth + 10 v L): what depth times d.n is off by */
 };
 
-#define MESH_NORMAL (10 * 0x1p-24f)
+/* 10 v x. */
+#define MESH_NORMAL(x) (10 * 0x1p-24f * (x))
 
 /* Moves an origin that is far from the mesh. *at is then NaN if the ray does not come near it: no
  * lane may be met. Returns false if nothing of the test can be sure. */
@@ -26,7 +27,7 @@ static __attribute__((noinline)) bool mesh_ray_move(struct mesh_ray *to, float4 
                                                     const struct mesh_box *box, double extent,
                                                     double rest)
 {
-    /* The ball that the ray must come near has room for what is outside its box (MESH_OUTSIDE). */
+    /* The ball that the ray must come near has room for what is outside its box (mesh_outside). */
     const bool sure = 0x1p12 * rest < extent,
                near = !sure || mesh_move_near(box, o, &to->moved, extent, rest);
     *at = near ? (float4){mesh_coordinate((*o)[0]), mesh_coordinate((*o)[1]),
@@ -64,7 +65,7 @@ static inline void mesh_ray_make(struct mesh_ray *to, const struct pen_mesh *mes
     to->moved_near = (float)to->moved;
     to->size = mesh_bound(3 * rest);
     to->beside = mesh_bound(steepest * (56 * 0x1p-24f * size + 16 * rest));
-    to->across = steepest * MESH_NORMAL;
+    to->across = MESH_NORMAL(steepest);
     to->depth = mesh_bound(48 * 0x1p-24f * size + 20 * rest);
 }
 
@@ -112,8 +113,7 @@ mesh_ray_test(const struct mesh_ray *ray, const struct pen_mesh4 *one, const str
     if (!out->may)
         return;
     const floats height = floats_turned(floats3_dot(n, t), sign);
-    const floats off =
-        size * size * floats_fma(size, floats_splat(MESH_NORMAL), floats_splat(ray->depth));
+    const floats off = size * size * (MESH_NORMAL(size) + ray->depth);
     const floats inv = 1.0f / steep;
     const masks ahead = floats_more(height, 2.0f * off), behind = floats_more(-2.0f * off, height);
     floats low = (height - 1.5f * off) * inv;
