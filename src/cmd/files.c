@@ -105,6 +105,21 @@ bool pen_source_read(struct pen_source *source, const char *name, size_t max_byt
     return true;
 }
 
+/* Fails for formats of models that are not read, whose bytes would be refused as JSON. */
+static bool is_readable(const char *name, struct pen_status *st)
+{
+    static const char *const others[] = {".fbx", ".gltf", ".glb",   ".dae", ".3ds", ".3mf",
+                                         ".off", ".usd",  ".blend", ".stp", ".step"};
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; dot && i < sizeof others / sizeof *others; i++)
+        if (strcasecmp(dot, others[i]) == 0)
+            return pen_fail(
+                st, PEN_INVALID,
+                "models are read as PLY, OBJ and STL, not as %s; save it as one of these",
+                others[i]);
+    return true;
+}
+
 bool pen_source_read_scene(struct pen_source *source, const char *name,
                            const struct pen_model_options *options, struct pen_status *st)
 {
@@ -113,6 +128,8 @@ bool pen_source_read_scene(struct pen_source *source, const char *name,
     const bool is_model = is_file && pen_model_kind_of_name(name) != PEN_MODEL_NONE;
     struct pen_models models;
     *source = (struct pen_source){.label = name};
+    if (is_file && !is_readable(name, st))
+        return false;
     if (!is_model && !pen_source_read(source, name, limits.body_bytes, st))
         return false;
     if (!pen_model_files_open(is_file ? name : NULL, options, &models, st))

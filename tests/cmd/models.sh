@@ -64,6 +64,8 @@ strange=models/$(printf 'a\377.ply')
 cp models/tetra.ply "$strange"
 exits "a name that is not UTF-8" 3 "$penumbra" render "$strange" -o x.png -q
 prints "is told" stderr "the file's name is not UTF-8; rename it"
+exits "a format that is not read" 3 "$penumbra" render models/tetra.fbx -o x.png -q
+prints "names those that are" stderr "PLY, OBJ and STL, not as .fbx"
 exits "validate it" 0 "$penumbra" validate models/tetra.ply
 prints "is valid, and counts" stdout "models/tetra.ply: valid, meshes: 1, triangles: 4"
 exits "validate it as JSON" 0 "$penumbra" validate models/tetra.ply --json
