@@ -33,6 +33,20 @@ START_TEST(test_model_obj__faces_may_come_before_their_vertices)
 }
 END_TEST
 
+/* A name goes on to the next line after a backslash, for counting and for reading alike. */
+START_TEST(test_model_obj__names_may_be_continued)
+{
+    static const char *const texts[] = {FOUR "usemtl red\\\r\nf 1 2 3\nf 1 2 4\n",
+                                        FOUR "usemtl red\\\nf 1 2 3\nf 1 2 4\n"};
+    for (int i = 0; i < 2; i++) {
+        struct model r = {.mtl = NULL};
+        ck_assert(model_text(&r, PEN_MODEL_OBJ, texts[i]));
+        model_check_corners(&r, (const uint32_t[][3]){{0, 1, 3}}, 1);
+        pen_model_release(&r.m);
+    }
+}
+END_TEST
+
 START_TEST(test_model_obj__reads_materials)
 {
     struct model r = {
@@ -212,7 +226,8 @@ START_TEST(test_model_obj__without_other_files_a_named_mtl_is_refused)
 END_TEST
 
 PEN_SUITE("io/model_obj", test_model_obj__reads_all_forms_of_corners,
-          test_model_obj__faces_may_come_before_their_vertices, test_model_obj__reads_materials,
+          test_model_obj__faces_may_come_before_their_vertices,
+          test_model_obj__names_may_be_continued, test_model_obj__reads_materials,
           test_model_obj__numbers_of_materials_have_a_range,
           test_model_obj__counts_statements_that_are_not_read,
           test_model_obj__asks_only_for_files_in_its_folder,

@@ -207,7 +207,8 @@ static bool read_file(struct pen_mtl *mtl, struct pen_build *b, const char *name
 bool pen_mtl_read(struct pen_mtl *mtl, struct pen_build *b)
 {
     const char *rest;
-    size_t length = pen_scan_rest(&b->scan, &rest), n;
+    struct pen_scan line = b->scan; /* as for usemtl */
+    size_t length = pen_scan_rest(&line, &rest), n;
     do {
         for (n = 0; n < length; n++)
             if (n >= 4 && strncasecmp(rest + n - 4, ".mtl", 4) == 0 && pen_is_space(rest[n]))

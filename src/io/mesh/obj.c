@@ -192,7 +192,8 @@ static bool read_face(struct obj *o, const char *at)
 static bool read_usemtl(struct obj *o, const char *at)
 {
     const char *name, *text = (const char *)o->mtl.text.data;
-    const size_t length = pen_scan_rest(&o->b->scan, &name);
+    struct pen_scan rest = o->b->scan; /* the place stays: both passes see the same line ends */
+    const size_t length = pen_scan_rest(&rest, &name);
     const struct pen_mtl_material *m = o->mtl.material;
     uint32_t i = 1;
     while (i < o->mtl.count && (m[i].length != length || memcmp(text + m[i].name, name, length)))
