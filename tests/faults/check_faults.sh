@@ -204,6 +204,7 @@ if why=$(mount -t tmpfs -o size=128m tmpfs "$full" 2>&1); then
     long=$(PENUMBRA_URL=$url "$penumbra" submit builtin:spheres --set width=4000 \
         --set height=4000 --set samples_per_pixel=64)
     waiting=$(PENUMBRA_URL=$url "$penumbra" submit builtin:spheres --priority -1) # for the end of $long
+    within test -e "$store-reserve" # a second after the start
     expect "the reserve is set aside" "$(wc -c <"$store-reserve")" 16777216
     dd if=/dev/zero of="$full/ballast" bs=64k 2>/dev/null
     dd if=/dev/zero of="$full/crumbs" bs=1k 2>/dev/null
