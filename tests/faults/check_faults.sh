@@ -181,6 +181,10 @@ exits "a daemon does not start with a store that it cannot read" 8 env LD_PRELOA
 prints "the error has the cause" stderr "disk I/O error"
 fault ""
 
+has_bytes() { # FILE COUNT
+    [ "$(wc -c <"$1")" -eq "$2" ]
+}
+
 # A disk that is really full
 full=$work/full
 mkdir "$full"
@@ -204,7 +208,7 @@ if why=$(mount -t tmpfs -o size=128m tmpfs "$full" 2>&1); then
     long=$(PENUMBRA_URL=$url "$penumbra" submit builtin:spheres --set width=4000 \
         --set height=4000 --set samples_per_pixel=64)
     waiting=$(PENUMBRA_URL=$url "$penumbra" submit builtin:spheres --priority -1) # for the end of $long
-    within test -e "$store-reserve" # a second after the start
+    within has_bytes "$store-reserve" 16777216 # it is made a second after the start
     expect "the reserve is set aside" "$(wc -c <"$store-reserve")" 16777216
     dd if=/dev/zero of="$full/ballast" bs=64k 2>/dev/null
     dd if=/dev/zero of="$full/crumbs" bs=1k 2>/dev/null
