@@ -15,6 +15,21 @@ vec3 gen_nudged(struct random *r, vec3 p)
                     p.z == 0 ? 0 : random_nudge(p.z, k));
 }
 
+vec3 gen_on_edge(struct random *r, vec3 a, vec3 b)
+{
+    const vec3 e = pen_sub(b, a);
+    switch (random_below(r, 4)) {
+    case 0:
+        return a;
+    case 1:
+        return pen_along(a, e, random_unit(r));
+    case 2:
+        return pen_along(a, e, random_below(r, 17) / 16.);
+    default:
+        return gen_nudged(r, pen_along(a, e, random_below(r, 2) ? .5 : random_unit(r)));
+    }
+}
+
 vec3 gen_toward(struct random *r, vec3 o, vec3 to)
 {
     vec3 d = pen_sub(to, o);

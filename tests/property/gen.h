@@ -14,6 +14,10 @@
  * are next to them, where products vanish and signs are not exact. */
 struct pen_vec3 gen_nudged(struct random *r, struct pen_vec3 p);
 
+/* A point of the edge from a to b: its beginning, somewhere, exactly so if the ends allow (a
+ * multiple of 1/16 of the way), or nudged. */
+struct pen_vec3 gen_on_edge(struct random *r, struct pen_vec3 a, struct pen_vec3 b);
+
 /* G2: makes a direction from o to a target: as computed, of unit length, or scaled by 2^-40 ...
  * 2^40. */
 struct pen_vec3 gen_toward(struct random *r, struct pen_vec3 o, struct pen_vec3 to);

@@ -123,17 +123,7 @@ static vec3 surface_point(struct random *r)
     vec3 v[3];
     pen_mesh_corners(mesh, random_below(r, mesh->count), v);
     const uint32_t i = random_below(r, 3);
-    const vec3 a = v[i], e = pen_sub(v[(i + 1) % 3], a);
-    switch (random_below(r, 4)) {
-    case 0:
-        return a;
-    case 1:
-        return pen_along(a, e, random_unit(r));
-    case 2:
-        return pen_along(a, e, random_below(r, 17) / 16.);
-    default:
-        return gen_nudged(r, pen_along(a, e, random_below(r, 2) ? .5 : random_unit(r)));
-    }
+    return gen_on_edge(r, v[i], v[(i + 1) % 3]);
 }
 
 /* The radius of the mesh around its middle. */

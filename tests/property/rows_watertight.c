@@ -34,8 +34,7 @@ static void draw_scene(struct row_draw *d, struct row_case *c)
     row_fixed(c, offsets[scene % 3]);
 }
 
-/* A point of the surface: inside a face, a vertex, on an edge, or exactly so if its ends allow
- * (a multiple of 1/16 of the way). */
+/* A point of an edge of the surface. */
 static vec3 surface_point(struct random *r)
 {
     uint32_t prim = random_below(r, world.prims.count);
@@ -47,17 +46,7 @@ static vec3 surface_point(struct random *r)
         count = world.polygon[ref.index].count;
     }
     uint32_t i = random_below(r, count);
-    vec3 a = v[i], b = v[(i + 1) % count], e = pen_sub(b, a);
-    switch (random_below(r, 4)) {
-    case 0:
-        return a;
-    case 1:
-        return pen_along(a, e, random_unit(r));
-    case 2:
-        return pen_along(a, e, random_below(r, 17) / 16.);
-    default:
-        return gen_nudged(r, pen_along(a, e, random_below(r, 2) ? .5 : random_unit(r)));
-    }
+    return gen_on_edge(r, v[i], v[(i + 1) % count]);
 }
 
 static void draw_bumpy(struct row_draw *d, struct row_case *c)
